@@ -38,7 +38,6 @@ from rcac_numeric import (
     design,
     fir_target,
     iir,
-    modelling_information,
     simulate_many,
 )
 from rcac_numeric.synthesis.expected import read_expected
@@ -47,6 +46,7 @@ from rcac_numeric.synthesis.reference import reference_loop
 from rcac_numeric.synthesis.road import settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import measured
+from rcac_numeric.targets import modelling_information
 
 STEPS = 2000
 KINDS = ("stable", "lightly damped", "integrating", "unstable", "nonminimum phase", "stable")

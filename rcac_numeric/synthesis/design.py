@@ -612,7 +612,7 @@ def _questions(
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
         found.append((
-            "disturbance", f"of unknown kind{size} {expected.size:.3g}, in units of u",
+            "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
             "a known step, sinusoid or spectrum is worth more than all tuning",
         ))  # fmt: skip
     if "noise" in assumed:

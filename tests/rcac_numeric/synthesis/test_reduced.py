@@ -10,7 +10,6 @@ from rcac_numeric import (
     ClosedLoop,
     Compensator,
     DerivedSignal,
-    DirectionInformation,
     FixedController,
     Harmonic,
     ModellingInformation,
@@ -40,6 +39,7 @@ from rcac_numeric.synthesis.reduced import reduced_reference, with_feedforward
 from rcac_numeric.synthesis.reference import MOST, Ladder, reference_loop, sensitivity_peak
 from rcac_numeric.synthesis.road import settings_of
 from rcac_numeric.synthesis.trials import FULL, measured
+from rcac_numeric.targets import DirectionInformation
 
 LAGS = "1/((20*s + 1)*(3*s + 1))"
 OWN = Structure(
