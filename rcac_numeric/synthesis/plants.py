@@ -278,8 +278,8 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
     if isinstance(plant, ModellingInformation | DirectionInformation):
         raise InputError(
             "modelling information is no model to try controllers on: cold_start(information, "
-            "order=..., stable=...) makes settings of it; a log, design(ControllerLog(u, y)), makes "
-            "a model."
+            "order=..., stable=...) makes settings of it; design(ControllerLog(u, y)) finds one "
+            "in a log."
         )
     if plant is None or isinstance(plant, int | float):
         raise InputError(
