@@ -1,6 +1,7 @@
 """Tuning: what is tried, what is chosen, what is judged on what."""
 
 import itertools
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -152,11 +153,18 @@ def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_pat
 
 def test_processes_leave_the_same_runs(found, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1}
-    one, other = (
-        tune(found, **arguments, **more)
-        for more in ({}, {"store": tmp_path / "runs", "workers": 1})
-    )
-    assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
+    with ThreadPoolExecutor(1) as pool:  # of others, as dask's is
+        one, *others = (
+            tune(found, **arguments, **more)
+            for more in (
+                {},
+                {"store": tmp_path / "runs", "workers": 1},
+                {"store": tmp_path / "theirs", "executor": pool},
+            )
+        )
+        assert pool.submit(int).result() == 0  # not shut down
+    for other in others:
+        assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
 
 
 def test_a_store_of_another_design_is_refused(found, tmp_path):
@@ -169,3 +177,5 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
         tune(found, **{**arguments, "store": tmp_path / "file"})
     with pytest.raises(InputError, match="no store"):
         tune(found, 1, workers=2)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="in their place"):
+        tune(found, **arguments, executor=pool)
