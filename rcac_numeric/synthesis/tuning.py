@@ -349,7 +349,6 @@ def _judged(
     """
     count, seeds, seed = held_out
     settings = made[chosen.name]
-    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     controllers: dict[str, AnyController] = {
         RCAC: settings, FIXED: design.fixed, RULE: made[RULE]
     }  # fmt: skip
@@ -364,12 +363,11 @@ def _judged(
     over_rule = compared(trials, RCAC, RULE)
     if over_rule.losses > over_rule.wins:  # what was learnt does not carry over
         chosen = next(one for one in candidates if one.name == RULE)
-        assert chosen.knobs is not None
         settings = made[RULE]
-        assert isinstance(settings, ControllerSettings)
         rule = [one for one in trials if one.controller == RULE]
         others = [one for one in trials if one.controller != RCAC]
         trials = (*(replace(one, controller=RCAC) for one in rule), *others)
+    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     evidence = tuple(one for one in trials if one.controller != RULE)
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)

@@ -17,7 +17,7 @@ from rcac_numeric.synthesis.design import compared
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.trials import FIXED, RCAC, Trials
-from rcac_numeric.synthesis.tuning import LEARNING, RULE, drawn
+from rcac_numeric.synthesis.tuning import LEARNING, RULE, Candidate, _judged, drawn
 
 PLANT = "1/(q - 0.9)"
 
@@ -179,3 +179,26 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
         tune(found, 1, workers=2)
     with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="in their place"):
         tune(found, **arguments, executor=pool)
+
+
+def test_what_loses_more_than_it_saves_on_other_plants_gives_way_to_the_rule(found, tuned):
+    knobs = {RULE: Knobs(), "1": Knobs(samples=10.0)}
+    made = {FIXED: found.fixed} | {
+        name: settings_of(found.model, found.reference, found.expected, one)
+        for name, one in knobs.items()
+    }
+    beside = tuned.chosen.beside
+    candidates = tuple(Candidate(name, one, beside, 1.5, 4) for name, one in knobs.items())
+
+    def runner(name, trials):  # one run of the point is lost, none of the others
+        numbers = dict.fromkeys(trials.controllers, (1.0, 1.0, 1.5))
+        runs = [
+            (np.inf, np.inf, np.inf) if (n, i, j) == (RCAC, 1, 0) else numbers[n]
+            for n in trials.controllers for i in range(len(trials.variations))
+            for j in range(trials.seeds)
+        ]  # fmt: skip
+        return trials.of(runs)
+
+    kept = _judged(found, made, candidates[1], candidates, 300, (2, 1, 0), runner)
+    assert kept.chosen.name == RULE and equal(kept.settings, made[RULE])
+    assert kept.verdict.rcac.stable == (3, 3) and kept.beside_rule.losses == 0
