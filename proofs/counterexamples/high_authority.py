@@ -175,3 +175,16 @@ def _input_for(A: Matrix, C: Matrix) -> Matrix:
     """D_1 with the Markov parameters C D_1 = 0, CAD_1 = 1, CA^2D_1 = -4 of (q - 4)/(q^3 - 1/8)."""
     observability = Matrix.vstack(C, C * A, C * A * A)
     return observability.inv() * Matrix([0, 1, -4])
+
+
+def undetected_growth() -> Facts:
+    """A = 2, B = 1, R_1 = 0, R_2 = 1: P = 3 is stabilising, and (8.96) stays at P(0) = 0."""
+
+    def step(P: Rational) -> Rational:
+        return 4 * P - 4 * P**2 / (1 + P)
+
+    P = Rational(3)
+    yield "P = 3 solves (A.7)", step(P) == P
+    pole = 2 - 2 * P / (1 + P)
+    yield "its closed loop has the pole 1/2", pole == Rational(1, 2)
+    yield "from P(0) = 0 every P(k) is 0", step(Rational(0)) == 0

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
-from compensator_theory import polynomial
+from compensator_theory import TransferFunction, polynomial
 from compensator_theory.bezout import check_proposition_3
 from compensator_theory.bezout.sylvester import sylvester_m
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 
 Facts = Iterator[tuple[str, bool]]
@@ -83,3 +84,20 @@ def separated_pair() -> Facts:
     real = compensator((Integer(0), Integer(1)), (Integer(6), Integer(5)))
     yield "K of the separated share is complex", separated[0] != separated[0].C
     yield "D_c and N_c are the same", separated[1:] == real[1:]
+
+
+def too_many_target_poles() -> Facts:
+    """N_zu = (q - 1/2)(q - 1/4), n = 3, n_c = 1, D_p = (q - 1/3)^3: n_p = 3 < n + n_c = 4, but
+    (4.38) has the zero 0 once more than q^n_c N_zu.
+    """
+    N_zu, D_p = polynomial("(q - 1/2)*(q - 1/4)"), polynomial("(q - 1/3)**3")
+    q = polynomial("q")
+    n, n_c, n_p, d = 3, 1, D_p.degree(), 1
+    yield "n_p < n + n_c", n_p < n + n_c
+    yield (
+        "q^(n_p - d) does not divide q^n_c N_zu D_p",
+        (q**n_c * N_zu * D_p).rem(q ** (n_p - d)) != 0,
+    )
+    fewer = polynomial("(q - 1/3)**2")
+    matched = target_characteristic_polynomial((N_zu, n), n_c, TransferFunction(q, fewer))
+    yield "with n_p = n_c + d it is matched, by D~ = N_zu D_p", matched == N_zu * fewer

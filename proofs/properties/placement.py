@@ -3,13 +3,15 @@
 from hypothesis import strategies as st
 from sympy import Expr, Matrix, Poly
 
-from compensator_theory import TransferFunction, place_poles, polynomial_from_roots
+from compensator_theory import TransferFunction, place_poles, polynomial, polynomial_from_roots
 from compensator_theory.bezout import (
     check_proposition_3,
     check_proposition_4,
     sylvester_m,
     sylvester_m1,
 )
+from compensator_theory.errors import NotReachableTargetError
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.matrices.linear_algebra import determinant, solve_affine
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
@@ -86,3 +88,35 @@ def shapes(plant: TransferFunction, excess: int, m_hat: int) -> bool:
     return (
         check_proposition_3(D, N, n_c, m_hat).holds and check_proposition_4(D, N, n_c, m_hat).holds
     )
+
+
+Target = tuple[Poly, Poly, Poly, int, int]  # N_s, N_u, D_p, d, n_c
+
+
+@st.composite
+def targets(draw: st.DrawFn) -> Target:
+    """Draw N_zu,s, N_zu,u, d_zu, n_c and a D_p of the degrees that (4.39) allows, and one more."""
+    small, large = st.sampled_from(["0", "1/2", "-1/3"]), st.sampled_from(["2", "-3/2"])
+    inside, outside = draw(st.lists(small, max_size=2)), draw(st.lists(large, max_size=2))
+    d, n_c = draw(st.integers(1, 2)), draw(st.integers(0, 3))
+    n_p = d + len(outside) + draw(st.integers(0, n_c + 1))
+    poles = draw(st.lists(st.sampled_from(["0", "1/4", "-1/5"]), min_size=n_p, max_size=n_p))
+    N_s, N_u, D_p = (polynomial_from_roots(found, "q") for found in (inside, outside, poles))
+    return N_s, N_u, D_p, d, n_c
+
+
+@for_all(case=targets())
+def target_poles(case: Target) -> bool:
+    """(4.39) is matched by q^(n_c + d_zu + n_u - n_p) N_zu,s D_p alone where that is a polynomial,
+    and for more poles where N_zu,s D_p has the root 0 as often only.
+    """
+    N_s, N_u, D_p, d, n_c = case
+    q = polynomial("q")
+    n, least = d + N_s.degree() + N_u.degree(), d + N_u.degree()
+    target = TransferFunction(3 * q ** (D_p.degree() - least) * N_u, D_p)
+    spare = n_c + least - D_p.degree()
+    try:
+        found = target_characteristic_polynomial((3 * N_s * N_u, n), n_c, target)
+    except NotReachableTargetError:
+        return bool(spare < 0 and (N_s * D_p).rem(q**-spare) != 0)
+    return bool(found * q ** max(-spare, 0) == q ** max(spare, 0) * N_s * D_p)

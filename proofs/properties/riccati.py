@@ -78,6 +78,22 @@ def separation(loop: tuple[Matrix, ...]) -> bool:
     return bool(characteristic_polynomial(loop, q) == product)
 
 
+@for_all(A=matrices(2, 2), B=matrices(2, 1), root=matrices(2, 2), start=matrices(2, 2))
+def gap_is_carried(A: Matrix, B: Matrix, root: Matrix, start: Matrix) -> bool:
+    """With R_1 such that P >= 0 solves (A.7), one step of (8.96) from P(0) >= 0 turns the gap
+    P(0) - P into (A + BK)'(P(0) - P)(A + BK(0)).
+    """
+    A, B, root, start = (Matrix(M) for M in (A, B, root, start))
+
+    def gain(P: Matrix) -> Matrix:
+        return -(B.T * P * A) / (1 + (B.T * P * B)[0])
+
+    P, P_0 = root.T * root, start.T * start
+    R_1 = P - A.T * P * (A + B * gain(P))
+    step = A.T * P_0 * (A + B * gain(P_0)) + R_1
+    return bool(step - P == (A + B * gain(P)).T * (P_0 - P) * (A + B * gain(P_0)))
+
+
 @for_all(A=matrices(3, 3), B=matrices(3, 2), E=matrices(2, 3), start=matrices(3, 3))
 def forward_propagation(A: Matrix, B: Matrix, E: Matrix, start: Matrix) -> bool:
     """One step of (8.96) from P >= 0 with R_1 = E'E, R_2 = 1 gives P+ >= 0, and x'P+x is at most

@@ -71,8 +71,9 @@ def test_names_only():
     found = run("--list", "8")
     assert found.exit_code == 0
     assert [line.split()[1] for line in found.stdout.splitlines()] == [
-        "riccati-duality", "forward-riccati", "forward-riccati-observer", "subsystem-recursion",
-        "retrospective-input", "unscented-transformation", "past-inputs",
+        "riccati-duality", "forward-riccati", "forward-riccati-limit", "forward-riccati-observer",
+        "subsystem-recursion", "retrospective-input", "unscented-transformation",
+        "unscented-filter", "past-inputs",
     ]  # fmt: skip
 
 

@@ -101,3 +101,25 @@ Theorem update_2_46 (R : realFieldType) l p (P Q : 'M[R]_l) (Phi : 'M[R]_(p, l))
 Proof.
 by rewrite /next_P /Upsilon invr1 !scale1r /predictor_step trmx1 !mul1mx !mulmx1 addrAC.
 Qed.
+
+(* (2.47), (2.48), with Upsilon, R_z and R_u of k + 1 in both, compute at step k what (2.45), (2.46)
+   compute at step k + 1, where the Q of (2.47) is that of the step after: the filter's form is the predictor's, one step early. *)
+Section FilterForm.
+Variables (R : realFieldType) (l p : nat).
+Variables (Phi : nat -> 'M[R]_(p, l)) (R_z R_u : nat -> 'M[R]_p) (r : nat -> 'cV[R]_p).
+Variables (Q : nat -> 'M[R]_l) (theta_0 : 'cV[R]_l) (P_0 : 'M[R]_l).
+
+(* One step with the data of step k and a process noise. *)
+Definition noisy_step k noise (estimate : 'cV[R]_l * 'M[R]_l) :=
+  let: (theta, P) := estimate in let W := R_z k + R_u k in
+  (next_theta P (Phi k) (R_z k) W 1 theta (r k), next_P P (Phi k) W 1 + noise).
+
+(* (2.45), (2.46), from k_0 on, and (2.48), (2.47): the estimate after k steps. *)
+Fixpoint predictor_form k_0 k := if k is i.+1
+  then noisy_step (k_0 + i) (Q (k_0 + i)%N) (predictor_form k_0 i) else (theta_0, P_0).
+Fixpoint filter_form k := if k is i.+1
+  then noisy_step i.+1 (Q i.+1) (filter_form i) else (theta_0, P_0).
+
+Theorem filter_form_is_predictor_form k : filter_form k = predictor_form 1 k.
+Proof. by elim: k => //= k ->; rewrite add1n. Qed.
+End FilterForm.

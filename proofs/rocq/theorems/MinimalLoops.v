@@ -67,3 +67,35 @@ apply: (@rank_by_row _ _ _ (C_c *m V_2)) => p w u0; apply: unseen => //.
 by rewrite V1E -!mulmxA (mulmxA C_c) u0 !mulmx0.
 Qed.
 End MinimalLoops.
+
+(* And so in every field that contains the first: the loop is nonderogatory over an algebraic closure. *)
+Section Extension.
+Variables (R F : fieldType) (f : {rmorphism R -> F}) (order order_c : nat).
+Local Notation n := order.+1.
+Local Notation n_c := order_c.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n_c) (B_c : 'cV[R]_n_c) (C_c : 'rV[R]_n_c).
+
+Lemma controllable_map k (M : 'M[R]_k.+1) (b : 'cV[R]_k.+1) :
+  controllable (map_mx f M) (map_mx f b) = controllable M b.
+Proof.
+rewrite /controllable -(mxrank_map f (controllability_matrix M b)); congr (\rank _ == _).
+by apply/matrixP=> i j; rewrite [LHS]mxE [RHS]mxE [X in f X]mxE -[map_mx f M ^+ _]rmorphX /= -map_mxM mxE.
+Qed.
+
+Lemma observable_map k (M : 'M[R]_k.+1) (c : 'rV[R]_k.+1) :
+  observable (map_mx f M) (map_mx f c) = observable M c.
+Proof.
+rewrite /observable -(mxrank_map f (observability_matrix M c)); congr (\rank _ == _).
+by apply/matrixP=> i j; rewrite [LHS]mxE [RHS]mxE [X in f X]mxE -[map_mx f M ^+ _]rmorphX /= -map_mxM mxE.
+Qed.
+
+Theorem minimal_loop_is_nonderogatory lambda m (V_1 : 'M[F]_(n, m)) (V_2 : 'M[F]_(n_c, m)) :
+  minimal A B C -> observable A_c C_c ->
+  map_mx f (closed_loop A B C A_c B_c C_c) *m col_mx V_1 V_2 = lambda *: col_mx V_1 V_2 ->
+  (\rank (col_mx V_1 V_2) <= 1)%N.
+Proof.
+rewrite /minimal -controllable_map -!observable_map /closed_loop map_block_mx !map_mxM => mABC oc.
+exact: (minimal_loop_has_one_eigenvector mABC oc).
+Qed.
+End Extension.
