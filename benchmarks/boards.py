@@ -37,28 +37,28 @@ RUN = """
 #include "rcac.h"
 void say(const char *);
 static rcac_state s;
-static volatile rcac_real sink;
-static void number(char *text, uint32_t value) {
+static rcac_real y[RCAC_L_Y], z[RCAC_L_Z], u[RCAC_L_U];
+static void step(void) { rcac_step(&s, y, z, 0, u); }
+static void number(uint32_t value) {
+    char text[12];
     int i;
     for (i = 9; i >= 0; --i, value /= 10) text[i] = (char)('0' + value % 10);
     text[10] = '\\n'; text[11] = 0;
+    say(text);
 }
 int run(void) {
     volatile uint32_t *tick = (volatile uint32_t *)0xE000E010;
-    rcac_real y[RCAC_L_Y], z[RCAC_L_Z], u[RCAC_L_U];
-    char text[12];
     int k;
     rcac_init(&s);
     y[0] = z[0] = 1;
     tick[1] = 0xFFFFFF; tick[2] = 0; tick[0] = 5;
     for (k = 0; k < COUNT; ++k) {
-        rcac_step(&s, y, z, 0, u);
+        step();
         y[0] = (rcac_real)0.5 * y[0] + (rcac_real)0.1 * u[0];
         z[0] = y[0] += (rcac_real)(k % 7) * (rcac_real)0.1;
     }
-    number(text, 0xFFFFFF - tick[2]);
-    say(text);
-    sink = u[0];
+    number(0xFFFFFF - tick[2]);
+    number(depth(step));
     return 0;
 }
 """
@@ -92,16 +92,10 @@ def _measured(place: Path, core: dict[str, str], config: str, level: str) -> lis
         ("rcac.c", core["rcac.c"]), ("rcac.h", core["rcac.h"]), ("rcac_config.h", config),
     ):  # fmt: skip
         (place / name).write_text(text)
-    (place / "run.c").write_text(RUN)
+    (place / "run.c").write_text(cortex.DEPTH + RUN)
     flags = [*cortex.BOARDS["cortex-m4"][1].split(), *cortex.FLAGS.split(), "-std=gnu99", level]
-    command = ["arm-none-eabi-gcc", *flags, "-fstack-usage", "-c", "rcac.c", "-o", "rcac.o"]
-    subprocess.run(command, check=True, cwd=place)
-    stack = sum(
-        int(re.split(r"\s+", line)[1])
-        for line in (place / "rcac.su").read_text().splitlines()
-        if re.search(
-            r":(rcac_step|rcac_adapt|adapted|recover|update|take_rows|measure_row)\s", line
-        )
+    subprocess.run(
+        ["arm-none-eabi-gcc", *flags, "-c", "rcac.c", "-o", "rcac.o"], check=True, cwd=place
     )
     sections = subprocess.run(
         ["arm-none-eabi-size", "-A", "rcac.o"],
@@ -124,7 +118,8 @@ def _measured(place: Path, core: dict[str, str], config: str, level: str) -> lis
             place, [place / "run.c", place / "rcac.c"], [place], "cortex-m4", level,
             [f"-DCOUNT={count}"],
         )  # fmt: skip
-        counts.append(int(cortex.run(image)[1]))
+        ticks, stack = map(int, cortex.run(image)[1].split())
+        counts.append(ticks)
     return [flash, ram, stack, round((counts[1] - counts[0]) * 40 / STEPS)]
 
 

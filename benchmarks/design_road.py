@@ -34,6 +34,7 @@ from rcac_numeric import (
     Step,
     Uncertainty,
     WhiteNoise,
+    cold_start,
     design,
     fir_target,
     iir,
@@ -45,6 +46,7 @@ from rcac_numeric.synthesis.reference import reference_loop
 from rcac_numeric.synthesis.road import settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import measured
+from rcac_numeric.targets import modelling_information
 
 STEPS = 2000
 KINDS = ("stable", "lightly damped", "integrating", "unstable", "nonminimum phase", "stable")
@@ -60,7 +62,7 @@ ONE_INPUT = (
 )
 WAYS = (
     "road, signals known", "road, size known", "fixed, signals known", "fixed, size known",
-    "SIMC", "fir_target, R_theta = 1",
+    "SIMC", "cold_start", "fir_target, R_theta = 1",
 )  # fmt: skip
 # Transfer function, sample time and dead time in seconds.
 TEXTBOOK = {
@@ -214,13 +216,13 @@ def controllers(model, known, size):
     except CompensatorError as error:
         made["SIMC"] = str(error)
     try:
-        servo = model.servo()
-        structure = iir(n_c=len(model.A) + 1)
+        order, told = len(model.A), modelling_information(model.servo())
+        made["cold_start"] = cold_start(told, order=order, stable=model.is_stable)
         made[WAYS[-1]] = ControllerSettings(
-            structure=structure, target=fir_target(servo), update=UD(R_theta=1.0)
+            structure=iir(n_c=order + 1), target=fir_target(told), update=UD(R_theta=1.0)
         )
     except CompensatorError as error:
-        made[WAYS[-1]] = str(error)
+        made["cold_start"] = made[WAYS[-1]] = str(error)
     return made
 
 

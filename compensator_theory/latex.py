@@ -2,6 +2,7 @@ r"""Formulas of results for notebooks: LaTeX that MathJax reads, out of polynomi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 import sympy
@@ -10,8 +11,10 @@ from sympy import Basic, Expr, MatrixBase, Poly
 from compensator_theory.printing import formula
 
 BEFORE, AFTER = r"$\displaystyle ", "$"
-ESCAPED = {"\\": r"\backslash ", "_": r"\_", "^": r"\^{}", "{": r"\{", "}": r"\}"}
-ESCAPED |= {sign: rf"\{sign}" for sign in "#$%&"} | {"~": r"\~{}", "\n": " "}
+# Signs that words may not have: set as formulas, which MathJax, KaTeX and LaTeX write alike.
+ESCAPED = {"\\": r"\backslash ", "^": r"\wedge ", "~": r"\sim "}
+ESCAPED |= {sign: rf"\{sign}" for sign in "_{}#$%&"}
+SPECIAL = re.compile("([" + re.escape("".join(ESCAPED)) + "])")
 
 
 def latex(value: object) -> str:
@@ -58,8 +61,16 @@ def unless(exceptional: Iterable[Expr]) -> str:
 
 
 def words(text: str) -> str:
-    r"""Return words that may stand in a formula."""
-    return rf"\text{{{''.join(ESCAPED.get(sign, sign) for sign in text)}}}"
+    r"""Return words that may stand in a formula.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import words
+    >>> print(words("det(sI - A_cl)"))
+    \text{det(sI - A}\_\text{cl)}
+    """
+    parts = SPECIAL.split(text.replace("\n", " "))
+    return "".join(ESCAPED.get(part) or rf"\text{{{part}}}" for part in parts if part)
 
 
 def diagonal(entries: Iterable[object]) -> str:

@@ -19,7 +19,8 @@ from threading import Thread
 from typing import Any
 
 # What is searched for, and the pages of which one is to come first.
-SEARCHES = Path(__file__).resolve().parents[1] / "tests" / "docs" / "searches.toml"
+FOLDER = Path(__file__).resolve().parents[1] / "tests" / "docs"
+SEARCHES = [FOLDER / "searches.toml", FOLDER / "searches_kept_back.toml"]
 TYPED = "saturation"  # the one of them that is searched as a reader does; the others ask the index
 FIRST = """question => {
   history.replaceState(null, "", `search.html?q=${encodeURIComponent(question)}`);
@@ -69,7 +70,11 @@ def main() -> int:
         except Error as error:
             print(f"NOT CHECKED: the docs were not opened; Chromium does not start: {error}")
             return NOT_CHECKED
-        wanted = tomllib.loads(SEARCHES.read_text())
+        wanted = {
+            question: pages
+            for path in SEARCHES
+            for question, pages in tomllib.loads(path.read_text()).items()
+        }
         with served(options.site) as site:
             wrong = [*searches(browser, site, wanted), *views(browser, site, options.pictures)]
         browser.close()

@@ -65,6 +65,8 @@ nb_execution_timeout = 120
 nb_merge_streams = True
 # Figures as a notebook shows them, twice as fine; and no setting of whoever builds.
 os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
+# What is not in a wheel and some pages read: examples and the ledger.
+os.environ["CHECKOUT"] = str(ROOT)
 
 html_theme = "furo"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -81,6 +83,7 @@ if mathjax := find_spec("sphinx-mathjax-offline"):
     ]
     mathjax_path = "mathjax/tex-chtml.js"
 html_css_files = ["pictures.css"]
+html_js_files = [("reachable.js", {"defer": "defer"})]
 # The explorer, which is built with the pages: _static/explorer.html.
 explorer_folder = Path(tempfile.mkdtemp())
 html_static_path.append(str(explorer_folder))
@@ -167,8 +170,15 @@ def insert_judging(app, name, source):
         source[0] = source[0].replace("<!-- the counts -->", counts())
 
 
+def keep_only_the_page(app, tree):
+    """Let go of what `eval-rst` parsed apart, whose settings would keep the whole environment."""
+    for node in tree.findall():
+        node.document = tree
+
+
 def setup(app):
     setup_equations(app)
+    app.connect("doctree-read", keep_only_the_page)
     app.connect("builder-inited", build_explorer)
     app.connect("doctree-resolved", insert_thumbnails)
     app.connect("autodoc-skip-member", skip_foreign)

@@ -15,7 +15,7 @@ var Scorer = {
   places: [
     [/^reference\/(folders|equations|(rcac_numeric|compensator_theory)(\.|$))/, -25],
     [/^(changelog|errata|fair-judging|letters|proofs)$/, -12],
-    [/^(notebooks\/|beyond-the-text|arithmetic|trust|search|genindex)/, -3],
+    [/^(notebooks\/|beyond-the-text|arithmetic|trust|search|genindex|exercises)/, -3],
     [/^reference\/api\//, 0],
     [/^reference\//, 4],
     [/^guide\//, 8],

@@ -15,7 +15,7 @@ from compensator_theory.polynomials.reading import PolynomialLike, in_one_variab
 
 
 def bezout_matrix(
-    a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None = None
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
     r"""Return the Bezout matrix of two polynomials.
 
@@ -75,7 +75,7 @@ def bezout_matrix(
 
 
 def cauchy_index(
-    numerator: PolynomialLike, denominator: PolynomialLike, variable: str | Symbol | None = None
+    numerator: PolynomialLike, denominator: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> int:
     r"""Return the Cauchy index of a rational function on the real axis.
 

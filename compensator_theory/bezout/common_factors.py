@@ -91,7 +91,7 @@ class BezoutIdentity(ExactValue):
 
 
 def bezout_identity(
-    a: PolynomialLike, b: PolynomialLike, variable: str | sympy.Symbol | None = None
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | sympy.Symbol | None = None
 ) -> BezoutIdentity:
     r"""Find the greatest common divisor of two polynomials and the identity that proves it.
 
@@ -116,7 +116,7 @@ def bezout_identity(
     >>> found = bezout_identity("s**2 + 1", "s + 2")
     >>> found.is_coprime, found.residual.is_zero
     (True, True)
-    >>> found = bezout_identity("s + a", "s + b", "s")
+    >>> found = bezout_identity("s + a", "s + b", variable="s")
     >>> found.is_coprime is None, found.exceptional
     (True, (a - b,))
     """

@@ -63,7 +63,7 @@ class NullSpaceGCD(ExactValue):
 
 
 def gcd_from_null_space(
-    a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None = None
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> NullSpaceGCD:
     r"""Find a greatest common divisor and the cofactors by linear algebra.
 

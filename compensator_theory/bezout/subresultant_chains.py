@@ -54,7 +54,7 @@ class Subresultants(ExactValue):
 
 
 def subresultants(
-    a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None = None
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> Subresultants:
     r"""Return the chain of subresultants of two polynomials, as determinants.
 

@@ -257,7 +257,7 @@ class KroneckerForm(ExactValue):
         return displayed(rf"{latex(self.pencil)} \sim {form}", unless(self.exceptional))
 
 
-def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -> KroneckerForm:
+def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s") -> KroneckerForm:
     r"""Find Kronecker's invariants of a pencil.
 
     .. math:: sE - A \;\sim\; \mathrm{diag}(L_{\epsilon_1}, \ldots,\; L_{\eta_1}', \ldots,\;

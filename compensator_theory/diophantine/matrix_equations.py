@@ -126,9 +126,9 @@ def solve_matrix_diophantine(
     A: PolynomialMatrixLike,
     B: PolynomialMatrixLike,
     C: PolynomialMatrixLike,
-    variable: str | Symbol | None = None,
     *,
     side: str = "right",
+    variable: str | Symbol | None = None,
 ) -> MatrixDiophantineSolution:
     r"""Solve A X + B Y = C, or X A + Y B = C, for polynomial matrices X and Y.
 
@@ -167,7 +167,7 @@ def solve_matrix_diophantine(
     --------
     >>> from compensator_theory import solve_matrix_diophantine
     >>> D_l, N_l = [["s - 1", 0], [0, "s"]], [["1"], ["s + 1"]]
-    >>> found = solve_matrix_diophantine(D_l, N_l, [["s**2", 0], [0, "s**2"]], "s")
+    >>> found = solve_matrix_diophantine(D_l, N_l, [["s**2", 0], [0, "s**2"]], variable="s")
     >>> print(found.X, found.Y)
     [[s, 0], [-s - 1, s]] [[s, 0]]
     >>> found.degrees, found.kernel.indices, found.number_of_parameters(2)

@@ -93,9 +93,9 @@ def solve_diophantine(
     a: PolynomialLike,
     b: PolynomialLike,
     c: PolynomialLike,
-    variable: str | Symbol | None = None,
     *,
     least: str = "y",
+    variable: str | Symbol | None = None,
 ) -> DiophantineSolution:
     r"""Solve a x + b y = c for polynomials x and y.
 

@@ -77,7 +77,7 @@ def exceptional_cases(
     Examples
     --------
     >>> from compensator_theory import exceptional_cases, solve_diophantine
-    >>> found = exceptional_cases(solve_diophantine, "s - a", "s - b", "s - c", "s")
+    >>> found = exceptional_cases(solve_diophantine, "s - a", "s - b", "s - c", variable="s")
     >>> for case in found.cases:
     ...     print(case.conditions, "->", case.status)
     a - b != 0 -> answered

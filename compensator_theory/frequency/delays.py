@@ -141,7 +141,7 @@ class StabilityDelays(ExactValue):
 
 
 def stability_delays(
-    coefficients: Sequence[PolynomialLike], *, variable: str | Symbol | None = None
+    coefficients: Sequence[PolynomialLike], variable: str | Symbol | None = None
 ) -> StabilityDelays:
     r"""Find every delay for which a loop with delays is stable.
 

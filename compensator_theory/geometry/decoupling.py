@@ -80,6 +80,7 @@ class Decoupling(ExactValue):
 def decouple(
     plant: RealisationLike,
     polynomials: Sequence[PolynomialLike] | None = None,
+    *,
     variable: str | Symbol | None = None,
 ) -> Decoupling:
     r"""Decouple a square plant by state feedback, if that is possible.

@@ -55,7 +55,7 @@ class DisturbanceDecoupling(ExactValue):
 
 
 def decouple_disturbance(
-    plant: RealisationLike, E: MatrixLike, variable: str | Symbol | None = None
+    plant: RealisationLike, E: MatrixLike, *, variable: str | Symbol | None = None
 ) -> DisturbanceDecoupling:
     r"""Hide a disturbance from the output by state feedback, if that is possible.
 

@@ -62,6 +62,7 @@ class FixedModes(ExactValue):
 def decentralised_fixed_modes(
     plant: RealisationLike,
     channels: Sequence[tuple[Sequence[int], Sequence[int]]],
+    *,
     variable: str | Symbol | None = None,
 ) -> FixedModes:
     r"""Find the modes that no decentralised output feedback moves.

@@ -88,10 +88,7 @@ class LaurentExpansion(ExactValue):
 
 
 def laurent_expansion(
-    G: TransferMatrixLike,
-    point: NumberLike,
-    terms: int,
-    variable: str | Symbol | None = None,
+    G: TransferMatrixLike, point: NumberLike, terms: int, *, variable: str | Symbol | None = None
 ) -> LaurentExpansion:
     r"""Expand a transfer matrix about a finite point.
 

@@ -57,6 +57,7 @@ def pade_approximant(
     coefficients: Sequence[NumberLike],
     numerator_degree: int,
     denominator_degree: int,
+    *,
     variable: str | Symbol = "s",
 ) -> PadeApproximant:
     r"""Find the Pade approximant [m/n] of a power series.

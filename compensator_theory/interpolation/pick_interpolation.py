@@ -157,6 +157,7 @@ def nevanlinna_pick(
     points: Sequence[NumberLike],
     values: Sequence[NumberLike | Sequence[NumberLike]],
     bound: NumberLike = 1,
+    *,
     variable: str | Symbol = "s",
 ) -> PickInterpolation:
     r"""Decide whether a stable function with H-infinity norm at most gamma takes given values.

@@ -167,7 +167,7 @@ def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
         (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
     ):
-        hidden = uncontrollable_polynomial(*matrices, plant.variable)
+        hidden = uncontrollable_polynomial(*matrices, variable=plant.variable)
         count = count_roots(hidden, time=time)
         if count.boundary or count.unstable:
             raise error(

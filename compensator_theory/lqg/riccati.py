@@ -348,7 +348,7 @@ def solve_riccati(
 
 def _require_stabilisable(weights: Weights, time: Time, s: Symbol) -> None:
     A, B = weights[:2]
-    hidden = uncontrollable_polynomial(A, B, s)
+    hidden = uncontrollable_polynomial(A, B, variable=s)
     count = count_roots(hidden, time=time)
     if count.boundary or count.unstable:
         raise NotControllableError(

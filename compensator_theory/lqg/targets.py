@@ -118,8 +118,8 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
     m = plant.n - d_zu - d_yw
     q = plant.variable
     powers = [exact_enclosure(canonical(Poly(q ** max(k, 0), q))) for k in (m, -m)]
-    zu_u = enclose_split_at_unit_circle(N_zu, digits)[1]
-    yw_s, yw_u = enclose_split_at_unit_circle(N_yw, digits)
+    zu_u = enclose_split_at_unit_circle(N_zu, digits=digits)[1]
+    yw_s, yw_u = enclose_split_at_unit_circle(N_yw, digits=digits)
     gain = exact_enclosure(canonical(Poly(N_zu.LC(), q)))
     numerator = multiply_enclosures(gain, powers[0], zu_u)
     denominator = multiply_enclosures(

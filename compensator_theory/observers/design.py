@@ -147,6 +147,6 @@ def observer_based_compensator(
     system = realisation(plant, variable)
     s, n = system.variable, system.n
     p_R, p_O = (wanted_spectrum(poles, n, s) for poles in (regulator_poles, observer_poles))
-    K = regulator_gain(system.A, system.B, p_R, s)
-    F = observer_gain(system.A, system.C, p_O, s)
+    K = regulator_gain(system.A, system.B, p_R, variable=s)
+    F = observer_gain(system.A, system.C, p_O, variable=s)
     return ObserverBasedCompensator(system, K, F, p_R, p_O)

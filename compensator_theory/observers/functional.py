@@ -109,7 +109,7 @@ class FunctionalObserver(ExactValue):
 
         >>> from compensator_theory import reduced_order_observer, regulator_gain
         >>> motor = ([[0, 1], [0, -1]], [[0], [1]], [[1, 0]])
-        >>> observer = reduced_order_observer(motor, [-4], "s")
+        >>> observer = reduced_order_observer(motor, [-4], variable="s")
         >>> found = observer.compensator(regulator_gain(*motor[:2], [-1, -2]))
         >>> print(found.transfer_function())
         (-8*s - 8)/(s + 6)
@@ -179,9 +179,9 @@ def functional_observer(
     plant: RealisationLike,
     L: MatrixLike,
     poles: SpectrumLike,
-    variable: str | Symbol | None = None,
     *,
     unknown_inputs: MatrixLike | None = None,
+    variable: str | Symbol | None = None,
 ) -> FunctionalObserver:
     r"""Estimate L x by an observer of as many states as L has rows.
 
@@ -233,7 +233,7 @@ def functional_observer(
     >>> A = [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 1, 0, 0], [1, -1, 0, 0]]
     >>> B, C, G = [[0], [0], [1], [0]], [[1, 0, 0, 0], [0, 0, 0, 1]], [[0], [0], [0], [1]]
     >>> L = [[0, 1, 0, 0], [0, 0, 1, 0]]
-    >>> print(functional_observer((A, B, C), L, [-1, -2], "s", unknown_inputs=G))
+    >>> print(functional_observer((A, B, C), L, [-1, -2], variable="s", unknown_inputs=G))
     N = [[0, -2], [1, -3]]
     J = [[-6, 1], [-8, 0]]
     H = [[0], [1]]
@@ -271,7 +271,7 @@ def functional_observer(
 
 
 def reduced_order_observer(
-    plant: RealisationLike, poles: SpectrumLike, variable: str | Symbol | None = None
+    plant: RealisationLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> FunctionalObserver:
     r"""Estimate what the outputs do not show, by an observer of order n - rank C.
 
@@ -304,7 +304,7 @@ def reduced_order_observer(
     Examples
     --------
     >>> from compensator_theory import reduced_order_observer
-    >>> print(reduced_order_observer(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), [-3], "s"))
+    >>> print(reduced_order_observer(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), [-3], variable="s"))
     N = [[-3]]
     J = [[-9]]
     H = [[1]]
@@ -369,7 +369,7 @@ def _placed(
     # Of the rows of N_1 as many as are independent; the family needs no more and takes no other.
     rows = echelon(N_1.T).pivots
     seen = ImmutableMatrix((N_1 * inverse)[list(rows), :q])
-    F = observer_gain_family(moved[:q, :q], seen, monic(wanted), s).gain()
+    F = observer_gain_family(moved[:q, :q], seen, monic(wanted), variable=s).gain()
     Z = sympy.zeros(r, int(N_1.rows))
     for column, row in enumerate(rows):
         Z[:, row] = inverse[:, :q] * F[:, column]

@@ -28,10 +28,7 @@ from compensator_theory.systems.controllability import (
 
 
 def regulator_gain(
-    A: MatrixLike,
-    B: MatrixLike,
-    poles: SpectrumLike,
-    variable: str | Symbol = "s",
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
 ) -> ImmutableMatrix:
     r"""Return the one K that gives A + BK the eigenvalues asked for (Ackermann's formula).
 
@@ -81,7 +78,7 @@ def regulator_gain(
             return _rational_gain(to_flint(a), to_flint(b), to_flint_polynomial(goal))
         return _symbolic_gain(a, b, goal)
     except NoSolutionError as error:
-        fixed = format_polynomial(uncontrollable_polynomial(a, b, symbol))
+        fixed = format_polynomial(uncontrollable_polynomial(a, b, variable=symbol))
         raise NotControllableError(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"
@@ -120,17 +117,14 @@ def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> Immuta
 
 @generic_answer_of(regulator_gain)
 def _generic_regulator_gain(
-    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, variable: str | Symbol = "s"
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
 ) -> tuple[ImmutableMatrix, list[Expr]]:
-    K = regulator_gain(A, B, poles, variable)
+    K = regulator_gain(A, B, poles, variable=variable)
     return K, [determinant(controllability_matrix(A, B))]
 
 
 def observer_gain(
-    A: MatrixLike,
-    C: MatrixLike,
-    poles: SpectrumLike,
-    variable: str | Symbol = "s",
+    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
 ) -> ImmutableMatrix:
     r"""Return the one F that gives A - FC the eigenvalues asked for.
 
@@ -174,9 +168,9 @@ def observer_gain(
             "Choose a combination w and place the poles of (A, wC)"
         )
     try:
-        return ImmutableMatrix(-regulator_gain(a.T, c.T, poles, variable).T)
+        return ImmutableMatrix(-regulator_gain(a.T, c.T, poles, variable=variable).T)
     except NotControllableError as error:
-        fixed = uncontrollable_polynomial(a.T, c.T, as_symbol(variable))
+        fixed = uncontrollable_polynomial(a.T, c.T, variable=as_symbol(variable))
         raise NotObservableError(
             f"(A, C) is not observable: every A - FC keeps the roots of "
             f"{format_polynomial(fixed)}. Remove these modes from the plant, or measure more"
@@ -185,9 +179,9 @@ def observer_gain(
 
 @generic_answer_of(observer_gain)
 def _generic_observer_gain(
-    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, variable: str | Symbol = "s"
+    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
 ) -> tuple[ImmutableMatrix, list[Expr]]:
-    F = observer_gain(A, C, poles, variable)
+    F = observer_gain(A, C, poles, variable=variable)
     transposed = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))
     return F, [determinant(controllability_matrix(*transposed))]
 

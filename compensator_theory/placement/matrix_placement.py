@@ -118,10 +118,10 @@ def place_matrix_poles(
     plant: TransferMatrixLike,
     targets: Sequence[SpectrumLike],
     order: int,
-    variable: str | Symbol | None = None,
     *,
     feedback: int,
     internal_model: PolynomialLike | None = None,
+    variable: str | Symbol | None = None,
 ) -> MatrixPlacement:
     r"""Search exactly for all compensators of given degree that place given poles.
 

@@ -61,9 +61,7 @@ class Root(ExactValue):
         return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
 
 
-def certified_roots(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
-) -> tuple[Root, ...]:
+def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> tuple[Root, ...]:
     r"""Isolate the roots of a rational polynomial in certified disks.
 
     .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i

@@ -60,7 +60,7 @@ class RootCount(ExactValue):
         return displayed(words(str(self)))
 
 
-def number_of_real_roots(poly: PolynomialLike, *, variable: str | Symbol | None = None) -> int:
+def number_of_real_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> int:
     r"""Count the real roots with multiplicity by Descartes' rule of signs, or Sturm's theorem.
 
     Parameters
@@ -134,7 +134,7 @@ def _is_nonnegative(value: Expr) -> bool | None:
 
 
 def count_roots(
-    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
 ) -> RootCount:
     r"""Count the stable roots, those on the boundary of stability and the unstable ones, exactly.
 

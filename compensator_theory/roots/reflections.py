@@ -13,7 +13,7 @@ from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.counts import require_rational
 
 
-def reciprocal_polynomial(poly: PolynomialLike, *, variable: str | Symbol | None = None) -> Poly:
+def reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Reverse the coefficients, which reflects every root across the unit circle.
 
     .. math:: a^*(z) = z^k a(1/z) = a_0 z^k + a_1 z^{k-1} + \cdots + a_k
@@ -41,9 +41,7 @@ def reciprocal_polynomial(poly: PolynomialLike, *, variable: str | Symbol | None
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))
 
 
-def monic_reciprocal_polynomial(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
-) -> Poly:
+def monic_reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Return the monic polynomial whose roots are the reciprocals of the given ones.
 
     .. math:: \frac{z^k a(1/z)}{a_0} = \prod_i (z - 1/\lambda_i)

@@ -14,7 +14,7 @@ from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
 def locate_roots(
-    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
 ) -> RootCount:
     r"""Locate every root by its certified ball, relative to the boundary of stability.
 

@@ -15,7 +15,7 @@ PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs abou
 
 
 def reflection_coefficients(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
     r"""Return the numbers of Schur and Cohn, as far as they decide.
 

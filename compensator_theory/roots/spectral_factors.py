@@ -257,7 +257,7 @@ def _factor_palindrome(palindrome: Poly, degree: int, digits: int, bits: int) ->
         chi = canonical(inside * power)
         constant = Enclosure(stripped.LC() / inside.TC(), Rational(0))
         return SpectralFactor(palindrome, degree, "discrete", chi, exact_enclosure(chi), constant)
-    enclosed, _ = enclose_split_at_unit_circle(stripped, digits)
+    enclosed, _ = enclose_split_at_unit_circle(stripped, digits=digits)
     with ball_precision(2 * bits):
         constant_ball = ball_of_number(stripped.LC()) / ball_of_enclosure(enclosed.coefficients[-1])
         zeros = exact_enclosure(power).coefficients[1:]

@@ -89,7 +89,7 @@ class StabilityDecision(ExactValue):
 
 
 def decide_stability(
-    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
 ) -> StabilityDecision:
     r"""Decide whether every root is stable: Hurwitz in continuous, Schur in discrete time.
 
@@ -149,7 +149,7 @@ def decide_stability(
 
 
 def hurwitz_determinants(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
     r"""Return the leading principal minors of the Hurwitz matrix of the monic polynomial.
 

@@ -13,7 +13,7 @@ from compensator_theory.roots.certified import decided_balls
 
 
 def split_at_unit_circle(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Poly, Poly]:
     r"""Split a rational polynomial at the unit circle into two monic rational factors.
 

@@ -32,7 +32,7 @@ MAX_DIGITS = 10_000
 
 
 def enclose_split_at_unit_circle(
-    poly: PolynomialLike, digits: int = 30, *, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, digits: int = 30
 ) -> tuple[PolynomialEnclosure, PolynomialEnclosure]:
     r"""Enclose the two monic factors of a rational polynomial at the unit circle.
 

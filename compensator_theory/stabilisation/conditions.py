@@ -14,7 +14,7 @@ from compensator_theory.transfer_functions.transfer_functions import TransferFun
 
 
 def stability_conditions(
-    poly: PolynomialLike, *, variable: str | Symbol | None = None
+    poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
     r"""Return expressions that are all positive if and only if every root is stable.
 

@@ -139,7 +139,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     first = echelon(kalman)
     n, m = a.rows, b.cols
     if len(first.pivots) < n:
-        fixed = format_polynomial(uncontrollable_polynomial(a, b, _variable(a, b)))
+        fixed = format_polynomial(uncontrollable_polynomial(a, b, variable=_variable(a, b)))
         raise NotControllableError(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"

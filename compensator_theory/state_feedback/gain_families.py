@@ -201,9 +201,9 @@ def state_feedback_family(
     A: MatrixLike,
     B: MatrixLike,
     poles: SpectrumLike | None = None,
-    variable: str | Symbol = "s",
     *,
     Lambda: MatrixLike | None = None,
+    variable: str | Symbol = "s",
 ) -> StateFeedbackFamily:
     r"""Find every K that gives A + B K the eigenvalues asked for.
 

@@ -58,9 +58,9 @@ def observer_gain_family(
     A: MatrixLike,
     C: MatrixLike,
     poles: SpectrumLike | None = None,
-    variable: str | Symbol = "s",
     *,
     Lambda: MatrixLike | None = None,
+    variable: str | Symbol = "s",
 ) -> ObserverGainFamily:
     r"""Find every F that gives A - F C the eigenvalues asked for.
 
@@ -86,7 +86,9 @@ def observer_gain_family(
     """
     a, c = exact_matrix(A, "A"), exact_matrix(C, "C")
     try:
-        return ObserverGainFamily(state_feedback_family(a.T, c.T, poles, variable, Lambda=Lambda))
+        return ObserverGainFamily(
+            state_feedback_family(a.T, c.T, poles, variable=variable, Lambda=Lambda)
+        )
     except NotControllableError as error:
         text = str(error).replace("A + BK", "A - FC").replace("change B", "measure more")
         text = text.replace("(A, B) is not controllable", "(A, C) is not observable")

@@ -17,7 +17,7 @@ from compensator_theory.transfer_functions.transfer_matrices import TransferMatr
 
 
 def hankel_matrix(
-    G: TransferMatrixLike, rows: int, columns: int, variable: str | Symbol | None = None
+    G: TransferMatrixLike, rows: int, columns: int, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
     r"""Return the block Hankel matrix of the Markov parameters.
 

@@ -88,9 +88,9 @@ class SampledPlant(ExactValue):
 def zero_order_hold(
     plant: RealisationLike,
     step: NumberLike = "h",
-    variable: str | Symbol | None = None,
     *,
     discrete_variable: str | Symbol = "z",
+    variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Sample a continuous plant exactly.
 
@@ -153,9 +153,9 @@ def zero_order_hold(
 def first_order_hold(
     plant: RealisationLike,
     step: NumberLike = "h",
-    variable: str | Symbol | None = None,
     *,
     discrete_variable: str | Symbol = "z",
+    variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Sample a continuous plant exactly whose input is a straight line between the samples.
 
@@ -198,9 +198,9 @@ def first_order_hold(
 def tustin(
     plant: RealisationLike,
     step: NumberLike = "h",
-    variable: str | Symbol | None = None,
     *,
     discrete_variable: str | Symbol = "z",
+    variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Replace s by a rational function of z that keeps stability: Tustin's rule.
 
@@ -255,9 +255,9 @@ def tustin(
 def matched(
     plant: RealisationLike,
     step: NumberLike = "h",
-    variable: str | Symbol | None = None,
     *,
     discrete_variable: str | Symbol = "z",
+    variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Map poles and zeros by z = e^(sh), those at infinity to -1, and keep the gain at rest.
 

@@ -173,17 +173,19 @@ def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
     return True if shared.as_expr().is_nonzero else None
 
 
-def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> Poly:
+def uncontrollable_polynomial(
+    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol = "s"
+) -> Poly:
     r"""Return the monic polynomial of the modes that the input does not reach.
 
     .. math:: u(s) = \det(sI - A)\,/\det(sI - A|_{\mathrm{im}\,\mathcal C(A,B)})
 
     Parameters
     ----------
-    A, B : sympy.Matrix
-        n x n and n x m, exact; with symbols, for generic values of them, and
+    A, B : matrix
+        n x n and n x m; with symbols, for generic values of them, and
         :func:`exceptional_cases` tells what it is for the others.
-    variable : Symbol
+    variable : str or Symbol
         Variable of the polynomial.
 
     Returns
@@ -198,28 +200,28 @@ def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) ->
 
     Examples
     --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import s
     >>> from compensator_theory import uncontrollable_polynomial
-    >>> uncontrollable_polynomial(Matrix([[-1, 0], [0, -3]]), Matrix([0, 1]), s)
+    >>> uncontrollable_polynomial([[-1, 0], [0, -3]], [[0], [1]])
     Poly(s + 1, s, domain='QQ')
     """
-    A, B, variable = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
+    A, B, s = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
     kalman = controllability_matrix(A, B)
-    whole = characteristic_polynomial(A, variable)
+    whole = characteristic_polynomial(A, s)
     size = rank(kalman)
     if size in (0, A.rows):
-        return whole if size == 0 else canonical(Poly(1, variable))
+        return whole if size == 0 else canonical(Poly(1, s))
     basis = _independent_columns(kalman, size)
     gram = basis.T * basis  # A basis = basis X has the solution X of the normal equations
-    reached = characteristic_polynomial(solve(gram, basis.T * A * basis), variable)
+    reached = characteristic_polynomial(solve(gram, basis.T * A * basis), s)
     return canonical(whole.exquo(reached))
 
 
 @generic_answer_of(uncontrollable_polynomial)
-def _generic_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> tuple[Poly, list[Expr]]:
+def _generic_polynomial(
+    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol = "s"
+) -> tuple[Poly, list[Expr]]:
     kalman = controllability_matrix(A, B)
-    found = uncontrollable_polynomial(A, B, variable)
+    found = uncontrollable_polynomial(A, B, variable=variable)
     return found, [echelon(kalman).divided_by, *_denominators(kalman)]
 
 

@@ -18,6 +18,7 @@ def compensator_polynomials(
     Q: Sequence[MatrixLike],
     n_c: int,
     k_c: int,
+    *,
     variable: str | Symbol = "q",
 ) -> tuple[ImmutableMatrix, ImmutableMatrix]:
     r"""Return :math:`(N_c, D_c)` of a controller given by its coefficient matrices.

@@ -242,12 +242,12 @@ class Realisation(ExactValue):
     @property
     def uncontrollable_modes(self) -> Poly:
         """Monic polynomial of the uncontrollable modes; 1 if there are none."""
-        return uncontrollable_polynomial(self.A, self.B, self.variable)
+        return uncontrollable_polynomial(self.A, self.B, variable=self.variable)
 
     @property
     def unobservable_modes(self) -> Poly:
         """Monic polynomial of the unobservable modes; 1 if there are none."""
-        return uncontrollable_polynomial(self.A.T, self.C.T, self.variable)
+        return uncontrollable_polynomial(self.A.T, self.C.T, variable=self.variable)
 
     def transfer_matrix(self) -> TransferMatrix:
         """Return C (sI - A)^-1 B + D over the unreduced det(sI - A)."""

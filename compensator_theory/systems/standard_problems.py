@@ -297,6 +297,7 @@ def standard_problem(
 
 def servo_problem(
     G: TransferFunctionLike | None = None,
+    variable: str | Symbol | None = None,
     *,
     A: MatrixLike | None = None,
     B: MatrixLike | None = None,
@@ -304,7 +305,6 @@ def servo_problem(
     C: MatrixLike | None = None,
     D_0: MatrixLike | None = None,
     performance: Literal["measured", "true"] = "measured",
-    variable: str | Symbol | None = None,
     sample_time: Rational | None = None,
 ) -> StandardProblem:
     r"""Make the servo problem with :math:`w = (r, d, v)` and measurement :math:`e_n`.

@@ -85,6 +85,7 @@ def doubly_coprime_fractions(
     plant: RealisationLike | TransferMatrixLike,
     regulator: SpectrumLike,
     observer: SpectrumLike,
+    *,
     variable: str | Symbol | None = None,
 ) -> DoublyCoprimeFractions:
     r"""Write a plant as doubly coprime fractions over the stable proper rational functions.
@@ -127,8 +128,8 @@ def doubly_coprime_fractions(
     s, n = given.variable, given.n
     A, B, C, D = given.A, given.B, given.C, given.D
     if n:
-        feedback = state_feedback_family(A, B, regulator, s)
-        injection = observer_gain_family(A, C, observer, s)
+        feedback = state_feedback_family(A, B, regulator, variable=s)
+        injection = observer_gain_family(A, C, observer, variable=s)
         K, F = feedback.gain(), injection.gain()
         exceptional += (*feedback.exceptional, *injection.dual.exceptional)
         bottoms = [sympy.fraction(sympy.cancel(e))[1] for e in (*K, *F)]

@@ -245,9 +245,9 @@ def stabilising_compensators(
     plant: RealisationLike | TransferMatrixLike,
     regulator: SpectrumLike,
     observer: SpectrumLike,
-    variable: str | Symbol | None = None,
     *,
     feedback: int,
+    variable: str | Symbol | None = None,
 ) -> StabilisingCompensators:
     r"""Find all compensators that stabilise a plant, SISO or MIMO (Youla and Kucera).
 
@@ -284,5 +284,5 @@ def stabilising_compensators(
     False
     """
     require_sign(feedback)
-    fractions = doubly_coprime_fractions(plant, regulator, observer, variable)
+    fractions = doubly_coprime_fractions(plant, regulator, observer, variable=variable)
     return StabilisingCompensators(fractions, feedback)

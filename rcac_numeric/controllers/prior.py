@@ -31,8 +31,8 @@ def prior_weight(prior: PriorSamples, structure: Structure, target: TargetModel)
         Where a signal has another number of components than the structure reads, or a record is
         to go through a target model whose D_f is no multiple of the identity.
     """
-    for name, width in (("u", structure.l_u), ("y", structure.l_y), ("r", structure.l_r)):
-        signal = getattr(prior, name)
+    widths = structure.l_u, structure.l_y, structure.l_r
+    for name, signal, width in zip("uyr", (prior.u, prior.y, prior.r), widths, strict=True):
         if signal is None:
             if name == "r" and width:
                 raise InputError("the structure reads r: give PriorSamples its size or record.")

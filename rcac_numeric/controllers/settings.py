@@ -186,7 +186,8 @@ class ControllerSettings(Value):
         if isinstance(prior := getattr(update, "R_theta", None), PriorSamples):
             if self.learning is not None:
                 raise InputError("PriorSamples needs a target model from the start; give a number.")
-            update = attrs.evolve(update, R_theta=prior_weight(prior, structure, target))
+            known = prior_weight(prior, structure, target)
+            update = attrs.evolve(update, R_theta=known)  # type: ignore[misc]
             set_("update", update)
         update.require_size(structure.l_theta)
         set_("R_z", weight(self.R_z, "R_z", target.l_z, definite=True))

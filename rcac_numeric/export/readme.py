@@ -62,9 +62,10 @@ def readme(
         "## Sizes",
         "",
         f"- RAM: {state} bytes, all of it in `rcac_state`.",
-        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4"
-        + (", and 0.8 kB for supervision." if t.supervision else "."),
-        f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; -fstack-usage measures.",
+        f"- Flash: {constants} bytes of constants, and the code: "
+        + ("2 to 6 kB" if real == "float32" else "5 to 10 kB, with libgcc's double precision,")
+        + " on a Cortex-M4.",
+        f"- Stack: about {t.stack(real)} bytes on a Cortex-M4, estimated; -fstack-usage measures.",
         f"- Operations of a step, at most: {products} multiplications with as many additions, "
         f"{quotients} divisions.",
         "",

@@ -77,7 +77,8 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
             zeros = largest_counts(repetition.zeros.values())
     draw_poles(axis, poles, wanted, zeros)
     if legend:
-        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+        axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3,
+                    frameon=False, handletextpad=0.3, columnspacing=1.2)  # fmt: skip
 
 
 def draw_poles(axis: Axes, poles: ComplexArray, wanted: ComplexArray, zeros: ComplexArray) -> None:

@@ -5,29 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
-from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.plots.library import Figure
-from rcac_numeric.plots.pole_maps import complex_word
 from rcac_numeric.plots.style import INK, line_style
 
 MANY = 40  # forms that have a row each
 
 
-def complex_words(values: ComplexArray) -> str:
-    """Roots in three digits.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.plots.observer_forms import complex_words
-    >>> complex_words(np.array([1.0 + 0j, 2.0 - 1j]))
-    '1, 2-1j'
-    """
-    return ", ".join(map(complex_word, values))
-
-
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:
-    """Left the closed-loop roots, right the condition number of T of each form.
+    """Left the roots, those of the best conditioned regulator circled; right cond(T) of each form.
 
     Examples
     --------
@@ -57,9 +42,11 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
         worth.semilogy(number, forms.condition, "o" if len(forms) <= MANY else ".",
                        color=line_style(1)["color"])  # fmt: skip
         best = forms.best_conditioned()
-        words = complex_words(forms.regulator_roots[best])
-        worth.annotate(f"regulator roots {words}", (best + 1, forms.condition[best]),
-                       textcoords="offset points", xytext=(6, 6), fontsize=8)  # fmt: skip
+        own = forms.regulator_roots[best]
+        roots.plot(own.real, own.imag, "o", ms=15, mfc="none", mec=INK)
+        circled = f"closed-loop roots, circled: the regulator of form {best + 1}"
+        roots.set_title(circled, fontsize=10)
+        worth.plot(best + 1, forms.condition[best], "o", ms=11, mfc="none", mec=INK)
         worth.locator_params(axis="x", integer=True)
     for axis in (roots, worth):
         axis.grid(alpha=0.25)

@@ -21,6 +21,8 @@ from rcac_numeric.plots.style import (
     label_words,
 )
 
+WIDE = 10.5  # inches
+
 
 def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     """One sheet on one run.
@@ -52,14 +54,14 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     """
     if not isinstance(repetition.of, Run):
         return _sheet_of_loop(repetition, title)
-    figure = Figure(figsize=(11, 8.5), layout="constrained")
+    figure = Figure(figsize=(WIDE, 8.5), layout="constrained")
     axes = figure.subplots(3, 2, width_ratios=[1.25, 1], height_ratios=[1.25, 1, 1])
     if title:
         draw_title(figure, title)
     run = repetition.run
     draw_history(axes[0, 0], run.z, "performance $z$", "z")
     draw_control(axes[1, 0], run)
-    draw_theta(axes[2, 0], run)
+    draw_theta(axes[2, 0], run, above=WIDE / 2)
     axes[2, 0].set_xlabel("step $k$")
     if run.outcome != "completed":
         for axis in axes[:, 0]:

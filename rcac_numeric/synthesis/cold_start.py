@@ -24,7 +24,7 @@ SCALAR, SEVERAL = 1.0, 0.1  # R_theta over the square of H
 def cold_start(
     information: ModellingInformation | DirectionInformation, *, order: int, stable: bool
 ) -> ControllerSettings:
-    """Settings from modelling information alone, theta(0) = 0; `design` needs a model.
+    """Settings from modelling information alone, theta(0) = 0; with a model `design` is better.
 
     One input and output: the target has two poles exp(-1/15) and the NMP zeros, n_c = order + d_zu
     + 1, R_theta = H^2. Several: `zero_direction_target`, n_c = order + 2, R_theta = 0.1 norm(H)^2.
@@ -34,8 +34,8 @@ def cold_start(
     Parameters
     ----------
     information : ModellingInformation or DirectionInformation
-        Of G_zu, which for e = r - y is minus that of the plant. A zero near -1, as sampling makes
-        it, is best told as one at -1.
+        Of G_zu, which for e = r - y is minus that of the plant. Zeros inside the circle are better
+        left out, also those near -1.
     order : int
         Of the plant, without its dead time; in doubt rather more.
     stable : bool
@@ -54,7 +54,7 @@ def cold_start(
     Examples
     --------
     >>> from rcac_numeric import ModellingInformation, cold_start
-    >>> known = ModellingInformation(d_zu=3, H=-0.02, nmp_zeros=[-1])
+    >>> known = ModellingInformation(d_zu=3, H=-0.02, nmp_zeros=[1.5])
     >>> settings = cold_start(known, order=2, stable=True)
     >>> settings.structure.n_c, settings.k_w, round(settings.update.R_theta, 6)
     (6, 50, 0.0004)

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 from scipy.stats import binomtest, ttest_1samp
 
@@ -18,6 +19,7 @@ from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import Structure
@@ -48,7 +50,7 @@ from rcac_numeric.synthesis.reduced import (
 from rcac_numeric.synthesis.reference import MOST, Ladder, Reference
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
-from rcac_numeric.synthesis.trials import FIXED, FULL, PID, RCAC, Trial, Trials
+from rcac_numeric.synthesis.trials import FIXED, FULL, PID, RCAC, Trial, Trials, tail_rms
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -59,6 +61,7 @@ INTEGRATES = (
     "a step of u"
 )
 RESPONSE = 500  # steps of that response
+LEFT = 0.7  # of the error without control: what is worth a word
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
 
@@ -216,9 +219,17 @@ class Design(Value):
         return loop_health(self.runs[RCAC])
 
     @property
-    def controller(self) -> AnyController:
-        """What the verdict says to use."""
-        return self.settings if self.verdict.use == RCAC else self.fixed
+    def frozen(self) -> ControllerSettings:
+        """The fixed controller as RCAC that never updates theta(0): for `Controller` and exports.
+
+        A `FixedController` believes its own u; this one is told what the actuator made of it.
+        """
+        return attrs.evolve(self.settings, freeze=[(0, None)])
+
+    @property
+    def controller(self) -> ControllerSettings:
+        """What the verdict says to use, for `Controller`, `simulate` and exports."""
+        return self.settings if self.verdict.use == RCAC else self.frozen
 
     def to_toml(self) -> str:
         """The experiment file that says the same, read back and compared before it is returned.
@@ -371,14 +382,17 @@ def design(
     servo, w = model.servo(), expected.w(steps, JUDGING)
     options = {"saturation": saturation}
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
+    by_name = dict(zip(controllers, runs, strict=True))
+    questions = _questions(basis, fixed, saturation)
+    questions += _what_is_left(model, expected, by_name[FIXED])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(basis, fixed, saturation),
+        questions=questions,
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
-        runs=dict(zip(controllers, runs, strict=True)), steps=steps,
+        runs=by_name, steps=steps,
     )  # fmt: skip
 
 
@@ -418,7 +432,7 @@ def _basis_of(
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
-    ladder = Ladder(model, expected, u_range, cases)
+    ladder = Ladder(model, expected, u_range, cases, around.saturation)
     own = around.structure
     if own is not None and model.m > 1:
         raise InputError(f"structure = {own.name} is for one input and output; leave it out.")
@@ -546,6 +560,8 @@ def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
         return RCAC, f"{saved}, and {brings}."
     if found.wins > found.losses:
         return FIXED, f"{saved}, but {brings}, with confidence in neither direction."
+    if found.interval[0] > 1 / WORTH:
+        return FIXED, f"{brings} over the uncertainty."
     return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
 
 
@@ -626,6 +642,37 @@ def _questions(
     return tuple(Question(*one) for one in found)
 
 
+def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Question, ...]:
+    """Where control cannot do its work: by the actuator, or at all."""
+    found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
+    limits = run.saturation
+    if (
+        limits is not None
+        and expected.is_known
+        and m == 1
+        and None not in (limits.low, limits.high)
+    ):
+        r, d = run.w[last, :2].mean(axis=0)
+        at_rest = float((r / model.gain_at_rest if r else 0.0) - d)
+        low, high = (float(np.ravel(np.asarray(one))[0]) for one in (limits.low, limits.high))
+        if not low < at_rest < high:
+            found.append(Question(
+                "u_limits", f"{low:g} to {high:g}, with u = 0 at the working point",
+                f"what lasts of r and d asks for u = {at_rest:.3g} at rest, which the actuator "
+                "cannot give: the error stays. Count u from the working point",
+            ))  # fmt: skip
+    if model.is_stable:
+        still = Compensator(np.zeros((1, m, m)), np.zeros((2, m, m)))
+        free = simulate(run.plant, FixedController(still), run.w)
+        left = tail_rms(run) / (tail_rms(free) or 1.0)
+        if left > LEFT:
+            words = f"the fixed controller leaves {left:.2g} of the error that is there without"
+            found.append(Question(
+                "disturbance", "as given", f"{words} control: there is little that it can do",
+            ))  # fmt: skip
+    return tuple(found)
+
+
 def reasons_of(
     model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
     knobs: Knobs,
@@ -654,7 +701,7 @@ def reasons_of(
     if reference.full is not None:
         fixed = (
             f"{structure.name} of {structure.l_theta} coefficients",
-            (f"nearest to LQG with {weights} where it matters to the error{robust}"),
+            (f"nearest to LQG with {weights} where it matters{robust}"),
         )
         order = structure.name, "as it was asked for"
     forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"

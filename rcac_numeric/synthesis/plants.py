@@ -157,6 +157,14 @@ class DesignPlant(Value):
         return float(np.linalg.norm(self.response(LOW)[0], 2))
 
     @property
+    def gain_at_rest(self) -> float:
+        """G(1) of one input and output; infinite where that is not finite in float64."""
+        from_rest = np.eye(len(self.A)) - self.A
+        if not np.linalg.cond(from_rest) * np.finfo(float).eps < 1:
+            return np.inf
+        return float((self.C @ np.linalg.solve(from_rest, self.B)).item())
+
+    @property
     def condition(self) -> float:
         """The largest singular value of G at 0.02 rad/sample over the least."""
         return float(np.linalg.cond(self.response(LOW)[0]))
@@ -164,11 +172,9 @@ class DesignPlant(Value):
     @property
     def sign(self) -> str:
         """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
-        from_rest = np.eye(len(self.A)) - self.A
         # Several poles that are 1 to rounding may be computed inside the circle.
-        if self.is_stable and np.linalg.cond(from_rest) * np.finfo(float).eps < 1:
-            at_rest = self.C @ np.linalg.solve(from_rest, self.B)
-            return "+" if at_rest.item() > 0 else "-"
+        if self.is_stable and np.isfinite(at_rest := self.gain_at_rest):
+            return "+" if at_rest > 0 else "-"
         x, drive = np.zeros_like(self.B), 1.0
         for _ in range(FAR):
             x = self.A @ x + drive * self.B

@@ -17,6 +17,7 @@ from rcac_numeric.synthesis.reference import MOST, Ladder, Reference
 
 OMEGA = np.geomspace(1e-4, np.pi, 400)  # rad/sample, at which controllers are compared
 SHARES = (1.0, 0.5, 0.2, 0.05)  # of a fitted controller: a weaker one may be stable where it is not
+SOME = 40  # fitted controllers that are run where the actuator has limits
 FEW = 6  # coefficients that are improved by search
 TRIES = 80  # evaluations for each of them
 UNSTABLE = 1e6  # cost of a loop that is not
@@ -94,17 +95,21 @@ def reduced_reference(ladder: Ladder, structure: Structure) -> Reference:
             f"no {structure.name} controller with {structure.l_theta} coefficients that was tried "
             "stabilises the plant; leave structure out, or give one with more coefficients."
         )
-    _, R_2, V_2, theta = found[0]
-    if len(theta) <= FEW:
-        theta = _improved(ladder, structure, theta)
-    best = ladder.judged(_parts(structure, theta))
-    scaled = structure.compensator(theta)
-    by = ladder.units[0] / ladder.units[1]
-    made = Compensator(scaled.past_u, scaled.past_y * by, ladder.plant.sample_time)
+    thetas = [found[0][-1]]
+    if len(thetas[0]) <= FEW:
+        thetas.insert(0, _improved(ladder, structure, thetas[0]))
+    if ladder.saturation is not None:  # which the cost knows nothing of
+        thetas += [theta for *_, theta in found[1:SOME]]
+        safe = [ladder.judged(_parts(structure, one)).safe for one in thetas]
+        thetas = [one for one, how in zip(thetas, safe, strict=True) if how == min(safe)]
+        made = [ladder.in_units(structure.compensator(one)) for one in thetas]
+        thetas = [thetas[ladder.in_runs(made)[0]]]
+    theta, by = thetas[0], ladder.units[0] / ladder.units[1]
     full = ladder.best()
     return replace(
-        full, compensator=made, peak=best.peak, R_2=R_2, V_2=V_2, structure=structure,
-        theta=theta * by, full=full.compensator,
+        full, compensator=ladder.in_units(structure.compensator(theta)),
+        peak=ladder.judged(_parts(structure, theta)).peak, structure=structure, theta=theta * by,
+        full=full.compensator,
     )  # fmt: skip
 
 

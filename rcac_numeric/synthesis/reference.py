@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.h2.conversion import converted
 from rcac_numeric.h2.costs import loop_matrices
 from rcac_numeric.h2.lqg import LQG, controller_matrices, lqg, weights
@@ -24,12 +25,20 @@ from rcac_numeric.h2.riccati.obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.margins.peaks import hinf_norm
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.synthesis.expected import Expected
+from rcac_numeric.plants.saturation import Saturation
+from rcac_numeric.synthesis.expected import KINDS, Expected
 from rcac_numeric.synthesis.plants import DesignPlant, Variation, balanced
 
 MOST = 2.0  # peak of the sensitivity S that a reference loop may have
 CONTROL = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0)  # R_2 over the square of the gain
 NOISE = (1.0, 10.0, 100.0)  # factors of V_2
+# Where the actuator has limits: a controller that answers to every step of y by more than they are
+# is told what was applied, and cycles between them.
+CALMER = (1e-9, 1e-4, 1e-2, 1.0, 10.0, 100.0)
+NOISIER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
+TRIED = 1000  # steps of a run with the actuator
+NEARLY = 1.1  # times the least rms of the error: among those the calmest is taken
+LEARNING = 1_000  # the first seed that settings are chosen by
 LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
@@ -119,6 +128,12 @@ class Judged:
         return float(self.control / self.most)
 
     @property
+    def safe(self) -> tuple[bool, int]:
+        """Not robust, and how far from it: what comes before any error."""
+        is_robust = self.peak <= MOST and not self.lost
+        return not is_robust, 0 if is_robust else self.lost
+
+    @property
     def order(self) -> tuple[bool, float, float]:
         """What is chosen by: robust, u inside the actuator, least error; else most robust."""
         if self.peak <= MOST and not self.lost:
@@ -144,6 +159,9 @@ class Ladder:
         have a standard deviation of a third of what is left, at most.
     others : sequence of Variation
         What the plant may be instead.
+    saturation : Saturation, optional
+        Then controllers are told apart by what they make of the error in a run with it, and the
+        ladder goes up to slower ones.
 
     Raises
     ------
@@ -153,9 +171,10 @@ class Ladder:
 
     def __init__(
         self, plant: DesignPlant, expected: Expected, u_range: float = np.inf,
-        others: Sequence[Variation] = (),
+        others: Sequence[Variation] = (), saturation: Saturation | None = None,
     ) -> None:  # fmt: skip
         self.plant, self.units = plant, (expected.size, plant.low_gain * expected.size)
+        self.expected, self.saturation = expected, saturation
         self.scaled = _in_units(plant, self.units)
         self.models = _disturbance_models(expected, self.units)
         for omega, _ in self.models.values():
@@ -166,7 +185,7 @@ class Ladder:
         self.noise_variance = max(expected.noise / self.units[1], LEAST_NOISE) ** 2
         left = u_range - expected.lasting
         self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
-        self.instead = [_in_units(plant, self.units, one) for one in others]
+        self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
 
     def judged(self, parts: StateSpace) -> Judged:
         """A controller (A_c, B_c, C_c, D_c) from e to u, in units of the ladder."""
@@ -184,7 +203,41 @@ class Ladder:
 
     def rungs(self) -> Iterator[tuple[float, float, StateSpace]]:
         """R_2, V_2 and the LQG controller of every rung that has one."""
-        yield from _rungs(self.scaled, self.models, self.noise, self.noise_variance)
+        free = self.saturation is None
+        factors = (CONTROL if free else CALMER), (NOISE if free else NOISIER)
+        yield from _rungs(self.scaled, self.models, self.noise, self.noise_variance, factors)
+
+    def in_units(self, G_c: Compensator) -> Compensator:
+        """A controller of this ladder's units in those of the plant."""
+        by = self.units[0] / self.units[1]
+        return Compensator(G_c.past_u, G_c.past_y * by, self.plant.sample_time)
+
+    def in_runs(self, made: Sequence[Compensator]) -> list[int]:
+        """Places of controllers, in units of the plant, from the best one on, by runs with limits.
+
+        Of those within a tenth of the least error, over the nominal plant and the others, the one
+        whose u moves least comes first: linear theory knows nothing of what it does at a limit.
+        """
+        draws = range(1 if self.expected.is_known else len(KINDS))
+        plants = [Variation(), *self.others]
+        ws = {one.noise: [self.expected.w(TRIED, LEARNING + i, one.noise) for i in draws]
+              for one in plants}  # fmt: skip
+        options, m = {"saturation": self.saturation}, self.plant.m
+        cases = [
+            SimulationCase(servo, FixedController(G_c), w, options)
+            for G_c in made
+            for servo, one in zip(map(self.plant.servo, plants), plants, strict=True)
+            for w in ws[one.noise]
+        ]
+        runs = simulate_many(cases, threads=1)
+        errors, moves = np.full((2, len(cases)), np.inf)
+        for i, run in enumerate(runs):
+            if run.outcome == "completed":
+                errors[i] = np.mean((run.z + run.w[:, -m:]) ** 2)
+                moves[i] = np.mean(np.diff(run.u_applied, axis=0) ** 2)
+        error, move = (one.reshape(len(made), -1).mean(axis=1) for one in (errors, moves))
+        near = error <= NEARLY**2 * error.min(initial=np.inf)
+        return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
 
     def best(self) -> Reference:
         """The controller of least cost whose loop is robust, else the most robust one.
@@ -195,10 +248,14 @@ class Ladder:
             Where no rung of the ladder has a controller.
         """
         plant, units, V = self.plant, self.units, self.noise_variance
-        found = [(self.judged(parts), R_2, V_2) for R_2, V_2, parts in self.rungs()]
+        rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
+        found = [(self.judged(parts), *rung) for rung, parts in rungs.items()]
         found = [one for one in found if np.isfinite(one[0].peak)]
         obstacle = ""
-        for judged, R_2, V_2 in sorted(found, key=lambda one: (one[0].order, *one[1:])):
+        found.sort(key=lambda one: (one[0].order, *one[1:]))
+        if self.saturation is not None:
+            found = self._by_runs(found, rungs)
+        for judged, R_2, V_2 in found:
             try:
                 noise = {**self.noise, "v": V * V_2}
                 best = lqg(_weighted(self.scaled, R_2, self.models), noise=noise)
@@ -207,7 +264,7 @@ class Ladder:
             except CompensatorError as error:
                 obstacle = f" The last obstacle: {error}"
                 continue
-            made = Compensator(G_c.past_u, G_c.past_y * units[0] / units[1], plant.sample_time)
+            made = self.in_units(G_c)
             if plant.m > 1 and not (
                 sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * judged.peak
             ):
@@ -218,6 +275,22 @@ class Ladder:
             "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
             f"its order or its dead time, or sample more slowly.{obstacle}"
         )
+
+    def _by_runs(
+        self, found: list[tuple[Judged, float, float]],
+        rungs: Mapping[tuple[float, float], StateSpace],
+    ) -> list[tuple[Judged, float, float]]:  # fmt: skip
+        """The robust rungs, or those that are nearest to it, by runs; then the others."""
+        first = [one for one in found if one[0].safe == min(other[0].safe for other in found)]
+        made, kept = [], []
+        for one in first:
+            try:
+                made.append(self.in_units(converted(rungs[one[1:]], CLOSE)[0]))
+                kept.append(one)
+            except CompensatorError:
+                continue
+        best = [kept[i] for i in self.in_runs(made)]
+        return best + [one for one in found if one not in best]
 
     def response(self, omega: Array) -> ComplexArray:
         """From u to e, both scalar, in units of the ladder."""
@@ -237,7 +310,7 @@ class Ladder:
 
 def reference_loop(
     plant: DesignPlant, expected: Expected, u_range: float = np.inf,
-    others: Sequence[Variation] = (),
+    others: Sequence[Variation] = (), saturation: Saturation | None = None,
 ) -> Reference:  # fmt: skip
     """The LQG controller of least cost on a ladder of weights whose loop is robust.
 
@@ -250,7 +323,7 @@ def reference_loop(
     NoSolutionError
         Where no rung of the ladder has a controller.
     """
-    return Ladder(plant, expected, u_range, others).best()
+    return Ladder(plant, expected, u_range, others, saturation).best()
 
 
 def _require_reach(plant: DesignPlant, omega: float) -> None:
@@ -287,7 +360,7 @@ def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Model
     if stays:
         found["bias"] = 0.0, stays**2 * drive
     for i, (omega, amplitude) in enumerate(expected.sinusoids):
-        name = "oscillation" if not i else f"oscillation{i + 1}"
+        name = f"oscillation_{i + 1}_"  # of its two channels the names end in 1 and 2
         found[name] = omega, (amplitude / units[0]) ** 2 * drive
     return found
 
@@ -314,11 +387,15 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
 
 
 def _rungs(
-    plant: Plant, models: Models, noise: dict[str, float], V: float
+    plant: Plant,
+    models: Models,
+    noise: dict[str, float],
+    V: float,
+    factors: tuple[Sequence[float], Sequence[float]],
 ) -> Iterator[tuple[float, float, StateSpace]]:
     """The LQG controllers of the ladder: two Riccati equations for each side, not for each rung."""
     regulators, estimators = {}, {}
-    for R_2 in CONTROL:
+    for R_2 in factors[0]:
         made = _weighted(plant, R_2, models)
         try:
             regulators[R_2] = stabilising_solution(
@@ -327,7 +404,7 @@ def _rungs(
         except CompensatorError:
             continue
     made = _weighted(plant, 1.0, models)
-    for V_2 in NOISE:
+    for V_2 in factors[1]:
         inputs = noise_inputs(made, {**noise, "v": V * V_2})
         pair = inputs.D_1.T, inputs.D_2.T
         try:

@@ -264,5 +264,5 @@ def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBound
     for group in dict.fromkeys(groups):
         own = [i for i, one in enumerate(groups) if one == group]
         margin[own] = width * np.sqrt(np.mean(rows[own] ** 2))
-    margin = margin.ravel()
-    return CoefficientBounds(theta_0 - margin, theta_0 + margin, method="metric")
+    low, high = theta_0 - margin.ravel(), theta_0 + margin.ravel()
+    return CoefficientBounds(low, high, method="metric")

@@ -36,6 +36,7 @@ from rcac_numeric.synthesis.design import (
 from rcac_numeric.synthesis.expected import KINDS
 from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, continuous_of
 from rcac_numeric.synthesis.plants import variations as corners
+from rcac_numeric.synthesis.reference import LEARNING
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.stored_trials import stored
 from rcac_numeric.synthesis.trials import FIXED, RCAC, Trial, Trials
@@ -46,7 +47,6 @@ SAMPLES, NU, WIDTH, FORGETTING, SPARE = (1.0, 5.5), (-1.5, 1.0), (-1.5, 0.3), (-
 HALF = 0.5  # of the points have lambda = 1
 KEPT = 0.5  # of the candidates: those that go on to the next round, with twice the draws
 ROUNDS = 4
-LEARNING = 1_000  # the first seed that settings are chosen by
 
 Runner = Callable[[str, Trials], tuple[Trial, ...]]
 

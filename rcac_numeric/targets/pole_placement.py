@@ -33,9 +33,12 @@ def fir_target(information: ModellingInformation | Plant) -> TargetModel:
     Notes
     -----
     It asks for a loop that is at rest within d_zu + deg N_zu,u steps, as fast as any can be: all
-    poles of the plant are moved to 0. FIR_NUMBERS
-    Where the plant is known, `design` begins at a robust loop and makes its target of that; where
-    it is not, `cold_start` takes slower poles.
+    poles of the plant are moved to 0. With a dead time, or poles that are lightly damped, that is
+    seldom a good loop, whatever R_theta is: of 60 random plants one of ten R_theta from 1e-14 to
+    1e4 H^2 made a good loop (stable, error at the end below twice that of a fixed controller, no
+    peak of ten times) of 20 %, of 10 % of the lightly damped and 12 % of those with a dead time
+    above 3 steps. `design` makes its target of a robust loop, for a plant or a log; `cold_start`,
+    for modelling information alone, takes slower poles.
 
     Examples
     --------

@@ -49,7 +49,9 @@ def observer_based(draw):
 
 
 EXCEPTIONAL_CASES = st.sampled_from(["1", "s - c", "c*s**2 + 1"]).map(
-    lambda right: exact.exceptional_cases(exact.solve_diophantine, "s**2 - a", "s - b", right, "s")
+    lambda right: exact.exceptional_cases(
+        exact.solve_diophantine, "s**2 - a", "s - b", right, variable="s"
+    )
 )
 
 
@@ -140,7 +142,8 @@ ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
 PAIR = ([[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, "a"]])
 
 FAMILIES = st.builds(
-    lambda plant, sign: exact.stabilising_compensators(plant, [-1], [-2], "s", feedback=sign),
+    lambda plant, sign: exact.stabilising_compensators(
+        plant, [-1], [-2], variable="s", feedback=sign),
     st.sampled_from(["1/(s - 1)", "2*s/(s + 3)", "1/(s - a)"]), SIGNS
 )  # fmt: skip
 
@@ -214,12 +217,14 @@ SAMPLES = {
         lambda G: exact.decide_simultaneous_stabilisability(G, "1/(s + 1)", feedback=-1)
     ),
     results.MatrixPlacement: spectra(2).map(
-        lambda roots: exact.place_matrix_poles([["1/(s - a)"]], [roots], 1, "s", feedback=-1)
+        lambda roots: exact.place_matrix_poles(
+            [["1/(s - a)"]], [roots], 1, variable="s", feedback=-1
+        )
     ),
     results.Subresultants: coprime_pairs().map(lambda pair: exact.bezout.subresultants(*pair))
-    | st.just(exact.bezout.subresultants("s**2 + a", "s + 1", "s")),
+    | st.just(exact.bezout.subresultants("s**2 + a", "s + 1", variable="s")),
     results.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.bezout.gcd_from_null_space(*pair))
-    | st.just(exact.bezout.gcd_from_null_space("s*(s + a)", "s + a", "s")),
+    | st.just(exact.bezout.gcd_from_null_space("s*(s + a)", "s + a", variable="s")),
     results.StabilisingCompensators: FAMILIES,
     results.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
     results.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
@@ -237,11 +242,11 @@ SAMPLES = {
     results.DiophantineSolution: st.builds(
         lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
     )
-    | st.just(exact.solve_diophantine("s - a", "s - b", "1", "s")),
+    | st.just(exact.solve_diophantine("s - a", "s - b", "1", variable="s")),
     results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.canonical_forms.minimal_basis)
     | st.just(exact.canonical_forms.minimal_basis([["s - a", "s - b"]], "s")),
     results.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
-        lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, "s")
+        lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, variable="s")
     ),
     results.StabilityIntervals: INTERVALS,
     results.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
@@ -250,7 +255,7 @@ SAMPLES = {
     results.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
         exact.sampling.zero_order_hold
     )
-    | st.just(exact.sampling.zero_order_hold("b/(s*(s + a))", "h", "s")),
+    | st.just(exact.sampling.zero_order_hold("b/(s*(s + a))", "h", variable="s")),
     results.Zeros: ZEROS,
     results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
@@ -272,7 +277,7 @@ SAMPLES = {
     ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
     results.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
-    | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
+    | st.just(exact.bezout_identity("s + a", "s**2 + b", variable="s")),
     exact.results.Enclosure: st.builds(exact.results.Enclosure, rationals(), rationals().map(abs)),
     results.ExceptionalCases: EXCEPTIONAL_CASES,
     results.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),

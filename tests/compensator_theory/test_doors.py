@@ -469,6 +469,18 @@ def test_whatever_reads_a_text_lets_its_variable_be_named(name):
         assert not reads or "variable" in given
 
 
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_settings_stand_in_one_place(name):
+    """What reads one object takes `variable` second; everything else takes it by name alone."""
+    if not inspect.isfunction(PUBLIC[name]):
+        return
+    given = inspect.signature(PUBLIC[name]).parameters
+    by_place = [one.name for one in given.values() if one.kind is not one.KEYWORD_ONLY]
+    assert not {"feedback", "time", "digits"} & set(by_place)
+    if "variable" in given:
+        assert ("variable" in by_place) == (by_place[1:] in ([], ["variable"]))
+
+
 def test_rows_of_a_transfer_matrix_are_no_matrices():
     pairs = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
     assert exact.transfer_matrix(pairs, "s").shape == (3, 2)

@@ -34,6 +34,7 @@ def cells(page):
 def figures_of(page, folder, monkeypatch):
     """Run a page in a folder of its own; its names, and for each cell the figures that it shows."""
     monkeypatch.chdir(folder)
+    monkeypatch.setenv("CHECKOUT", str(DOCS.parent))
     names, shown = {}, []
     for head, code in cells(page):
         tree = ast.parse(code)

@@ -54,7 +54,7 @@ GOOD = {
     "solve_diophantine": ([_P, _Q, "s**3"], {}),
     "solve_matrix_diophantine": ([[["s"]], [["s + 1"]], [["s**2"]]], {}),
     "minimal_basis": ([[["s", "1"]]], {}),
-    "exceptional_cases": ([exact.solve_diophantine, "s - a", "s - b", "1", "s"], {}),
+    "exceptional_cases": ([exact.solve_diophantine, "s - a", "s - b", "1"], {"variable": "s"}),
     "closed_loop_polynomial": ([_SERVO, "1", "q"], {}),
     "closed_loop_transfer_matrix": ([_SERVO, "1", "q"], {}),
     "closed_loop_zero_polynomial": ([_SERVO, "1", "q"], {}),
@@ -131,8 +131,8 @@ GOOD = {
     "reachable_eigenvectors": ([_A, _B, -4], {}),
     "state_feedback_family": ([_A, _B, [-4, -5]], {}),
     "observer_gain_family": ([_A, _C, [-4, -5]], {}),
-    "functional_observer": ([_R, [[1, 0]], [-4], "s"], {}),
-    "reduced_order_observer": ([_R, [-4], "s"], {}),
+    "functional_observer": ([_R, [[1, 0]], [-4]], {"variable": "s"}),
+    "reduced_order_observer": ([_R, [-4]], {"variable": "s"}),
     **{
         name: ([_MATRIX], {})
         for name in (
@@ -162,7 +162,7 @@ GOOD = {
     "canonical": ([_G], {}),
     "controllability_matrix": ([_A, _B], {}),
     "is_controllable": ([_A, _B], {}),
-    "uncontrollable_polynomial": ([_A, _B, "s"], {}),
+    "uncontrollable_polynomial": ([_A, _B], {}),
     "transfer_function": ([_G], {}),
     "compensator_polynomials": ([[1, "-0.5"], [3, 4], 2, 1], {}),
     "markov_parameters": ([_G, 3], {}),

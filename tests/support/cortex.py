@@ -40,6 +40,18 @@ __attribute__((section(".vectors"), used)) static const void *vectors[16] = {
     &stack_top, (const void *)reset, (const void *)fault, (const void *)fault, (const void *)fault,
     (const void *)fault, (const void *)fault};
 """
+# How much of the stack some work takes: painted before, and looked at after.
+DEPTH = """
+#include <stdint.h>
+__attribute__((noinline)) static uint32_t depth(void (*work)(void)) {
+    volatile unsigned char here[16], *const top = here, *p;
+    here[0] = 0;
+    for (p = top - 16384; p < top - 64; ++p) *p = 0xA5;
+    work();
+    for (p = top - 16384; *p == 0xA5; ++p) { }
+    return (uint32_t)(top - p);
+}
+"""
 LAYOUT = """
 MEMORY { rom : ORIGIN = 0, LENGTH = 4M
          ram : ORIGIN = 0x20000000, LENGTH = 4M }

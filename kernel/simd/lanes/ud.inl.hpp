@@ -6,8 +6,6 @@
 // once for all of them and takes the dots of a later block.
 #pragma once
 
-#include <utility>
-
 #include "simd/layout.hpp"
 #include "simd/vectors.hpp"
 
@@ -197,20 +195,23 @@ constexpr std::size_t most_lane_columns = 24;
 constexpr std::size_t most_lane_columns = 0;
 #endif
 
-template <std::size_t... N>
-inline unsigned lanes_columns_of(std::index_sequence<N...>, const UdLaneFactors& factors,
-                                 const double* row, const double* r, double* gain,
-                                 const double* noise, double* alpha) {
-    static constexpr decltype(&lanes_loop<0, false>) sizes[] = {&lanes_loop<N, false>...};
-    const std::size_t known = factors.n < sizeof...(N) ? factors.n : 0;
-    return sizes[known](factors, row, r, gain, noise, alpha);
-}
+using LanesLoop = decltype(lanes_loop<0, false>);
+struct LanesLoops {
+    LanesLoop* of[most_lane_columns + 1];
+    constexpr LanesLoops() : of() { put<most_lane_columns>(); }
+    template <std::size_t N>
+    constexpr void put() {
+        of[N] = &lanes_loop<N, false>;
+        if constexpr (N > 0) put<N - 1>();
+    }
+};
 
 inline unsigned lanes_columns(const UdLaneFactors& factors, const double* row, const double* r,
                               double* gain, const double* noise, bool guarded, double* alpha) {
-    if (guarded) return lanes_loop<0, true>(factors, row, r, gain, noise, alpha);
-    return lanes_columns_of(std::make_index_sequence<most_lane_columns + 1>{}, factors, row, r,
-                            gain, noise, alpha);
+    static constexpr LanesLoops loops;
+    LanesLoop* const loop = guarded ? &lanes_loop<0, true>
+                                    : loops.of[factors.n <= most_lane_columns ? factors.n : 0];
+    return loop(factors, row, r, gain, noise, alpha);
 }
 
 // With theta the innovations are taken on the way, and theta moves at the end.

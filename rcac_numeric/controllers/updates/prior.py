@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import array_like, number, reads, real_array, with_checks
+from rcac_numeric.arrays.validation import number, reads, real_array, with_checks
 from rcac_numeric.arrays.values import Value
+
+
+def _signal_like(value: ArrayLike) -> Array:
+    """What a signal takes; for type checkers."""
+    return cast(Array, value)
+
+
+def _optional_signal_like(value: ArrayLike | None) -> Array | None:
+    """The same of one that may be left out."""
+    return cast(Array, value)
 
 
 def _samples(value: object, name: str) -> float:
@@ -72,12 +84,12 @@ class PriorSamples(Value):
     """
 
     samples: float = attrs.field(metadata=reads(_samples))
-    y: Array = attrs.field(converter=array_like, metadata=reads(_signal))
+    y: Array = attrs.field(converter=_signal_like, metadata=reads(_signal))
     u: Array | None = attrs.field(
-        default=None, converter=array_like, metadata=reads(_signal, optional=True)
+        default=None, converter=_optional_signal_like, metadata=reads(_signal, optional=True)
     )
     r: Array | None = attrs.field(
-        default=None, converter=array_like, metadata=reads(_signal, optional=True)
+        default=None, converter=_optional_signal_like, metadata=reads(_signal, optional=True)
     )
 
     def __attrs_post_init__(self) -> None:

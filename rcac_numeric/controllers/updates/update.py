@@ -9,6 +9,7 @@ from typing import ClassVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import reads, real_array
@@ -45,13 +46,15 @@ class Update(Value):
         return f"{type(self).__name__}({', '.join(words)})"
 
 
-def weight(value: ArrayLike, name: str, *, definite: bool = False) -> float | Array:
+def weight(value: ArrayLike | PriorSamples, name: str, *, definite: bool = False) -> float | Array:
     """A weight as a number or a symmetric matrix, checked before its size is known.
 
     R_theta may be a `PriorSamples` until `ControllerSettings` puts the matrix in its place.
     """
-    if isinstance(value, PriorSamples) and definite:
-        return cast(float, value)
+    if isinstance(value, PriorSamples):
+        if definite:
+            return cast(float, value)
+        raise InputError(f"{name}: PriorSamples stands in the place of R_theta alone.")
     array = real_array(value, name)
     size = len(array) if array.ndim else 1
     checked = constant_weight(array, name, size, definite=definite)

@@ -119,11 +119,13 @@ def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> F
     poles, zeros = plant.poles(), plant.zeros()
     plane.axvline(0, color=INK, linewidth=0.7)
     plane.plot(poles.real, poles.imag, "x", color=REACHED, ms=8, mew=1.6, label="poles")
-    plane.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=8, label="zeros")
+    if len(zeros):
+        plane.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=8, label="zeros")
+        plane.legend(fontsize=8)
     plane.set(xlabel="real, rad/s", ylabel="imaginary, rad/s")
-    plane.set_title("poles and zeros", fontsize=10)
+    plane.set_title("poles and zeros" if len(zeros) else "poles; there are no zeros", fontsize=10)
     plane.margins(0.15)
-    plane.legend(fontsize=8)
+    plane.locator_params(nbins=6)
     _step_response(response, plant, poles)
     found = sampling_zeros(plant, periods)
     _moduli(sampled, np.asarray(periods), found, "sampling period, s")
@@ -152,7 +154,8 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
     axis.set(xlabel="time, s", ylabel="output")
     axis.set_title("unit step response", fontsize=10)
     axis.locator_params(axis="x", nbins=5)
-    axis.legend(fontsize=7)
+    if len(plant.inputs) * len(plant.outputs) > 1:
+        axis.legend(fontsize=7)
 
 
 def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:

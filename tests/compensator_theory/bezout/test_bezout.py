@@ -55,7 +55,7 @@ def test_the_cauchy_index_adds_the_signs_of_residues(p, q, r, t):
         c / (s - pole) for c, pole in zip((r, t), (p, p + 1 + q**2), strict=True)
     ))  # fmt: skip
     top, bottom = sympy.fraction(sympy.together(function))
-    assert cauchy_index(top, bottom, "s") == sympy.sign(r) + sympy.sign(t)
+    assert cauchy_index(top, bottom, variable="s") == sympy.sign(r) + sympy.sign(t)
 
 
 @given(polynomials(), polynomials(), polynomials(max_degree=2))
@@ -108,26 +108,28 @@ def test_the_examples_of_the_notes():
 
 
 def test_symbols():
-    B = bezout_matrix("s**2 + a", "s + b", "s")
+    B = bezout_matrix("s**2 + a", "s + b", variable="s")
     assert sympy.expand(B.det() + resultant("s**2 + a", "s + b", variable="s")) == 0
-    found = subresultants("s**2 + a", "s + b", "s")
+    found = subresultants("s**2 + a", "s + b", variable="s")
     assert found.principal_coefficients[0] == a + b**2
-    assert gcd_from_null_space("(s + a)*(s + b)", "(s + a)*s", "s").gcd == polynomial("s + a", "s")
+    assert gcd_from_null_space("(s + a)*(s + b)", "(s + a)*s", variable="s").gcd == polynomial(
+        "s + a", "s"
+    )
 
 
 @pytest.mark.parametrize(
     ("call", "error"),
     [
-        (lambda: bezout_matrix("1", "2", "s"), InputError),
+        (lambda: bezout_matrix("1", "2", variable="s"), InputError),
         (lambda: bezout_matrix("s", "z"), InputError),
         (lambda: bezout_matrix("s**900", "s"), BudgetError),
         (lambda: subresultants("s", "0"), InputError),
         (lambda: subresultants("s", "s**2"), InputError),
         (lambda: subresultants("s**90", "s**80 + 1"), BudgetError),
         (lambda: gcd_from_null_space("0", "s"), InputError),
-        (lambda: gcd_from_null_space("1", "2", "s"), InputError),
-        (lambda: cauchy_index("1", "0", "s"), InputError),
-        (lambda: cauchy_index("1", "s + a", "s"), InputError),
+        (lambda: gcd_from_null_space("1", "2", variable="s"), InputError),
+        (lambda: cauchy_index("1", "0", variable="s"), InputError),
+        (lambda: cauchy_index("1", "s + a", variable="s"), InputError),
     ],
 )
 def test_bad_input(call, error):

@@ -133,7 +133,7 @@ def test_what_has_no_solution_is_refused(P, factor):
     A = P.as_matrix().col_join(P.as_matrix() * (s + factor))
     C = sympy.zeros(P.shape[0], 1).col_join(sympy.ones(P.shape[0], 1))
     with pytest.raises(NoSolutionError, match="no solution"):
-        solve_matrix_diophantine(A, A, polynomial_matrix(C, "s"), "s")
+        solve_matrix_diophantine(A, A, polynomial_matrix(C, "s"), variable="s")
 
 
 def test_the_example_of_the_notes():
@@ -159,7 +159,7 @@ def test_forneys_example():
 
 
 def test_symbols_say_where_they_hold():
-    found = solve_matrix_diophantine([["s - a"]], [["s - b"]], [["1"]], "s")
+    found = solve_matrix_diophantine([["s - a"]], [["s - b"]], [["1"]], variable="s")
     assert a - b in found.exceptional and found.certificate.holds
     assert a - b in minimal_basis([["s - a", "s - b"]], "s").exceptional
 

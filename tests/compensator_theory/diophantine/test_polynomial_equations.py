@@ -47,13 +47,13 @@ def test_the_example_of_the_notes():
 
 
 def test_symbols_say_where_they_hold():
-    found = solve_diophantine("s**2 - a", "s - b", "(s + 1)**3", "s")
+    found = solve_diophantine("s**2 - a", "s - b", "(s + 1)**3", variable="s")
     assert found.exceptional == (a - b**2,) and found.certificate.holds
     # The exceptional polynomial is the resultant, where a solution exists for special c only.
     assert sympy.resultant(s**2 - a, s - b, s) == b**2 - a
     with pytest.raises(NoSolutionError):
         solve_diophantine("s**2 - 4", "s - 2", "(s + 1)**3")
-    double = solve_diophantine("a*s**2 + a", "s - b", "s + 1", "s")
+    double = solve_diophantine("a*s**2 + a", "s - b", "s + 1", variable="s")
     assert a in double.exceptional
 
 
@@ -75,9 +75,9 @@ def test_the_exceptional_set_is_the_resultants(first, second, powers):
     q = sympy.expand(second.as_expr() + b * s**j)
     if (expected := sympy.resultant(p, q, s)) == 0:  # a common factor for all values
         with pytest.raises(NoSolutionError):
-            solve_diophantine(p, q, "1", "s")
+            solve_diophantine(p, q, "1", variable="s")
         return
-    found = solve_diophantine(p, q, "1", "s")
+    found = solve_diophantine(p, q, "1", variable="s")
     assert irreducible(found.exceptional) == irreducible([expected])
     assert sympy.expand(p * found.x.as_expr() + q * found.y.as_expr() - 1).equals(0)
 

@@ -212,7 +212,7 @@ def conditions(found):
 
 def test_a_solution_where_the_resultant_vanishes_and_what_was_free():
     """s - a and s - b have 1 as gcd but for a = b, where c must be the common root."""
-    found = exceptional_cases(exact.solve_diophantine, "s - a", "s - b", "s - c", "s")
+    found = exceptional_cases(exact.solve_diophantine, "s - a", "s - b", "s - c", variable="s")
     assert conditions(found) == [
         ("a - b != 0", "answered"),
         ("a = b, b - c != 0", "refused"),
@@ -255,9 +255,13 @@ def test_what_is_left_open_says_why():
     assert [case.status for case in few.cases] == ["answered", "answered", "open"]
     found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
     assert "drops out" in found.cases[1].reason
-    named = exceptional_cases(exact.solve_diophantine, "s - x", "s - y", "1", "s", least="y")
+    named = exceptional_cases(
+        exact.solve_diophantine, "s - x", "s - y", "1", variable="s", least="y"
+    )
     assert named.cases[1].status == "refused"
-    other = exceptional_cases(exact.solve_diophantine, "s - y", "y*s - 1", "1", "s", least="y")
+    other = exceptional_cases(
+        exact.solve_diophantine, "s - y", "y*s - 1", "1", variable="s", least="y"
+    )
     assert [case.status for case in other.cases[1:]] == ["open", "open"]
     assert "rename" in other.cases[1].reason
 
@@ -360,7 +364,7 @@ def test_a_zero_that_is_not_simplified_is_a_zero():
 PLAIN = [
     (exact.mcmillan_degree, ([["1/(s + a)", "b/(s + c)"]], "s"), {}),
     (exact.mcmillan_degree, ("a*s**2 + (s + b)/(s + c)", "s"), {}),
-    (exact.uncontrollable_polynomial, ([["a", 1], [0, "b"]], [["c"], [1]], "s"), {}),
+    (exact.uncontrollable_polynomial, ([["a", 1], [0, "b"]], [["c"], [1]]), {"variable": "s"}),
     (exact.is_controllable, ([["a", 1], ["b", 0]], [["c", 1], [1, "a"]]), {}),
     (
         exact.bezout.number_of_common_roots,
@@ -369,8 +373,8 @@ PLAIN = [
     ),
     (exact.bezout.number_of_common_roots, ("s**2 + a*s + b", "c*s + 1"), {"variable": "s"}),
     (exact.regulator_gain, ([["a", 1], ["b", 0]], [["c"], [1]], [-1, -2]), {}),
-    (exact.bezout.gcd_from_null_space, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
-    (exact.bezout_identity, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
+    (exact.bezout.gcd_from_null_space, ("(s - a)*(s - 1)", "(s - b)*(s - c)"), {"variable": "s"}),
+    (exact.bezout_identity, ("(s - a)*(s - 1)", "(s - b)*(s - c)"), {"variable": "s"}),
     (exact.resultant, ("s**2 + a*s + b", "s + c"), {"variable": "s"}),
 ]
 

@@ -22,7 +22,7 @@ def test_two_pendulums_on_one_cart():
     """Two inverted pendulums on a cart, g/l_i = a, b: when does one force control both?"""
     A = [[0, 1, 0, 0], ["a", 0, 0, 0], [0, 0, 0, 1], [0, 0, "b", 0]]
     B = [[0], ["a"], [0], ["b"]]
-    found = exceptional_cases(uncontrollable_polynomial, A, B, "s")
+    found = exceptional_cases(uncontrollable_polynomial, A, B, variable="s")
     assert equal(found.at({"a": 2, "b": 3}).answer, 1)
     # the difference of equal pendulums obeys d'' = a d, and no force
     assert equal(found.at({"a": 2, "b": 2}).answer, "s**2 - b")

@@ -48,7 +48,7 @@ def test_two_outputs_have_a_family():
 
 def test_luenberger_observer_of_the_speed():
     """Estimate the speed of a double integrator from its place by one state with pole -a."""
-    found = reduced_order_observer(DOUBLE_INTEGRATOR, ["-a"], "s")
+    found = reduced_order_observer(DOUBLE_INTEGRATOR, ["-a"], variable="s")
     # z' = -a z - a^2 y + u and the speed is z + a y
     assert equal([found.N[0], found.J[0], found.H[0], found.E[0]], ["-a", "-a**2", 1, "a"])
 
@@ -58,7 +58,7 @@ def test_order_of_a_functional_observer():
     # two decoupled double integrators, both places measured: the sum of the speeds
     A = sympy.diag(*[sympy.Matrix([[0, 1], [0, 0]])] * 2)
     B, C = [[0, 0], [1, 0], [0, 0], [0, 1]], [[1, 0, 0, 0], [0, 0, 1, 0]]
-    found = functional_observer((A, B, C), [[0, 1, 0, 1]], [-5], "s")
+    found = functional_observer((A, B, C), [[0, 1, 0, 1]], [-5], variable="s")
     assert equal(found.error_polynomial, "s + 5")
     # the sum of two Luenberger observers z_i' = -5 z_i - 25 y_i + u_i
     assert equal(
@@ -69,7 +69,9 @@ def test_order_of_a_functional_observer():
 def test_speed_under_an_unknown_force():
     """Can the speed of a mass pushed by an unknown force be estimated from its place?"""
     with pytest.raises(CompensatorError):  # C G = 0: the force must be differentiated
-        functional_observer(DOUBLE_INTEGRATOR, [[0, 1]], [-1], "s", unknown_inputs=[[0], [1]])
+        functional_observer(
+            DOUBLE_INTEGRATOR, [[0, 1]], [-1], variable="s", unknown_inputs=[[0], [1]]
+        )
 
 
 def test_unknown_input_that_is_measured():
@@ -77,8 +79,8 @@ def test_unknown_input_that_is_measured():
     A, B, C = [[0, 1], [-1, 0]], [[0], [0]], [[0, 1]]
     # x_1 is the integral of the output, so that the pole 0 cannot be moved
     with pytest.raises(InputError, match=r"the root\(s\) of s cannot be moved"):
-        functional_observer((A, B, C), [[1, 0]], [-1], "s", unknown_inputs=[[0], [1]])
-    found = functional_observer((A, B, C), [[1, 0]], [], "s", unknown_inputs=[[0], [1]])
+        functional_observer((A, B, C), [[1, 0]], [-1], variable="s", unknown_inputs=[[0], [1]])
+    found = functional_observer((A, B, C), [[1, 0]], [], variable="s", unknown_inputs=[[0], [1]])
     assert equal([found.N[0], found.J[0], found.error_polynomial], [0, 1, "s"])
 
 
@@ -104,6 +106,6 @@ def test_undetectable_mode():
 
 def test_compensator_with_a_reduced_observer():
     """A double integrator with u = -(1, 2) x and a Luenberger observer at -3: the compensator."""
-    found = reduced_order_observer(DOUBLE_INTEGRATOR, [-3], "s").compensator([[-1, -2]])
+    found = reduced_order_observer(DOUBLE_INTEGRATOR, [-3], variable="s").compensator([[-1, -2]])
     # u = -y - 2 (z + 3 y), z' = -3 z - 9 y + u: (s^2)(s + 5) + 7 s + 3 = (s + 1)^2 (s + 3)
     assert equal(found.transfer_function(), "-(7*s + 3)/(s + 5)")

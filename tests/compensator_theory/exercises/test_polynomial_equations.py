@@ -81,7 +81,7 @@ def test_unsolvable_diophantine_equation():
 def test_matrix_diophantine_equation():
     """Solve A X + B Y = I for a left coprime pair, and count the degrees of freedom."""
     A, B = sympy.Matrix([["s", 1], [0, "s"]]), sympy.Matrix([[0], [1]])
-    found = solve_matrix_diophantine(A.tolist(), B.tolist(), [[1, 0], [0, 1]], "s")
+    found = solve_matrix_diophantine(A.tolist(), B.tolist(), [[1, 0], [0, 1]], variable="s")
     X, Y = (sympy.Matrix(part.as_matrix()) for part in (found.X, found.Y))
     assert equal(A * X + B * Y, sympy.eye(2))
     assert found.kernel.indices == (2,)  # [A, B] (1, -s, s^2)' = 0
@@ -96,7 +96,7 @@ def test_subresultants_find_the_degree():
 
 def test_bezout_matrix_and_companion():
     """The Bezout matrix of p and 1 for p = s^3 + a s^2 + b s + c."""
-    found = bezout_matrix("s**3 + a*s**2 + b*s + c", "1", "s")
+    found = bezout_matrix("s**3 + a*s**2 + b*s + c", "1", variable="s")
     # (p(s) - p(t))/(s - t): coefficient of s^i t^j is p_(i + j + 1)
     assert equal(found, [["b", "a", 1], ["a", 1, 0], [1, 0, 0]])
 

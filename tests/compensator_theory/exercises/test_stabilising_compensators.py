@@ -130,5 +130,5 @@ def test_uncontrollable_unstable_plant():
     """Can (s - 1)/((s - 1)(s + 1)) with its hidden mode be stabilised?"""
     with pytest.raises(CompensatorError):
         stabilising_compensators(
-            ([[1, 0], [0, -1]], [[0], [1]], [[1, 1]]), [-1, -1], [-1, -1], "s", feedback=-1
+            ([[1, 0], [0, -1]], [[0], [1]], [[1, 1]]), [-1, -1], [-1, -1], variable="s", feedback=-1
         )

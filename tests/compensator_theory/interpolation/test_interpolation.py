@@ -231,7 +231,7 @@ def test_residues_against_sympy(plant, point):
 
 def test_laurent_with_symbols_and_complex_points():
     a = sympy.Symbol("a")
-    found = laurent_expansion("1/((s - a)*(s + 1))", "a", 2, "s")
+    found = laurent_expansion("1/((s - a)*(s + 1))", "a", 2, variable="s")
     assert found.order == 1 and found.residue[0, 0] == 1 / (a + 1) and found.exceptional == (a + 1,)
     assert laurent_expansion("1/(s**2 + 1)", "j", 1).residue[0, 0] == -sympy.I / 2
     for call in (

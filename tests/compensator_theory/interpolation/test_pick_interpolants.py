@@ -71,9 +71,9 @@ def test_an_interpolant_takes_the_values_within_the_bound(data, variable, choice
         if 1 in points:
             return
         points = in_discrete_time(points)
-    least = nevanlinna_pick(points, values, 1, variable).enclosure.upper
+    least = nevanlinna_pick(points, values, 1, variable=variable).enclosure.upper
     bound = Rational(int(sympy.ceiling(sympy.sqrt(least) * 8)) + excess, 8) + Rational(1, 8)
-    found = nevanlinna_pick(points, values, bound, variable)
+    found = nevanlinna_pick(points, values, bound, variable=variable)
     assert found.is_feasible and not found.is_unique
     parameter = PARAMETERS[variable][choice]
     f = found.interpolant(parameter)
@@ -177,9 +177,9 @@ def test_an_interpolant_has_the_derivatives_that_were_given(data, variable, choi
     points, chains = data.draw(touching_data(variable))
     if any(p == sympy.zoo for p in points):
         return
-    least = nevanlinna_pick(points, chains, 1, variable).enclosure.upper
+    least = nevanlinna_pick(points, chains, 1, variable=variable).enclosure.upper
     bound = Rational(int(sympy.ceiling(sympy.sqrt(least) * 8)) + 1, 8) + Rational(1, 8)
-    found = nevanlinna_pick(points, chains, bound, variable)
+    found = nevanlinna_pick(points, chains, bound, variable=variable)
     f = found.interpolant(PARAMETERS[variable][choice])
     check(f, points, [chain[0] for chain in chains], bound)
     for point, chain in zip(points, chains, strict=True):
@@ -193,10 +193,10 @@ def test_derivatives_are_limits_of_values_nearby(data, variable):
     """The least bound is that of values of a polynomial with these derivatives, close together."""
     p = Rational(data.draw(st.integers(3, 8)), 2)
     chain = [data.draw(HALVES) for _ in range(2)]
-    least = nevanlinna_pick([p], [chain], 1, variable).enclosure
+    least = nevanlinna_pick([p], [chain], 1, variable=variable).enclosure
     h = Rational(1, 10**8)
     values = [chain[0], chain[0] + h * chain[1]]
-    nearby = nevanlinna_pick([p, p + h], values, 1, variable).enclosure
+    nearby = nevanlinna_pick([p, p + h], values, 1, variable=variable).enclosure
     assert abs(float(least.lower - nearby.upper)) <= 1e-5 * (1 + float(least.upper))
 
 
@@ -219,7 +219,7 @@ def test_a_double_zero_of_the_sensitivity():
 
 def test_known_functions():
     assert str(nevanlinna_pick([2, 3], ["1/3", "1/2"]).interpolant()) == "(s - 1)/(s + 1)"
-    assert str(nevanlinna_pick([2, -2], [1, 1], 1, "q").interpolant()) == "(1)/(1)"
+    assert str(nevanlinna_pick([2, -2], [1, 1], 1, variable="q").interpolant()) == "(1)/(1)"
     assert str(nevanlinna_pick([1, 2], [0, 0], 0).interpolant()) == "(0)/(1)"
     # One point: 2 a w/(s + a - ... ) by hand, f = w 2 a/((1 - w^2) (s - a) + 2 a) is bounded by 1.
     a, w = Rational(3), Rational(1, 2)

@@ -43,7 +43,7 @@ def test_uncontrollable_modes_are_the_common_factors_of_adjugate_and_determinant
     common = characteristic(A)
     for entry in resolvent.adjugate() * B:
         common = common.gcd(sympy.Poly(entry, s, domain="QQ"))
-    assert uncontrollable_polynomial(A, B, s) == common.monic()
+    assert uncontrollable_polynomial(A, B, variable=s) == common.monic()
     assert is_controllable(A, B) is (common.degree() == 0)
 
 

@@ -73,7 +73,7 @@ def test_a_compensator_of_order_n_less_one_separates(plant, data):
     assume(n > 1)
     regulator, observer = data.draw(hurwitz_spectra(n)), data.draw(hurwitz_spectra(n - 1))
     K = state_feedback_family(A, B, regulator).gain()
-    compensator = reduced_order_observer((A, B, C), observer, "s").compensator(K)
+    compensator = reduced_order_observer((A, B, C), observer, variable="s").compensator(K)
     assert compensator.n == n - 1 and compensator.certificate.holds
     loop = sympy.Matrix(Realisation(A, B, C).feedback_with(compensator, feedback=1).A)
     wanted = polynomial_from_roots((*regulator, *observer), "s")
@@ -97,7 +97,7 @@ def test_a_direct_term_is_taken_off_the_output(plant, data):
 def test_against_gopinath_and_python_control():
     """The double integrator of Luenberger's paper by Gopinath's construction, written out."""
     A, B, C = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
-    found = reduced_order_observer((A, B, C), [-3], "s")
+    found = reduced_order_observer((A, B, C), [-3], variable="s")
     # w = x_2 - l y: w' = -l w - l^2 y + u
     assert (found.N[0], found.J[0], found.H[0], found.E[0]) == (-3, -9, 1, 3)
     K = -control.acker(np.array(A), np.array(B), [-1, -2])
@@ -113,7 +113,7 @@ def test_unknown_inputs_leave_the_invariant_zeros(data):
     A, G, C = data.draw(matrices(n, n)), data.draw(matrices(n, 1)), data.draw(matrices(2, n))
     B = sympy.zeros(n, 1)
     build = lambda poles: functional_observer(  # noqa: E731
-        (A, B, C), sympy.eye(n), poles, "s", unknown_inputs=G
+        (A, B, C), sympy.eye(n), poles, variable="s", unknown_inputs=G
     )
     seen, felt = sympy.Matrix(C * G).rank(), sympy.Matrix(G).rank()
     if seen < felt:
@@ -130,7 +130,7 @@ def test_an_unknown_input_is_not_felt_in_a_simulation():
     A = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
     B, C, G = [[0], [0], [1]], [[1, 0, 0], [0, 1, 0]], [[0], [1], [1]]
     found = functional_observer(
-        (A, B, C), np.eye(3, dtype=int).tolist(), [-5, -7], "s", unknown_inputs=G
+        (A, B, C), np.eye(3, dtype=int).tolist(), [-5, -7], variable="s", unknown_inputs=G
     )
     N, J, H, E = (np.array(m, float) for m in (found.N, found.J, found.H, found.E))
     a, b, c, g = (np.array(m, float) for m in (A, B, C, G))
@@ -153,18 +153,20 @@ def test_a_functional_of_order_one_of_a_plant_of_order_four():
     B, C = [[0], [0], [0], [1]], [[1, 0, 0, 0], [0, 1, 0, 0]]
     L = [[1, 1, 1, 0]]
     with pytest.raises(NoSolutionError, match="no observer of order 1"):
-        functional_observer((A, B, C), L, [-5], "s")
-    found = functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], "s")
+        functional_observer((A, B, C), L, [-5], variable="s")
+    found = functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s")
     assert found.error_polynomial == polynomial_from_roots([-5, -6], "s")
     whole = found.realisation()
     assert transfer_matrix(whole).shape == (2, 3) and whole.n == 2
     with pytest.raises(InputError, match="no function of L x and y"):
-        functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], "s").compensator([[0, 0, 1, 0]])
+        functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], variable="s").compensator(
+            [[0, 0, 1, 0]]
+        )
 
 
 def test_it_is_that_of_full_order_where_nothing_is_known():
     A, B, C = [[-1, 4], [0, -3]], [[0], [1]], [[1, 0]]
-    found = functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], "s")
+    found = functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], variable="s")
     assert found.error_polynomial == polynomial_from_roots([-2, -6], "s")
     F = observer_gain_family(A, C, [-2, -6]).gain()
     classical = sympy.Matrix(A) - F * sympy.Matrix(C)
@@ -174,16 +176,20 @@ def test_it_is_that_of_full_order_where_nothing_is_known():
 def test_bad_input():
     plant = ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
     for arguments, options, words in (
-        (([[1, 0, 0]], [-1], "s"), {}, "L is 1 x 3; for 2 states it needs 2 columns"),
-        (([[1, 0], [2, 0]], [-1], "s"), {}, "rank 1; leave out the rows that follow"),
-        (([["a", 1]], [-1], "s"), {}, "give values to a"),
-        (([[0, 1]], [-1, -2], "s"), {}, "but 1 poles are to be placed"),
+        (([[1, 0, 0]], [-1]), {"variable": "s"}, "L is 1 x 3; for 2 states it needs 2 columns"),
+        (([[1, 0], [2, 0]], [-1]), {"variable": "s"}, "rank 1; leave out the rows that follow"),
+        (([["a", 1]], [-1]), {"variable": "s"}, "give values to a"),
+        (([[0, 1]], [-1, -2]), {"variable": "s"}, "but 1 poles are to be placed"),
         (([[0, 1]], [-1]), {}, "depends on the time domain"),
-        (([[0, 1]], [-1], "s"), {"unknown_inputs": [[1]]}, "for 2 states it needs 2 rows"),
+        (
+            ([[0, 1]], [-1]),
+            {"variable": "s", "unknown_inputs": [[1]]},
+            "for 2 states it needs 2 rows",
+        ),
     ):
         with pytest.raises(InputError, match=words):
             functional_observer(plant, *arguments, **options)
     with pytest.raises(InputError, match="nothing is left to find"):
-        reduced_order_observer(([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 1]]), [], "s")
+        reduced_order_observer(([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 1]]), [], variable="s")
     with pytest.raises(InputError, match="K is 1 x 3; here it must be 1 x 2"):
-        reduced_order_observer(plant, [-1], "s").compensator([[1, 2, 3]])
+        reduced_order_observer(plant, [-1], variable="s").compensator([[1, 2, 3]])

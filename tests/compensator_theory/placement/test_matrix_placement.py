@@ -98,7 +98,9 @@ def test_an_internal_model_divides_the_denominator(plant, model):
 
 
 def test_the_example_of_the_notes():
-    found = place_matrix_poles(G_OF_THE_NOTES, ["(s + 3)**2", "(s + 4)**3"], 1, "s", feedback=-1)
+    found = place_matrix_poles(
+        G_OF_THE_NOTES, ["(s + 3)**2", "(s + 4)**3"], 1, variable="s", feedback=-1
+    )
     assert len(found.homogeneous) == 2  # a line of answers for each column
     family = stabilising_compensators(G_OF_THE_NOTES, [-1, -2, -3], [-4, -5, -6], feedback=-1)
     assert family.stabilises(found.compensator)
@@ -120,7 +122,9 @@ def test_integrators_for_several_signals():
 
 
 def test_symbols_say_where_they_hold():
-    found = place_matrix_poles([["1/(s - a)"]], [[-1, -2]], 1, "s", feedback=-1, internal_model="s")
+    found = place_matrix_poles(
+        [["1/(s - a)"]], [[-1, -2]], 1, variable="s", feedback=-1, internal_model="s"
+    )
     assert str(found.compensator) == "[[(a + 3)*s + 2]]/(s)" and found.exceptional == ()
 
 

@@ -71,7 +71,7 @@ def test_without_weight_it_reflects_the_roots_outside(N):
 @given(polynomials("z", min_degree=1, max_degree=6), st.sampled_from([5, 40]))
 def test_enclosed_splits(N, digits):
     try:
-        inside, outside = enclose_split_at_unit_circle(N, digits)
+        inside, outside = enclose_split_at_unit_circle(N, digits=digits)
     except UnitCircleError:
         assume(False)
     assert max(inside.radius, outside.radius) <= ONE_TENTH**digits
@@ -86,7 +86,7 @@ def test_enclosed_splits(N, digits):
 
 
 def test_an_irrational_split_is_where_the_radicals_are():
-    inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 3*q + 1"), 50)
+    inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 3*q + 1"), digits=50)
     for ball, root in ((inside, (3 - sympy.sqrt(5)) / 2), (outside, (3 + sympy.sqrt(5)) / 2)):
         assert abs(sympy.N(ball.coefficients[1].centre + root, 80)) < ONE_TENTH**49
     assert polynomial("q - 0.38") not in inside
@@ -120,7 +120,7 @@ def test_bad_input():
         with pytest.raises(InputError):
             spectral_factor("z - 2", digits=digits, time="discrete")
         with pytest.raises(InputError):
-            enclose_split_at_unit_circle(polynomial("z - 2"), digits)
+            enclose_split_at_unit_circle(polynomial("z - 2"), digits=digits)
     for bad, degree in (("z**2 - 2", 2), ("z**2 - 3*z + 1", 0)):
         with pytest.raises(InputError):
             factor_spectrum(polynomial(bad), degree, "discrete")

@@ -188,9 +188,9 @@ def test_bezout_identities(a, b, common):
 
 
 def test_bezout_with_symbols():
-    found = bezout_identity("(s + a)*(s + b)", "(s + a)*s", "s")
+    found = bezout_identity("(s + a)*(s + b)", "(s + a)*s", variable="s")
     assert found.residual.is_zero and found.is_coprime is False
-    assert bezout_identity("s + a", "s + b", "s").is_coprime is None
+    assert bezout_identity("s + a", "s + b", variable="s").is_coprime is None
     assert bezout_identity("s + 1", 0).gcd == polynomial("s + 1")
     assert "gcd" in str(found) and found._repr_latex_().startswith("$")
 

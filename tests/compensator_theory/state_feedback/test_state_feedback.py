@@ -317,7 +317,7 @@ def test_bad_input(call, error):
 def test_deadbeat(pair):
     A, B = pair
     n = A.rows
-    K = state_feedback_family(A, B, [0] * n, "z").gain()
+    K = state_feedback_family(A, B, [0] * n, variable="z").gain()
     assert ((A + B * K) ** n).is_zero_matrix
     # In the least time: chains as long as the controllability indices.
     indices = [index for index in brunovsky_form(A, B).indices if index]

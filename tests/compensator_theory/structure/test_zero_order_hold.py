@@ -258,7 +258,7 @@ def test_frequencies_with_rational_ratios_share_one_symbol():
     assert len(zero_order_hold("1/((s**2 + 2)*(s**2 + 1))").exponentials) == 2
     irrational = zero_order_hold("1/(s**2 - 2)").exponentials
     assert irrational[0][1] == sympy.sqrt(2) * sympy.tanh(sympy.sqrt(2) * h / 2) / 2
-    general = zero_order_hold("w**2/(s**2 + 2*d*w*s + w**2)", "h", "s")
+    general = zero_order_hold("w**2/(s**2 + 2*d*w*s + w**2)", "h", variable="s")
     assert general.certificate.holds and len(general.exponentials) == 2
 
 
@@ -306,23 +306,23 @@ def test_relations_between_exponentials_are_kept():
 
 
 def test_symbolic_poles():
-    found = zero_order_hold("b/(s*(s + a))", "h", "s")
+    found = zero_order_hold("b/(s*(s + a))", "h", variable="s")
     assert found.exceptional == (a,) and found.certificate.holds
     ((symbol, value),) = found.exponentials
     assert value == sympy.exp(-a * h)
     at_two = zero_order_hold("3/(s*(s + 2))")
     special = found.realisation.B.subs({a: 2, symbol: x})
     assert (special - at_two.realisation.B).applyfunc(sympy.cancel).is_zero_matrix
-    two = zero_order_hold("1/((s + a)*(s + b))", "h", "s")
+    two = zero_order_hold("1/((s + a)*(s + b))", "h", variable="s")
     assert two.exceptional == (a, Symbol("b"), a - Symbol("b"))
     assert len(two.exponentials) == 2
 
 
 def test_a_name_that_is_taken():
-    found = zero_order_hold("x/(s + 1)", "h", "s")
+    found = zero_order_hold("x/(s + 1)", "h", variable="s")
     ((symbol, _),) = found.exponentials
     assert symbol.name == "x_" and found.realisation.C[0, 0] == x
-    assert zero_order_hold("2", "h", "s").realisation.n == 0
+    assert zero_order_hold("2", "h", variable="s").realisation.n == 0
 
 
 @pytest.mark.parametrize(
@@ -330,7 +330,7 @@ def test_a_name_that_is_taken():
     [
         lambda: zero_order_hold("1/(s**3 - 2)"),
         lambda: zero_order_hold("1/(s**2 + 1)", log(2)),
-        lambda: zero_order_hold("1/(s - 1/(a + 1))", "h", "s"),
+        lambda: zero_order_hold("1/(s - 1/(a + 1))", "h", variable="s"),
         lambda: zero_order_hold("1/(z + 1)"),
         lambda: zero_order_hold("1/(s + 1)", 0),
         lambda: zero_order_hold("1/(s + 1)", -1),
@@ -340,7 +340,7 @@ def test_a_name_that_is_taken():
         lambda: zero_order_hold("1/(s + 1)", None),
         lambda: zero_order_hold("1/(s + 1)**2", log(2)),
         lambda: zero_order_hold("1/(s + 1)", log(Rational(1, 2))),
-        lambda: zero_order_hold("1/(s + h)", "h", "s"),
+        lambda: zero_order_hold("1/(s + h)", "h", variable="s"),
         lambda: zero_order_hold("1/(s + 1)", discrete_variable="s"),
         lambda: zero_order_hold("s"),
         lambda: zero_order_hold(None),

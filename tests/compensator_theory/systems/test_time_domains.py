@@ -11,9 +11,11 @@ BARE = ([["-1/2"]], [[1]], [[1]])
 def test_bare_matrices_are_asked_for_their_time():
     for ask in (
         lambda variable: exact.gramians(BARE, variable),
-        lambda variable: exact.doubly_coprime_fractions(BARE, ["-1/3"], ["-1/4"], variable),
+        lambda variable: exact.doubly_coprime_fractions(
+            BARE, ["-1/3"], ["-1/4"], variable=variable
+        ),
         lambda variable: exact.stabilising_compensators(
-            BARE, ["-1/3"], ["-1/4"], variable, feedback=1
+            BARE, ["-1/3"], ["-1/4"], variable=variable, feedback=1
         ),
     ):
         with pytest.raises(InputError, match="write variable='s'"):

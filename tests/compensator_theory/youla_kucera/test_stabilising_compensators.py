@@ -156,12 +156,12 @@ def test_the_example_of_the_notes():
 def test_several_signals_and_no_states():
     family = stabilising_compensators(G_OF_THE_NOTES, [-1, -2, -3], [-4, -5, -6], feedback=-1)
     assert family.compensator().n == 3 and family.stabilises([[0, 0], [0, 0]])
-    static = stabilising_compensators([[2]], [], [], "s", feedback=1)
+    static = stabilising_compensators([[2]], [], [], variable="s", feedback=1)
     assert str(static.compensator("1/(s + 1)").transfer_matrix()) == "[[1]]/(s + 3)"
 
 
 def test_symbols_say_where_they_hold():
-    family = stabilising_compensators("1/(s - a)", [-1], ["-2"], "s", feedback=-1)
+    family = stabilising_compensators("1/(s - a)", [-1], ["-2"], variable="s", feedback=-1)
     found = family.compensator().transfer_function()
     assert sympy.cancel(found.as_expr() - (a + 1) * (a + 2) / (s + a + 3)) == 0
     assert family.fractions.certificate.holds and family.exceptional == ()
@@ -183,7 +183,7 @@ FAMILY = stabilising_compensators("(s + 2)/(s - 1)", [-1], [-1], feedback=1)
         (lambda: stabilising_compensators("1/(x - 1)", [-1], [-1], feedback=1), InputError),
         (lambda: stabilising_compensators("s", [], [], feedback=1), ImproperError),
         (
-            lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1], "s"),
+            lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1], variable="s"),
             NotControllableError,
         ),
         (lambda: FAMILY.compensator("-1"), ImproperError),

@@ -62,6 +62,39 @@ def test_the_bits_of_the_host(tmp_path, board, real):
     assert status != 0 or (real == "float64" and board == "cortex-m4")  # which has no such unit
 
 
+STACK = """
+static void one_step(void) {
+    rcac_real u[RCAC_L_U];
+    rcac_step(&s, rcac_vector_y, rcac_vector_z, rcac_vector_r, u);
+}
+int deep(void) {
+    uint32_t used = 0;
+    int k;
+    rcac_init(&s);
+    for (k = 0; k < 20; ++k) {
+        const uint32_t now = depth(one_step);
+        used = now > used ? now : used;
+    }
+    return (int)(used / 16);
+}
+"""
+
+
+@pytest.mark.skipif(
+    cortex.missing() is not None, reason="the tools for a Cortex-M are not installed"
+)
+@pytest.mark.parametrize("real", ["float32", "float64"])
+def test_the_stack_that_the_readme_says(tmp_path, real):
+    export_controller(SETTINGS, tmp_path, real=real)
+    text = RUN.replace("int run(", "int replay(") + STACK.replace("deep(", "run(")
+    (tmp_path / "run.c").write_text(cortex.DEPTH + text)
+    sources = [tmp_path / "run.c", tmp_path / "src" / "rcac.c"]
+    image = cortex.linked(tmp_path, sources, [tmp_path / "src", tmp_path / "test"])
+    used = 16 * cortex.run(image)[0]
+    said = int(re.search(r"Stack: about (\d+) bytes", (tmp_path / "README.md").read_text())[1])
+    assert 0.9 * used - 32 < said < 1.5 * used
+
+
 # 8 bits, int of 16, and floats by subroutines; what it has to say goes to its serial port.
 AVR = """
 #include <avr/interrupt.h>

@@ -177,6 +177,27 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 
 
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("clang") is None, reason="clang is not installed")
+def test_the_analyser_of_clang_finds_nothing(tmp_path, in_full):
+    """Its core checks, which clang-tidy runs, too; one controller where not all are asked for."""
+    source = (CORE / "rcac.c").read_text()
+    command = [
+        "clang", "--analyze", "-std=c99", "-Xclang", "-analyzer-werror", f"-I{CORE}",
+        f"-I{tmp_path}", "-o", tmp_path / "out", tmp_path / "rcac.c",
+    ]  # fmt: skip
+    for name in FUZZED if in_full else ["iir"]:
+        given_settings, more = FUZZED[name]
+        config = config_header(core_tables(given_settings, **more))
+        (tmp_path / "rcac_config.h").write_text(config)
+        # The positive control: what is nowhere is read.
+        broken = source.replace("*numerator = NUMERATOR(s)", "*numerator = NULL")
+        for text, clean in ((source, True), (broken, False)):
+            (tmp_path / "rcac.c").write_text(text)
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert (done.returncode == 0) == clean, done.stderr
+
+
 @settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(core_settings(), seeds, st.sampled_from(["gcc", "clang"]))
 def test_float32_follows_float64(case, seed, cc):

@@ -16,6 +16,7 @@ from rcac_numeric import (
     ControllerSettings,
     Covariance,
     DataDriven,
+    Decentralized,
     FixedController,
     Gradient,
     Normalization,
@@ -92,6 +93,10 @@ def test_the_replay_of_the_folder(tmp_path, controller, real):
     found = export_controller(controller, tmp_path, real=real)
     assert found.is_verified
     assert real == "float32" or re.fullmatch(r"\d+ steps: the same bits", found.replay)
+    if real == "float32":  # a fixed controller reads no z
+        name = "u" if isinstance(controller, Compensator) else "z"
+        rms = re.match(rf"rms {name} (\S+), in float64 (\S+);", found.agreement)
+        assert float(rms[1]) == pytest.approx(float(rms[2]), rel=1e-2) != 0
 
 
 @compiles
@@ -146,7 +151,8 @@ def test_two_controllers_in_one_program(tmp_path):
         found = export_controller(one, tmp_path / prefix, prefix=prefix, layout="px4")
         for name in found.files:
             text = (tmp_path / prefix / name).read_text()
-            assert not re.search(r"\b(rcac|RCAC)_|rcac\.[ch]", text), name
+            assert not re.search(r"\b(rcac|RCAC)_(?!INSTRUCTION_SET)|rcac\.[ch]", text), name
+        assert "RCAC_INSTRUCTION_SET=plain" in (tmp_path / prefix / "README.md").read_text()
     (tmp_path / "main.c").write_text(
         '#include "roll.h"\n#include "pitch.h"\nint main(void) { roll_state a; pitch_state b; '
         "roll_init(&a); pitch_init(&b); return ROLL_L_THETA == 4 && PITCH_L_THETA == 3 ? 0 : 1; }"
@@ -235,6 +241,8 @@ def test_other_arguments_that_do_not_fit(tmp_path):
     for wrong in (3, "4.7", None, load_example("4.7")):
         with pytest.raises(InputError, match="cannot be exported"):
             export_controller(wrong, tmp_path)
+    with pytest.raises(InputError, match="each of its `controllers`"):
+        export_controller(Decentralized([SETTINGS]), tmp_path)
     with pytest.raises(InputError, match="target_changes beside live_order"):
         core_tables(changing, live_order=2)
     with pytest.raises(InputError, match="no target model"):

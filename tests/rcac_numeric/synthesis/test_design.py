@@ -239,7 +239,7 @@ def test_the_interval_is_students():
 def test_a_right_plant_and_a_step_need_no_adaptation():
     found = design("1/(8*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5), noise=0.01,
                    seeds=2, steps=600)  # fmt: skip
-    assert found.verdict.use == FIXED and found.controller is found.fixed
+    assert found.verdict.use == FIXED and equal(found.controller, found.frozen)
     assert all(all(trial.stable) for trial in found.evidence)
     assert found.report().splitlines()[1].startswith("  Use the fixed controller: ")
 
