@@ -1,4 +1,4 @@
-"""Controllers of Chapters 2 and 6 as functions of the shift q; scalar signals, letters for gains."""
+"""Controllers of Chapters 2 and 6 as functions of the shift q; scalar signals, gains as letters."""
 
 from sympy import cancel, symbols
 
