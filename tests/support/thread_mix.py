@@ -87,10 +87,7 @@ TASKS = [
     lambda: shown(exact.lqg_controller(DISCRETE)),
     lambda: shown(exact.lqg_controller(CONTINUOUS)),
     lambda: exact.canonical("sqrt(2) + sqrt(3) + 2**(1/3)*s"),
-    lambda: [
-        m.tobytes()
-        for m in zero_order_hold([[0.0, 1.0], [-2.0, -0.3]], [[0.0], [1.0]], variable=0.1)
-    ],
+    lambda: [m.tobytes() for m in zero_order_hold([[0.0, 1.0], [-2.0, -0.3]], [[0.0], [1.0]], 0.1)],
     written,
     refused,
 ]

@@ -51,6 +51,7 @@ def test_the_ledger_has_the_entry_and_its_counterexample_holds(erratum):
 READING_NOTES = {
     "placement.more_states_than_the_plant",
     "placement.separated_pair",
+    "placement.too_many_target_poles",
     "resultants.multiple_roots",
     "theorem_1.distinct_roots",
     "theorem_1.multiplicity",

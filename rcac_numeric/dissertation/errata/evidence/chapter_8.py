@@ -29,20 +29,6 @@ def process_noise_of_the_ukf() -> Facts:
     yield "the sum plus Q is the covariance of x(k+1)", spread + Q == covariance
 
 
-def redrawn_points() -> Facts:
-    """The gain for x(k+1) = a x + w, y = x + v, from the points of (8.22) and from new ones."""
-    a, P, Q, R = Fraction(1, 2), Fraction(4), Fraction(2), Fraction(1)
-    predicted = a * a * P + Q
-    kalman = predicted / (predicted + R)
-
-    def gain(spread: Fraction) -> Fraction:
-        """(8.17)-(8.19), where the points deviate by sqrt(alpha spread), alpha = n = 1."""
-        return spread / (spread + R)
-
-    yield "from the points of (8.22) it is not the Kalman gain", gain(a * a * P) != kalman
-    yield "from points drawn anew it is", gain(predicted) == kalman
-
-
 def singular_hessian() -> Facts:
     """A(k) of (8.53) for H~ = [H_1 H_2], R = 1, eta = 0, and for H~ = H_2."""
     H = np.array([[1.2, 0.6]])
