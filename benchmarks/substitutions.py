@@ -58,17 +58,17 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     ),
     "solve_diophantine": (
         exact.solve_diophantine,
-        lambda p, q, r, t: _plain(f"s**2 + {p}", f"s + {q}", f"{r}*s + {t}", "s"),
+        lambda p, q, r, t: _plain(f"s**2 + {p}", f"s + {q}", f"{r}*s + {t}", variable="s"),
         invariants("x", "y", "dx", "dy"),
     ),
     "bezout_identity": (
         exact.bezout_identity,
-        lambda p, q, r, t: _plain(f"(s + {p})*(s + {q})", f"(s + {r})*(s + {t})", "s"),
+        lambda p, q, r, t: _plain(f"(s + {p})*(s + {q})", f"(s + {r})*(s + {t})", variable="s"),
         lambda x: x.gcd,
     ),
     "gcd_from_null_space": (
         exact.bezout.gcd_from_null_space,
-        lambda p, q, r, t: _plain(f"s**2 + {p}*s + {q}", f"(s + {r})*(s + {t})", "s"),
+        lambda p, q, r, t: _plain(f"s**2 + {p}*s + {q}", f"(s + {r})*(s + {t})", variable="s"),
         lambda x: x.gcd,
     ),
     "resultant": (
@@ -165,7 +165,7 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     ),
     "uncontrollable_polynomial": (
         exact.uncontrollable_polynomial,
-        lambda p, q, r, t: _plain([[p, "1"], ["0", q]], [[r], [t]], "s"),
+        lambda p, q, r, t: _plain([[p, "1"], ["0", q]], [[r], [t]], variable="s"),
         lambda x: x,
     ),
     "coprime_fractions": (
@@ -175,7 +175,7 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     ),
     "doubly_coprime_fractions": (
         exact.doubly_coprime_fractions,
-        lambda p, q, r, t: _plain(matrices(p, q, r, t), ["-1", "-2"], ["-1", "-3"], "s"),
+        lambda p, q, r, t: _plain(matrices(p, q, r, t), ["-1", "-2"], ["-1", "-3"], variable="s"),
         invariants("K", "F"),
     ),
     "invariant_zeros": (
@@ -200,7 +200,7 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     ),
     "state_feedback_family": (
         exact.state_feedback_family,
-        lambda p, q, r, t: _plain([[p, "1"], [q, r]], [["1", "0"], [t, "0"]], ["-1", "-2"], "s"),
+        lambda p, q, r, t: _plain([[p, "1"], [q, r]], [["1", "0"], [t, "0"]], ["-1", "-2"]),
         lambda x: x.form.indices,
     ),
     "assign_eigenstructure": (
@@ -239,7 +239,7 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     "decouple": (
         exact.geometry.decouple,
         lambda p, q, r, t: _plain(
-            ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), None, "s"
+            ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), variable="s"
         ),
         invariants("relative_degrees", "matrix"),
     ),
@@ -250,7 +250,9 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     ),
     "laurent_expansion": (
         exact.interpolation.laurent_expansion,
-        lambda p, q, r, t: _plain(f"(s + {p})/((s + {q})*(s**2 + {r}*s + {t}))", "0", 3, "s"),
+        lambda p, q, r, t: _plain(
+            f"(s + {p})/((s + {q})*(s**2 + {r}*s + {t}))", "0", 3, variable="s"
+        ),
         invariants("order", "coefficients"),
     ),
     "pade_approximant": (

@@ -21,7 +21,7 @@ from docs.exercises_page import sources as exercise_files
 from docs.notebook_pages import copy_notebooks, write_settings
 from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
-from docs.reference_pages import ROOT, changed, write_reference
+from docs.reference_pages import ROOT, changed, write_reference, write_rocq
 from docs.thumbnails import insert_thumbnails
 from rcac_numeric.explorer.page import explorer_page
 from rcac_numeric.reports.page.rendering import write_page
@@ -32,6 +32,7 @@ REFERENCE = Path(__file__).resolve().parent / "reference"
 write_reference(REFERENCE, LAYERS)
 index = equations()
 changed(REFERENCE / "equations.md", equations_page(index))
+write_rocq(REFERENCE / "rocq")
 copy_notebooks(Path(__file__).resolve().parent / "notebooks")
 
 # SymPy's own docstrings, which are read on the way to ours.

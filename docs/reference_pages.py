@@ -156,6 +156,24 @@ def page_of(package: str, name: str) -> str:
     return f"api/{public_path(package, name)}{suffix}"
 
 
+def write_rocq(folder: Path) -> None:
+    """Write the Coq files as pages, each theorem with the statements that name it."""
+    from proofs.ledger.ledger import ledger
+    from proofs.output.rocq_pages import rocq_pages
+
+    serves: dict[str, list[str]] = {}
+    for entry in ledger():
+        for theorem in entry.theorems:
+            serves.setdefault(theorem, []).append(entry.name)
+    pages = rocq_pages(serves)
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in folder.glob("*.md"):
+        if path.stem not in pages:
+            path.unlink()
+    for name, text in pages.items():
+        changed(folder / f"{name}.md", ORPHAN + text)
+
+
 def changed(path: Path, text: str) -> None:
     """Write a page only where it differs, so that an unchanged one is not read again."""
     if not path.exists() or path.read_text() != text:

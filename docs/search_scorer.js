@@ -13,7 +13,7 @@ var Scorer = {
   // Where an answer is likely: the guide, then pages of tasks, the reference, and last what tells
   // of the past, of the dissertation, or of the inside of the packages.
   places: [
-    [/^reference\/(folders|equations|(rcac_numeric|compensator_theory)(\.|$))/, -25],
+    [/^reference\/(folders|equations|rocq\/|(rcac_numeric|compensator_theory)(\.|$))/, -25],
     [/^(changelog|errata|fair-judging|letters|proofs)$/, -12],
     [/^(notebooks\/|beyond-the-text|arithmetic|trust|search|genindex|exercises)/, -3],
     [/^reference\/api\//, 0],
@@ -31,7 +31,7 @@ var Scorer = {
     if (anchor || !words.length || !named) return score + place;
     const first = titled[0].startsWith(words[0]) ? 20 : 0;
     if (docname.startsWith("reference/api/")) return score + 10;
-    if (/^reference\/(rcac_numeric|compensator_theory)/.test(docname)) return score - 10;
+    if (/^reference\/(rocq|rcac_numeric|compensator_theory)/.test(docname)) return score - 10;
     return score + (docname.startsWith("guide/") ? 50 : 40) + first;
   },
 };

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import flint
 import sympy
-from sympy import Expr, Poly, Symbol
+from sympy import Expr, Integer, Poly, Symbol
 
 from compensator_theory.canonical_forms.minimal_bases import (
     MinimalBasis,
@@ -20,6 +20,7 @@ from compensator_theory.canonical_forms.pencil_kernels import NullVectors, Penci
 from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import diagonal, displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
@@ -199,6 +200,9 @@ def _in_s(factor: flint.fmpq_poly, point: int) -> flint.fmpq_poly:
     return reversed_ / reversed_.leading_coefficient()
 
 
+SIZES = "(s E - A) M = 0, W M = I, the same of the transposed pencil, and the blocks add up"
+
+
 @dataclass(frozen=True)
 class KroneckerForm(ExactValue):
     r"""All that stays of a pencil sE - A under changes of both bases.
@@ -239,6 +243,20 @@ class KroneckerForm(ExactValue):
         """The product of the invariant polynomials; 1 if there are none."""
         one = Poly(1, self.pencil.variable, domain=sympy.QQ)
         return canonical(sympy.prod(self.invariant_polynomials, start=one))
+
+    @property
+    def certificate(self) -> Certificate:
+        """Both null spaces with their left inverses, and the sizes of all blocks added up."""
+        finite = sum(int(p.degree()) for p in self.invariant_polynomials)
+        regular = finite + sum(self.infinite_orders)
+        right, left = self.right_indices, self.left_indices
+        rows = regular + sum(right) + sum(left) + len(left)
+        columns = regular + sum(right) + len(right) + sum(left)
+        given_rows, given_columns = self.pencil.shape
+        parts = [self.right_basis.certificate.residual, self.left_basis.certificate.residual]
+        return certificate_of(
+            SIZES, [*parts, [Integer(rows - given_rows), Integer(columns - given_columns)]], "form"
+        )
 
     def __str__(self) -> str:
         finite = ", ".join(map(format_polynomial, self.invariant_polynomials)) or "none"

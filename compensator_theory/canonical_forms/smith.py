@@ -157,6 +157,11 @@ def diagonalise(work: Elimination) -> int:
     ring = work.ring
     if not (isinstance(ring, SymbolicRing) and FractionFree.serves(ring.field)):
         return by_euclid(work)
+    if work.columns > work.rows:  # a last row alone would be left to Euclid
+        work.transpose()
+        rank = diagonalise(work)
+        work.transpose()
+        return rank
     steps = FractionFree(ring.ring)
     for k in range(min(work.rows, work.columns)):
         rest = [row[k:] for row in work.matrix[k:]]

@@ -129,7 +129,11 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
     (Matrix([[3]]), Matrix([[1]]))
     """
     if not isinstance(plant, StandardProblem):
-        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
+        raise InputError(
+            f"{shown(plant)} is not a StandardProblem: a plant alone does not say what disturbs it "
+            "and what is weighed. Give lqg_problem(plant, Q, R, W, V), or standard_problem(G), "
+            "where the measurement is weighed and the disturbance is matched"
+        )
     return (
         (plant.A, plant.B, plant.E_1, plant.E_2),
         (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T),

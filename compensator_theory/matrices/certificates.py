@@ -10,6 +10,7 @@ from sympy import Expr, ImmutableMatrix
 
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, words
+from compensator_theory.matrices.fraction_free import vanish
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -75,6 +76,9 @@ def certificate_of(
     >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
     True
     """
-    entries = (entry for matrix in residuals for entry in matrix)
-    left = [entry if entry.is_Rational else sympy.cancel(entry) for entry in entries]
+    entries = [entry for matrix in residuals for entry in matrix]
+    left = [
+        entry if entry.is_Rational else sympy.Integer(0) if is_zero else sympy.cancel(entry)
+        for entry, is_zero in zip(entries, vanish(entries), strict=True)
+    ]
     return proven(Certificate(identity, ImmutableMatrix(1, len(left), left)), what)

@@ -13,6 +13,7 @@ from compensator_theory.matrices.flint_matrices import (
     is_rational_matrix,
     to_flint,
 )
+from compensator_theory.matrices.fraction_free import SymbolicRows
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,10 @@ def echelon(matrix: Matrix) -> Echelon:
         form = from_flint(reduced)[: int(found), :]
         pivots = tuple(next(c for c in range(columns) if row[c] != 0) for row in form.tolist())
         return Echelon(ImmutableMatrix(form), pivots, sympy.Integer(1))
+    if (symbolic := SymbolicRows.of(matrix)) is not None:
+        found_pivots = symbolic.reduce(columns, shortest=False)
+        form = symbolic.quotients(range(len(found_pivots)), range(columns))
+        return Echelon(form, tuple(found_pivots), symbolic.minor())
     # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
     over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
     numerator, minor, pivots = over_ring.rref_den(method="FF")

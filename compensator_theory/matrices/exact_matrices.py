@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import Any, Protocol, TypeAlias
 
+import flint
 import sympy
 from sympy import QQ, ZZ, Expr, ImmutableMatrix, MatrixBase
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.flint_matrices import kept_rational
+from compensator_theory.matrices.flint_matrices import kept_rational, rational_in_flint
 from compensator_theory.polynomials.budget import ask, ask_for_number, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
@@ -64,6 +66,19 @@ def _read_at_once(value: Any, name: str) -> ImmutableMatrix | None:
             max((int(c.denominator) for c in entries), default=1),
         )
         return value
+    if (kinds := _kinds(value, name)) is None:
+        return None
+    domain = ZZ if kinds == {int} else QQ
+    rows = [
+        [domain(e) if domain is ZZ else domain(e.numerator, e.denominator) for e in row]
+        for row in value
+    ]
+    rep = DomainMatrix(rows, (len(rows), len(rows[0])), domain)
+    return ImmutableMatrix._fromrep(rep.to_sparse())
+
+
+def _kinds(value: Any, name: str) -> set[type] | None:
+    """Return the types of the entries of plain rows of integers and fractions; None for others."""
     if type(value) not in (list, tuple) or not all(type(row) in (list, tuple) for row in value):
         return None
     if len({len(row) for row in value}) != 1 or not value[0]:
@@ -72,15 +87,31 @@ def _read_at_once(value: Any, name: str) -> ImmutableMatrix | None:
     if not kinds <= {int, Fraction}:
         return None
     ask("entries", len(value) * len(value[0]), f"the matrix {name}")
-    largest = max(max(abs(e.numerator), e.denominator) for row in value for e in row)
+    if kinds == {int}:
+        largest = max(map(abs, chain.from_iterable(value)))
+    else:
+        largest = max(max(abs(e.numerator), e.denominator) for row in value for e in row)
     ask_for_number(largest, 1)
-    domain = ZZ if kinds == {int} else QQ
-    rows = [
-        [domain(e) if domain is ZZ else domain(e.numerator, e.denominator) for e in row]
-        for row in value
-    ]
-    rep = DomainMatrix(rows, (len(rows), len(rows[0])), domain)
-    return ImmutableMatrix._fromrep(rep.to_sparse())
+    return kinds
+
+
+def read_in_flint(value: MatrixLike, name: str) -> flint.fmpq_mat | None:
+    """Read a rational matrix without SymPy where it is written in plain numbers, else through it.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices.exact_matrices import read_in_flint
+    >>> read_in_flint([[1, 2], [3, 4]], "A").det(), read_in_flint([["a"]], "A")
+    (-2, None)
+    """
+    kinds = _kinds(value, name)
+    if kinds is None:
+        return rational_in_flint(exact_matrix(value, name))
+    rows: Any = value
+    if kinds == {int}:
+        return flint.fmpq_mat(flint.fmpz_mat(rows))
+    fractions = [flint.fmpq(e.numerator, e.denominator) for row in rows for e in row]
+    return flint.fmpq_mat(len(rows), len(rows[0]), fractions)
 
 
 def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:

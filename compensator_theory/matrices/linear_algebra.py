@@ -20,6 +20,7 @@ from compensator_theory.matrices.flint_matrices import (
     symbols_in,
 )
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
+from compensator_theory.matrices.fraction_free import SymbolicRows, symbolic_product
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 
@@ -54,6 +55,9 @@ def determinant(matrix: Matrix) -> Expr:
     _require_square(matrix)
     if (raw := rational_in_flint(matrix)) is not None:
         return rational(raw.det())
+    if (symbolic := SymbolicRows.of(matrix)) is not None:
+        full = len(symbolic.reduce(matrix.cols)) == matrix.rows
+        return symbolic.determinant() if full else sympy.Integer(0)
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     constant_term = domain_matrix.charpoly()[-1]  # division-free
     sign = -1 if matrix.rows % 2 else 1
@@ -66,6 +70,8 @@ def rank(matrix: Matrix) -> int:
         return 0
     if (raw := rational_in_flint(matrix)) is not None:
         return int(raw.rref()[1])
+    if (symbolic := SymbolicRows.of(matrix)) is not None:
+        return len(symbolic.reduce(matrix.cols))
     # SymPy keeps an entry such as (1 - b)/b + (b - 1)/b as a nonzero one in sparse form.
     return len(DomainMatrix.from_Matrix(matrix).to_dense().rref_den()[2])
 
@@ -101,6 +107,11 @@ def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
             return from_flint(raw.solve(column))
         except ZeroDivisionError as error:
             raise NoSolutionError(singular) from error
+    if (symbolic := SymbolicRows.of(matrix, right_side)) is not None:
+        if len(symbolic.reduce(matrix.cols)) < matrix.rows:
+            raise NoSolutionError(singular)
+        columns = range(matrix.cols, matrix.cols + right_side.cols)
+        return symbolic.quotients(range(matrix.rows), columns)
     left, right = _unified(matrix, right_side)
     try:
         numerator, denominator = left.solve_den(right)
@@ -173,6 +184,8 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
     raw = [rational_in_flint(factor) for factor in factors]
     if all(factor is not None for factor in raw):
         return from_flint(reduce(mul, raw))
+    if (product := symbolic_product(*factors)) is not None:
+        return product
     fields = [factor.to_field() for factor in _unified(*factors)]
     return ImmutableMatrix(reduce(mul, fields).to_Matrix())
 
@@ -185,6 +198,9 @@ def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
             next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))
         )
         return result, tuple(leading)
+    if (symbolic := SymbolicRows.of(matrix)) is not None:
+        pivots = symbolic.reduce(matrix.cols)
+        return symbolic.quotients(range(matrix.rows), range(matrix.cols)), tuple(pivots)
     numerator, denominator, pivots = DomainMatrix.from_Matrix(matrix).to_dense().rref_den()
     return _quotient(numerator, denominator), tuple(pivots)
 

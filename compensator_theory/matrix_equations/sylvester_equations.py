@@ -9,7 +9,6 @@ from operator import add, mul
 from typing import Any
 
 import flint
-import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, eye
 from sympy.polys.matrices import DomainMatrix
 
@@ -255,7 +254,7 @@ def _by_characteristic_polynomial(
         X = solve(inverted.T, right.T).T
     except NoSolutionError:
         return None
-    return ImmutableMatrix(X.applyfunc(sympy.cancel)), [determinant(inverted)]
+    return ImmutableMatrix(X), [determinant(inverted)]
 
 
 class _Symbolic:

@@ -9,6 +9,8 @@ from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
@@ -18,6 +20,8 @@ from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+SIMILARITY = "S A~ = A' S, det(sI - A - B K) = p_R, det(sI - A + F C) = p_O"
 
 
 @dataclass(frozen=True)
@@ -68,19 +72,23 @@ class ObserverBasedCompensator(ExactValue):
         return canonical(self.regulator * self.observer)
 
     @property
-    def similarity_residual(self) -> ImmutableMatrix:
-        r"""What is left of (7.18), :math:`\tilde S\tilde A - \tilde A'\tilde S`; zero.
+    def certificate(self) -> Certificate:
+        r"""That the loop is the regulator beside the observer, (7.18), with these polynomials.
 
-        Computed anew from the loop of plant and compensator.
+        :math:`\tilde S\tilde A - \tilde A'\tilde S`, computed anew from the loop of plant and
+        compensator, and what is left of both polynomials.
         """
         A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
         identity, zero = sympy.eye(n), sympy.zeros(n)
         S = sympy.Matrix.vstack(identity.row_join(zero), identity.row_join(-identity))
-        separated = sympy.Matrix.vstack(
-            (A + B * self.K).row_join(-B * self.K), zero.row_join(A - self.F * C)
-        )
+        inner, outer = A + B * self.K, A - self.F * C
+        separated = sympy.Matrix.vstack(inner.row_join(-B * self.K), zero.row_join(outer))
         joined = closed_loop_matrix(self.plant, self.compensator)
-        return ImmutableMatrix((S * joined - separated * S).applyfunc(sympy.cancel))
+        left = [
+            (characteristic_polynomial(matrix, self.plant.variable) - goal).all_coeffs()
+            for matrix, goal in ((inner, self.regulator), (outer, self.observer))
+        ]
+        return certificate_of(SIMILARITY, [S * joined - separated * S, *left], "compensator")
 
     def __str__(self) -> str:
         return (

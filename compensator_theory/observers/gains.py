@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import flint
-import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import (
     InputError,
@@ -13,7 +13,7 @@ from compensator_theory.errors import (
     NotObservableError,
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
+from compensator_theory.matrices.flint_matrices import from_flint
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant, solve
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -23,6 +23,7 @@ from compensator_theory.polynomials.poly import is_rational, monic
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.controllability import (
     controllability_matrix,
+    rational_pair,
     uncontrollable_polynomial,
 )
 
@@ -66,19 +67,24 @@ def regulator_gain(
     >>> regulator_gain([[-1, 4], [0, -3]], [[0], [1]], [-5, -4])  # Example 7.1
     Matrix([[-3, -5]])
     """
-    a, b, symbol = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
-    if b.cols != 1:
+    symbol, pair = as_symbol(variable), rational_pair(A, B)
+    if pair is None:
+        a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+        size, inputs = int(a.rows), int(b.cols)
+    else:
+        size, inputs = int(pair[0].nrows()), int(pair[1].ncols())
+    if inputs != 1:
         raise InputError(
-            f"B has {b.cols} columns; with several inputs many gains give the same eigenvalues. "
+            f"B has {inputs} columns; with several inputs many gains give the same eigenvalues. "
             "Choose a direction v and place the poles of (A, Bv)"
         )
-    goal = wanted_spectrum(poles, a.rows, symbol)
+    goal = wanted_spectrum(poles, size, symbol)
     try:
-        if is_rational(goal) and is_rational_matrix(a) and is_rational_matrix(b):
-            return _rational_gain(to_flint(a), to_flint(b), to_flint_polynomial(goal))
-        return _symbolic_gain(a, b, goal)
+        if pair is not None and is_rational(goal):
+            return _rational_gain(*pair, to_flint_polynomial(goal))
+        return _symbolic_gain(exact_matrix(A, "A"), exact_matrix(B, "B"), goal)
     except NoSolutionError as error:
-        fixed = format_polynomial(uncontrollable_polynomial(a, b, variable=symbol))
+        fixed = format_polynomial(uncontrollable_polynomial(A, B, variable=symbol))
         raise NotControllableError(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"
@@ -107,12 +113,21 @@ def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) 
 
 
 def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> ImmutableMatrix:
-    kalman = controllability_matrix(a, b)
-    row = solve(kalman.T, sympy.eye(a.rows)[:, a.rows - 1]).T
-    value = sympy.zeros(1, a.rows)
-    for coefficient in goal.all_coeffs():  # Horner, one row
-        value = (value * a + row * coefficient).applyfunc(sympy.cancel)
-    return ImmutableMatrix(-value)
+    """Solve K [V_1 .. V_n] = p - p_R for the columns of adj(sI - A) b (Bass and Gura)."""
+    if a.rows != a.cols or b.rows != a.rows or not a.rows:
+        controllability_matrix(a, b)  # which says what does not fit
+        return ImmutableMatrix.zeros(1, 0)
+    wanted = ImmutableMatrix([goal.all_coeffs()[1:]])
+    A, v, target = DomainMatrix.from_Matrix(a).unify(
+        DomainMatrix.from_Matrix(b), DomainMatrix.from_Matrix(wanted), fmt="dense"
+    )
+    p = A.charpoly()
+    columns = [v]
+    for coefficient in p[1:-1]:
+        columns.append(A * columns[-1] + v * coefficient)
+    difference = DomainMatrix([p[1:]], target.shape, A.domain).to_dense() - target
+    kalman = columns[0].hstack(*columns[1:])
+    return solve(kalman.transpose().to_Matrix(), difference.transpose().to_Matrix()).T
 
 
 @generic_answer_of(regulator_gain)

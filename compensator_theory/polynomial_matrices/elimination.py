@@ -48,6 +48,13 @@ class Elimination:
         self.V, self.V_inverse = identity(ring, self.columns), identity(ring, self.columns)
         self.effort = 0
 
+    def transpose(self) -> None:
+        """Exchange the roles of rows and columns: (U M V)' = V' M' U'."""
+        self.given, self.matrix = _transposed(self.given), _transposed(self.matrix)
+        self.rows, self.columns = self.columns, self.rows
+        self.U, self.V = _transposed(self.V), _transposed(self.U)
+        self.U_inverse, self.V_inverse = _transposed(self.V_inverse), _transposed(self.U_inverse)
+
     def add_row(self, target: int, source: int, factor: Element) -> None:
         """Add a multiple of one row to another."""
         for grid in (self.matrix, self.U):
@@ -150,3 +157,7 @@ class Elimination:
                     self.reduce_row(above, rank, column)
                 rank += 1
         return rank
+
+
+def _transposed(grid: Grid) -> Grid:
+    return [list(column) for column in zip(*grid, strict=True)]

@@ -13,8 +13,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix, read_in_flint
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -63,11 +62,7 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     [1, -3]])
     """
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
-    if A.rows != A.cols or B.rows != A.rows:
-        raise InputError(
-            f"A is {A.rows} x {A.cols} and B is {B.rows} x {B.cols}; A must be square and B have "
-            "as many rows"
-        )
+    _require_pair(A.shape, B.shape)
     require_one_symbol_a_name(A.free_symbols | B.free_symbols)
     if not A.rows:
         return ImmutableMatrix.zeros(0, 0)
@@ -76,6 +71,30 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     for _ in range(A.rows - 1):
         blocks.append(a * blocks[-1])
     return ImmutableMatrix(blocks[0].hstack(*blocks[1:]).to_Matrix())
+
+
+def rational_pair(A: MatrixLike, B: MatrixLike) -> tuple[flint.fmpq_mat, flint.fmpq_mat] | None:
+    """Read a pair of rational matrices; None where there are symbols or no states.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems.controllability import rational_pair
+    >>> rational_pair([["a"]], [[1]]) is None
+    True
+    """
+    a, b = read_in_flint(A, "A"), read_in_flint(B, "B")
+    if a is None or b is None or not a.nrows():
+        return None
+    _require_pair((a.nrows(), a.ncols()), (b.nrows(), b.ncols()))
+    return a, b
+
+
+def _require_pair(first: tuple[int, int], second: tuple[int, int]) -> None:
+    if first[0] != first[1] or second[0] != first[0]:
+        raise InputError(
+            f"A is {first[0]} x {first[1]} and B is {second[0]} x {second[1]}; A must be square "
+            "and B have as many rows"
+        )
 
 
 def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
@@ -105,9 +124,9 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     >>> is_controllable(Matrix([[-1, 4], [0, -3]]), Matrix([0, 1]))
     True
     """
+    if (pair := rational_pair(A, B)) is not None:
+        return _reaches_all(*pair)
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
-    if A.rows == A.cols == B.rows and A.rows and is_rational_matrix(A) and is_rational_matrix(B):
-        return _reaches_all(to_flint(A), to_flint(B))
     kalman = controllability_matrix(A, B)
     if rank(kalman) < A.rows:
         return False

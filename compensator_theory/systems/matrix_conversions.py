@@ -14,6 +14,7 @@ from compensator_theory.polynomials.budget import ask, listed
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import common_divisor, exact_quotient, monic, product
+from compensator_theory.polynomials.reading import is_list
 from compensator_theory.polynomials.variables import (
     as_symbol,
     evident_variable,
@@ -48,9 +49,9 @@ def transfer_matrix(
     ----------
     rows : nested sequences, sympy.Matrix, TransferMatrix, Realisation, DescriptorSystem, ...
         Each entry is anything :func:`transfer_function` reads; p rows of m entries. A transfer
-        function alone makes a 1 x 1 matrix. Transfer functions and state spaces with several
-        signals are read from python-control and SymPy, and a tuple (A, B, C) or (A, B, C, D) of
-        matrices, which needs the variable.
+        function alone, or a pair of two polynomials, makes a 1 x 1 matrix. Transfer functions and
+        state spaces with several signals are read from python-control and SymPy, and a tuple
+        (A, B, C) or (A, B, C, D) of matrices, which needs the variable.
     variable : str or Symbol, optional
         Default: the only one of ``s``, ``z``, ``q`` in all entries together, else the only symbol.
 
@@ -130,11 +131,13 @@ def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | Tran
     is_array = hasattr(rows, "shape") and hasattr(rows, "__iter__")
     if isinstance(rows, str) or not (isinstance(rows, Sequence) or is_array):
         return [[rows]]
+    if isinstance(rows, tuple) and len(rows) == 2 and not any(map(is_list, rows)):
+        return [[rows]]  # numerator and denominator
     given = [] if getattr(rows, "shape", None) == () else listed(rows, "degree", "the rows")
     if not given or any(isinstance(row, str) or not hasattr(row, "__len__") for row in given):
         raise InputError(
             "a transfer matrix is written by rows, each a list, as in [['1/s', 0]]; give a single "
-            "pair (numerator, denominator) to transfer_function"
+            "pair of lists of coefficients to transfer_function"
         )
     ask("entries", sum(len(row) for row in given), "the transfer matrix")
     return [list(row) for row in given]

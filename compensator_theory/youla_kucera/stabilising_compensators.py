@@ -10,6 +10,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.loops.siso import require_sign
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     in_lowest_terms,
@@ -85,6 +86,11 @@ class StabilisingCompensators(ExactValue):
     def exceptional(self) -> tuple[Expr, ...]:
         """Polynomials in the symbols; everything holds where none of them is zero."""
         return self.fractions.exceptional
+
+    @property
+    def certificate(self) -> Certificate:
+        """The Bezout identity of the fractions, from which all compensators come."""
+        return self.fractions.certificate
 
     def compensator(self, Q: RealisationLike | TransferMatrixLike | None = None) -> Realisation:
         r"""Return the compensator of one parameter: an observer, its gain, and Q on the innovation.

@@ -19,7 +19,12 @@ from .ledger import read
 
 Parts = dict[str, str]
 FILE = Path("proofs/statements/signatures.txt")
-_RUNNERS = ("checks", "code", "mutants", "outcomes", "signatures", "verification")
+_RUNNERS = (
+    *("ledger/checks", "ledger/code", "ledger/entries", "ledger/formal_check", "ledger/ledger"),
+    *("ledger/mutants", "ledger/outcomes", "ledger/signatures", "ledger/verification"),
+    *("formal/assumptions", "formal/questions", "formal/rocq_build", "formal/rocq_sources"),
+    *("formal/types", "formal/witnesses"),
+)
 _RUNNER_PARTS = "what runs the checks"
 _FILE_PARTS = "what surrounds the theorems"
 
@@ -51,11 +56,13 @@ class Tree:
             )
             for path in sources(rocq)
         }
-        ledger = self.root / "proofs" / "ledger"
+        proofs = self.root / "proofs"
         found[_RUNNER_PARTS] = {
-            name: digest(" ".join((ledger / f"{name}.py").read_text(encoding="utf-8").split()))
+            name: digest(" ".join((proofs / f"{name}.py").read_text(encoding="utf-8").split()))
             for name in _RUNNERS
         }
+        for name in ("_CoqProject", "Makefile"):
+            found[_RUNNER_PARTS][f"rocq/{name}"] = digest((rocq / name).read_text(encoding="utf-8"))
         return found
 
     def signed(self) -> dict[str, Parts]:

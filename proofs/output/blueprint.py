@@ -3,15 +3,19 @@
 import html
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 
-from ..formal.rocq_sources import SOURCES, source, sources, without_comments
+from ..formal.declarations import declarations, rests_on
+from ..formal.rocq_sources import SOURCES, source
 from ..formal.types import committed
 from ..ledger.entries import Entry
+from ..ledger.ledger import theorems
+from .coverage import strength
+from .rocq_pages import PLACE, where
 
-_REQUIRED = re.compile(r"From\s+Compensators\.(\w+)\s+Require\s+(?:Import\s+)?([^.]*)\.")
 _WORD = re.compile(r"(?:\w+\.)*\w+")
-_WIDTH, _HEIGHT, _GAP, _COLUMNS = 178, 26, 34, 5
+_WIDTH, _HEIGHT, _GAP, _COLUMNS = 178, 26, 30, 4
+COLOURS = {"Coq": "#1f6f54", "Coq in part": "#5b8a2d", "identity": "#2f62a3", "property": "#8a5a2b"}
+"""Of the boxes of the graph, by the strength of a statement; white on each can be read."""
 
 
 def anchor(name: str) -> str:
@@ -24,22 +28,6 @@ def anchor(name: str) -> str:
     'coq-foundations-Vocabulary-controllable'
     """
     return "coq-" + name.replace(".", "-")
-
-
-def line_of(name: str, folder: Path = SOURCES) -> int:
-    """Return the line of a file on which a theorem or definition begins; 0 if it is not there.
-
-    Examples
-    --------
-    >>> from proofs.output.blueprint import line_of
-    >>> line_of("theorems.Diophantine.lemma_1") > 10
-    True
-    """
-    path = source(name, folder)
-    short = re.escape(name.rpartition(".")[2])
-    begins = re.compile(rf"\s*(?:Theorem|Lemma|Corollary|Definition|Fixpoint)\s+{short}\b")
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return next((i for i, line in enumerate(lines, start=1) if begins.match(line)), 0)
 
 
 def printed_type(name: str, types: Mapping[str, str]) -> str:
@@ -69,8 +57,16 @@ def printed_type(name: str, types: Mapping[str, str]) -> str:
 
 
 def whereabouts(name: str) -> str:
-    """Say in which file and line a theorem or definition stands."""
-    return f"proofs/rocq/{source(name).relative_to(SOURCES).as_posix()}, line {line_of(name)}"
+    """Lead to the file and line of a theorem or definition.
+
+    Examples
+    --------
+    >>> from proofs.output.blueprint import whereabouts
+    >>> "theorems/Diophantine.v, line " in whereabouts("theorems.Diophantine.lemma_1")
+    True
+    """
+    path = source(name).relative_to(SOURCES).as_posix()
+    return f'<a href="{PLACE}/{where(name)}">{path}, line {declarations()[name].line}</a>'
 
 
 def definitions() -> str:
@@ -88,27 +84,51 @@ def definitions() -> str:
     return "\n".join(lines)
 
 
-def requirements(folder: Path = SOURCES) -> dict[str, tuple[str, ...]]:
-    """List for each file ``folder.File`` the files that it requires.
+def dependencies(entries: Iterable[Entry]) -> dict[str, list[str]]:
+    """List for each statement those whose theorems its own rest on, as the Coq files name them.
 
     Examples
     --------
-    >>> from proofs.output.blueprint import requirements
-    >>> requirements()["theorems.Kalman"]
-    ('foundations.Vocabulary', 'foundations.Matrices')
+    >>> from proofs.ledger.ledger import ledger
+    >>> from proofs.output.blueprint import dependencies
+    >>> dependencies(ledger())["exact-match-bound"]
+    ['least-squares-update']
     """
+    entries = tuple(entries)
+    home: dict[str, str] = {}
+    for entry in entries:
+        for proof in entry.formal:
+            home.setdefault(proof.theorem, entry.name)
+    named = theorems(entries)
     found = {}
-    for path in sources(folder):
-        text = without_comments(path.read_text(encoding="utf-8"))
-        module = ".".join(path.relative_to(folder).with_suffix("").parts)
-        found[module] = tuple(
-            f"{place}.{name}" for place, names in _REQUIRED.findall(text) for name in names.split()
-        )
-    return found
+    for entry in entries:
+        mine = {proof.theorem for proof in entry.formal}
+        others = {
+            home[other]
+            for theorem in mine
+            for other in rests_on(theorem, named)
+            if other in home and home[other] != entry.name and other not in mine
+        }
+        found[entry.name] = [name for name in (e.name for e in entries) if name in others]
+    return _without_circles(found)
+
+
+def _without_circles(needs: Mapping[str, list[str]]) -> dict[str, list[str]]:
+    """Drop what would close a circle: two statements may each rest on one theorem of the other."""
+    kept: dict[str, list[str]] = {name: [] for name in needs}
+
+    def reaches(start: str, goal: str) -> bool:
+        return start == goal or any(reaches(other, goal) for other in kept[start])
+
+    for name, others in needs.items():
+        for other in others:
+            if not reaches(other, name):
+                kept[name].append(other)
+    return kept
 
 
 def graph(entries: Iterable[Entry]) -> str:
-    """Draw which file of theorems rests on which, as SVG: dark where statements of the ledger rest.
+    """Draw which statement rests on which, as SVG, coloured by strength, each box a link.
 
     Examples
     --------
@@ -117,16 +137,14 @@ def graph(entries: Iterable[Entry]) -> str:
     >>> graph(ledger()).startswith("<svg") and 'href="#intercalation"' in graph(ledger())
     True
     """
-    needs = {
-        name: [other for other in others if other.startswith("theorems.")]
-        for name, others in requirements().items()
-        if name.startswith("theorems.")
+    entries = tuple(entries)
+    needs = dependencies(entries)
+    joined = {name for name, others in needs.items() if others} | {
+        other for others in needs.values() for other in others
     }
-    first: dict[str, str] = {}
-    for entry in entries:
-        for theorem in entry.formal:
-            first.setdefault(theorem.theorem.rpartition(".")[0], entry.name)
-    rows = list(_rows(needs))
+    rows = list(_rows({name: others for name, others in needs.items() if name in joined}))
+    alone = [entry.name for entry in entries if entry.name not in joined]
+    rows += [alone[i : i + _COLUMNS] for i in range(0, len(alone), _COLUMNS)]
     place = {
         name: (10 + i * (_WIDTH + 14), 10 + depth * (_HEIGHT + _GAP))
         for depth, row in enumerate(rows)
@@ -136,34 +154,45 @@ def graph(entries: Iterable[Entry]) -> str:
     height = len(rows) * (_HEIGHT + _GAP)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" role="img" '
-        'aria-label="Which file of theorems rests on which" style="width:100%">'
+        'aria-label="Which statement rests on which" style="width:100%">'
     ]
     for name, others in needs.items():
         x, y = place[name]
-        for other in others:
+        for other in _nearest(others, needs):
             from_x, from_y = place[other]
             parts.append(
                 f'<path d="M{from_x + _WIDTH // 2} {from_y + _HEIGHT} C{from_x + _WIDTH // 2} '
                 f'{from_y + _HEIGHT + _GAP} {x + _WIDTH // 2} {y - _GAP} {x + _WIDTH // 2} {y}" '
                 'fill="none" stroke="#8a94a0" stroke-width="1"/>'
             )
-    for name, (x, y) in place.items():
-        colour, ink = ("#1f6f54", "#ffffff") if name in first else ("#dfe5ea", "#1c2733")
-        box = (
-            f'<rect x="{x}" y="{y}" width="{_WIDTH}" height="{_HEIGHT}" rx="4" fill="{colour}"/>'
+    for entry in entries:
+        x, y = place[entry.name]
+        parts.append(
+            f'<a href="#{entry.name}"><title>{html.escape(entry.title)}</title>'
+            f'<rect x="{x}" y="{y}" width="{_WIDTH}" height="{_HEIGHT}" rx="4" '
+            f'fill="{COLOURS[strength(entry)]}"/>'
             f'<text x="{x + _WIDTH // 2}" y="{y + 17}" text-anchor="middle" font-size="12" '
-            f'font-family="sans-serif" fill="{ink}">{name.rpartition(".")[2]}</text>'
+            f'font-family="sans-serif" fill="#ffffff">{entry.name}</text></a>'
         )
-        parts.append(f'<a href="#{first[name]}">{box}</a>' if name in first else box)
     return "".join([*parts, "</svg>"])
 
 
+def _nearest(others: list[str], needs: Mapping[str, list[str]]) -> list[str]:
+    """Leave out what is reached through another one."""
+
+    def below(name: str) -> set[str]:
+        return {name}.union(*(below(other) for other in needs[name]))
+
+    through = {x for other in others for x in below(other) - {other}}
+    return [other for other in others if other not in through]
+
+
 def _rows(needs: Mapping[str, list[str]]) -> Iterator[list[str]]:
-    """Sort files into rows, each below all that it needs."""
-    placed: set[str] = set()
+    """Sort statements into rows, each below all that it needs, near what it needs."""
+    placed: dict[str, float] = {}
     while len(placed) < len(needs):
-        row = [name for name in needs if name not in placed and placed.issuperset(needs[name])]
-        if not row:
-            raise ValueError("the files of proofs/rocq require one another in a circle")
-        yield from (row[i : i + _COLUMNS] for i in range(0, len(row), _COLUMNS))
-        placed.update(row)
+        row = [name for name in needs if name not in placed and placed.keys() >= {*needs[name]}]
+        row.sort(key=lambda name: sum(placed[o] for o in needs[name]) / (len(needs[name]) or 1))
+        for i in range(0, len(row), _COLUMNS):
+            yield row[i : i + _COLUMNS]
+        placed |= {name: i % _COLUMNS for i, name in enumerate(row)}

@@ -1,14 +1,15 @@
 """The ledger as a page of the documentation."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from ..formal.rocq_sources import stated
 from ..formal.types import committed
 from ..ledger.checks import resolve, statement_of
 from ..ledger.entries import Entry
-from .blueprint import printed_type, whereabouts
+from ..ledger.ledger import ledger
+from .blueprint import dependencies, printed_type, whereabouts
 from .coverage import strength
+from .formulas import escaped, with_formulas
 
 _CHAPTERS = {
     "2": "Chapter 2: the controller and its update",
@@ -42,6 +43,7 @@ def page(entries: Iterable[Entry], errata: Mapping[str, Iterable[tuple[str, str]
     ...
     """
     entries = tuple(entries)
+    needs = dependencies(ledger())
     lines: list[str] = []
     for chapter, heading in _CHAPTERS.items():
         of_chapter = [entry for entry in entries if entry.chapter == chapter]
@@ -49,19 +51,8 @@ def page(entries: Iterable[Entry], errata: Mapping[str, Iterable[tuple[str, str]
             lines += [f"## {heading}", ""]
             for entry in of_chapter:
                 lines += [*_entry(entry, errata.get(entry.name, ())), ""]
+                lines += [*_neighbours(entry.name, needs), ""]
     return "\n".join(lines)
-
-
-def escaped(text: str) -> str:
-    r"""Escape what Markdown would read as markup.
-
-    Examples
-    --------
-    >>> from proofs.output.page import escaped
-    >>> print(escaped("D_c* < [x]"))
-    D\_c\* \< \[x\]
-    """
-    return re.sub(r"([\\`*_\[\]<>$|#~^])", r"\\\1", text)
 
 
 def _entry(entry: Entry, errata: Iterable[tuple[str, str]]) -> Iterator[str]:
@@ -71,34 +62,34 @@ def _entry(entry: Entry, errata: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield f"`{entry.name}`, {escaped(entry.source)}; evidence: {strength(entry)}"
     yield ""
     if entry.hypotheses:
-        yield f"Hypotheses: {escaped('; '.join(entry.hypotheses))}. Then:"
+        yield f"Hypotheses: {'; '.join(map(with_formulas, entry.hypotheses))}. Then:"
         yield ""
     if len(entry.conclusion) == 1:
-        yield f"> {escaped(entry.conclusion[0])}"
+        yield f"> {with_formulas(entry.conclusion[0])}"
     else:
-        yield from (f"> {i}. {escaped(s)}" for i, s in enumerate(entry.conclusion, start=1))
+        yield from (f"> {i}. {with_formulas(s)}" for i, s in enumerate(entry.conclusion, start=1))
     yield ""
-    yield f"The text: {escaped(entry.text)}"
+    yield f"The text: {with_formulas(entry.text)}"
     if entry.difference:
         yield ""
-        yield f"The difference: {escaped(entry.difference)}"
+        yield f"The difference: {with_formulas(entry.difference)}"
     yield ""
     yield "Evidence:"
     yield ""
     yield from _formal(entry)
     for identity in entry.symbolic:
         words = statement_of(resolve("symbolic", identity.check))
-        yield f"- identity (`{identity.check}`; {identity.scope}): {escaped(words)}"
+        yield f"- identity (`{identity.check}`; {identity.scope}): {with_formulas(words)}"
     for claim in entry.properties:
         check = resolve("properties", claim.check)
         yield (
             f"- property (`{claim.check}`; {claim.examples} examples of {escaped(check.drawn)}): "
-            f"{escaped(check.statement)}"
+            f"{with_formulas(check.statement)}"
         )
     for case in entry.counterexamples:
         words = statement_of(resolve("counterexamples", case.check))
         label = "false" if case.in_text else "false, and not said by the text"
-        yield f'- {label}: "{escaped(case.refutes)}" (`{case.check}`). {escaped(words)}'
+        yield f'- {label}: "{with_formulas(case.refutes)}" (`{case.check}`). {with_formulas(words)}'
         if case.formal is not None:
             yield f"  In Coq: `{case.formal}`{'' if stated(case.formal) else ', not there yet'}."
     yield ""
@@ -106,6 +97,15 @@ def _entry(entry: Entry, errata: Iterable[tuple[str, str]]) -> Iterator[str]:
         yield "Errata: " + ", ".join(carried) + "."
         yield ""
     yield "Relied on by " + ", ".join(f"`{name}`" for name in entry.relied_on_by) + "."
+
+
+def _neighbours(name: str, needs: Mapping[str, list[str]]) -> Iterator[str]:
+    """Link the statements whose theorems this one's rest on, and those that rest on it."""
+    used = [other for other, others in needs.items() if name in others]
+    for words, others in (("Rests on", needs[name]), ("Used by", used)):
+        if others:
+            yield f"{words} " + ", ".join(f"[{other}](#{other})" for other in others) + "."
+            yield ""
 
 
 def _formal(entry: Entry) -> Iterator[str]:

@@ -612,7 +612,7 @@ def _questions(
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
         found.append((
-            "disturbance", f"of unknown kind{size} {expected.size:.3g}, in units of u",
+            "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
             "a known step, sinusoid or spectrum is worth more than all tuning",
         ))  # fmt: skip
     if "noise" in assumed:
@@ -691,18 +691,11 @@ def reasons_of(
     if knobs.spare:
         order = f"iir(n_c={structure.n_c})", f"{order[1][:33]} and {knobs.spare} more"
     if reference.commands:
-        order = (
-            f"feedforward(n_c={structure.n_c})",
-            (
-                "past u, e and r under one denominator; the part of r minimises the error that a "
-                "step leaves, and leaves the loop as it is"
-            ),
-        )
+        words = "past u, e and r under one denominator; r adds to the loop and leaves it as it is"
+        order = f"feedforward(n_c={structure.n_c})", words
     if reference.full is not None:
-        fixed = (
-            f"{structure.name} of {structure.l_theta} coefficients",
-            (f"nearest to LQG with {weights} where it matters{robust}"),
-        )
+        words = f"fitted to LQG loops where it matters to the error{robust}"
+        fixed = f"{structure.name} of {structure.l_theta} coefficients", words
         order = structure.name, "as it was asked for"
     forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"
     return (

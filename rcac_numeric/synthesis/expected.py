@@ -35,13 +35,15 @@ class Expected(Value):
     disturbance : Signal or None
         d, in units of u; None where only its size is known.
     size : float
-        Of d, in units of u.
+        Of d, in units of u; at least what the command asks of u.
     noise : float
         Standard deviation of v, in units of y.
     command : Signal or None
         r, in units of y.
     m : int
         The number of inputs and of outputs, which meet signals of the same kind.
+    told : float or None
+        The size of d by itself, where that is less.
     """
 
     disturbance: Signal | None
@@ -49,6 +51,12 @@ class Expected(Value):
     noise: float
     command: Signal | None = None
     m: int = 1
+    told: float | None = None
+
+    @property
+    def disturbance_size(self) -> float:
+        """Of d alone, in units of u."""
+        return self.size if self.told is None else self.told
 
     @property
     def is_known(self) -> bool:
@@ -59,7 +67,7 @@ class Expected(Value):
     def white(self) -> float:
         """Standard deviation of what of d is white, at least a hundredth of its size."""
         if self.disturbance is None:
-            return LITTLE * self.size
+            return LITTLE * self.disturbance_size
         white = [
             f * one.std for f, one in parts_of(self.disturbance) if isinstance(one, WhiteNoise)
         ]
@@ -69,7 +77,7 @@ class Expected(Value):
     def lasting(self) -> float:
         """Size of what of d stays: neither white nor a sinusoid."""
         if self.disturbance is None:
-            return self.size
+            return self.disturbance_size
         kept = [
             _size(f, one) for f, one in parts_of(self.disturbance)
             if not isinstance(one, WhiteNoise | Harmonic)
@@ -120,13 +128,14 @@ class Expected(Value):
 
     def _drawn(self, seed: int, i: int) -> Signal:
         rng = np.random.default_rng([seed, 3, *[i] * (i > 0)])
-        kind, little = KINDS[seed % len(KINDS)], WhiteNoise(LITTLE * self.size)
+        size = self.disturbance_size
+        kind, little = KINDS[seed % len(KINDS)], WhiteNoise(LITTLE * size)
         if kind == "step":
-            return Step(self.size) + little
+            return Step(size) + little
         if kind == "sinusoid":
             omega = float(np.exp(rng.uniform(*np.log(OMEGA))))
-            return Harmonic(omega, self.size, float(rng.uniform(0, 2 * np.pi))) + little
-        return Recorded(self.size * _coloured(LONGEST, rng)) + little
+            return Harmonic(omega, size, float(rng.uniform(0, 2 * np.pi))) + little
+        return Recorded(size * _coloured(LONGEST, rng)) + little
 
 
 def _coloured(steps: int, rng: np.random.Generator) -> Array:
@@ -193,12 +202,13 @@ def read_expected(
     else:
         assumed.append("disturbance")
         size = float(disturbance)
+    told = size
     if command is not None:
         size = max(size, _size(1.0, command) / gain)
     if noise is None:
         assumed.append("noise")
         noise = QUIET * gain * size
-    return Expected(signal, size, float(noise), command, m), tuple(assumed)
+    return Expected(signal, size, float(noise), command, m, told), tuple(assumed)
 
 
 def _assumed_size(

@@ -21,6 +21,8 @@ from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plants.zero_order_hold import zero_order_hold
+from rcac_numeric.targets.modelling import ModellingInformation
+from rcac_numeric.targets.zero_directions import DirectionInformation
 
 MOST_SIGNALS = 4  # inputs and outputs
 ALIKE = 100.0  # the gain of an output, or of an input, over that of another
@@ -273,6 +275,17 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
         steps, plant = plant.changes[0].delay, plant.changes[0].plant
     if isinstance(plant, Plant):
         return _with_dead_time(_of_plant(plant), late, steps)
+    if isinstance(plant, ModellingInformation | DirectionInformation):
+        raise InputError(
+            "modelling information is no model to try controllers on: cold_start(information, "
+            "order=..., stable=...) makes settings of it; design(ControllerLog(u, y)) finds one "
+            "in a log."
+        )
+    if plant is None or isinstance(plant, int | float):
+        raise InputError(
+            f"plant = {plant!r} is none: give a transfer function such as '1/(10*s + 1)', a Plant, "
+            "a system of python-control, or a ControllerLog(u, y)."
+        )
     if isinstance(plant, FunctionPlant):
         raise InputError(
             "the plant is nonlinear; linearise it where the loop is to work, for instance with "
@@ -402,7 +415,7 @@ def _require_square(l_u: int, l_y: int) -> None:
         raise InputError(
             f"the plant has {l_u} inputs and {l_y} outputs; design takes as many inputs as "
             f"outputs, at most {MOST_SIGNALS}. Leave out or combine signals; or take lqg for the "
-            "fixed controller and zero_direction_target for RCAC."
+            "fixed controller and cold_start(direction_information(plant), ...) for RCAC."
         )
 
 

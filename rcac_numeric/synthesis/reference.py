@@ -215,8 +215,9 @@ class Ladder:
     def in_runs(self, made: Sequence[Compensator]) -> list[int]:
         """Places of controllers, in units of the plant, from the best one on, by runs with limits.
 
-        Of those within a tenth of the least error, over the nominal plant and the others, the one
-        whose u moves least comes first: linear theory knows nothing of what it does at a limit.
+        The first one stays the first if its error, over the nominal plant and the others, is
+        within a tenth of the least. Else of those that are the one whose u moves least is: linear
+        theory knows nothing of what it does at a limit.
         """
         draws = range(1 if self.expected.is_known else len(KINDS))
         plants = [Variation(), *self.others]
@@ -237,6 +238,8 @@ class Ladder:
                 moves[i] = np.mean(np.diff(run.u_applied, axis=0) ** 2)
         error, move = (one.reshape(len(made), -1).mean(axis=1) for one in (errors, moves))
         near = error <= NEARLY**2 * error.min(initial=np.inf)
+        if near[:1].any():
+            move[0] = -1.0
         return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
 
     def best(self) -> Reference:

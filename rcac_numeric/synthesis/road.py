@@ -162,7 +162,7 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
         raise NoSolutionError(
             f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
             "plant; sample more slowly, or take the fixed controller, `lqg`, and for RCAC "
-            "zero_direction_target with theta_0 the coefficients of that controller."
+            "cold_start(direction_information(plant), ...)."
         )
     return target
 

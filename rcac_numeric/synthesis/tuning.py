@@ -161,7 +161,7 @@ def tune(
     the plants at the corners of the uncertainty. In each round the better half goes on, with twice
     the draws. The rule's settings and the fixed controller are candidates from the first round to
     the last; what is left then is judged on plants drawn from inside the uncertainty, with draws
-    of their own.
+    of their own. Where it loses more of these runs than it saves, the rule's settings stay.
 
     Parameters
     ----------
@@ -343,10 +343,12 @@ def _judged(
     candidates: tuple[Candidate, ...], steps: int, held_out: tuple[int, int, int],
     runner: Runner,
 ) -> Tuned:  # fmt: skip
-    """The chosen settings beside the rule's and the fixed controller, on held-out plants."""
+    """The chosen settings beside the rule's and the fixed controller, on held-out plants.
+
+    The rule's, where the chosen ones lose more runs there than they save.
+    """
     count, seeds, seed = held_out
     settings = made[chosen.name]
-    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     controllers: dict[str, AnyController] = {
         RCAC: settings, FIXED: design.fixed, RULE: made[RULE]
     }  # fmt: skip
@@ -358,6 +360,14 @@ def _judged(
         controllers, design.model, design.expected, plants, steps, seeds,
         saturation=design.saturation,
     ))  # fmt: skip
+    over_rule = compared(trials, RCAC, RULE)
+    if over_rule.losses > over_rule.wins:  # what was learnt does not carry over
+        chosen = next(one for one in candidates if one.name == RULE)
+        settings = made[RULE]
+        rule = [one for one in trials if one.controller == RULE]
+        others = [one for one in trials if one.controller != RCAC]
+        trials = (*(replace(one, controller=RCAC) for one in rule), *others)
+    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     evidence = tuple(one for one in trials if one.controller != RULE)
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)

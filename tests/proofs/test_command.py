@@ -72,7 +72,8 @@ def test_names_only():
     assert found.exit_code == 0
     assert [line.split()[1] for line in found.stdout.splitlines()] == [
         "riccati-duality", "forward-riccati", "forward-riccati-limit", "forward-riccati-observer",
-        "subsystem-recursion", "retrospective-input", "unscented-transformation",
+        "subsystem-recursion", "retrospective-input", "extended-performance",
+        "unscented-transformation",
         "unscented-filter", "past-inputs",
     ]  # fmt: skip
 

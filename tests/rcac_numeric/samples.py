@@ -315,6 +315,9 @@ SAMPLES = {
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
     rcac.Structure: structure,
+    rcac.PriorSamples: lambda seed: rcac.PriorSamples(
+        100 + seed, y=random(seed, 9), u=random(seed, 9)
+    ),
     rcac.UD: lambda seed: rcac.UD(symmetric(seed), process_noise=0.5, stop_where_unsupported=True),
     rcac.Covariance: lambda seed: rcac.Covariance(1 + seed, lambda_=scheduled(seed)),
     rcac.JointUD: lambda seed: rcac.JointUD(1.0, n_d=2, rho=1.0 + seed),
@@ -356,6 +359,9 @@ SAMPLES = {
     ),
     # analysis
     rcac.ClosedLoop: loop,
+    rcac.LoopAnalysis: lambda seed: rcac.LoopAnalysis(
+        (exact_plant(seed), compensator(seed)), target(seed)
+    ),
     rcac.results.IntercalatedMatch: lambda seed: rcac.intercalated_match(
         loop(seed), target(seed), 9
     ),

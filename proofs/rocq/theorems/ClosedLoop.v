@@ -88,3 +88,13 @@ Corollary separation_7_23 n (A : 'M[R]_n) (B F : 'cV[R]_n) (C K : 'rV[R]_n) :
   = char_poly (A + B *m K) * char_poly (A - F *m C).
 Proof. by move=> A_c; rewrite -separation closed_loop_7_23. Qed.
 End ScalarSignals.
+
+(* (7.24): the sensitivity function determines the compensator. *)
+Theorem compensator_7_24 (R : fieldType) (G G_c : R) : G != 0 -> 1 + G * G_c != 0 ->
+  let S := (1 + G * G_c)^-1 in G_c = (1 - S) / (S * G).
+Proof.
+move=> nz_G nz_L S; have nz_S : S != 0 by rewrite invr_eq0.
+have SL : S * (1 + G * G_c) = 1 by rewrite mulVf.
+have E : 1 - S = S * (G * G_c) by rewrite -{1}SL mulrDr mulr1 addrAC subrr add0r.
+by apply: (canRL (mulfK _)); rewrite ?mulf_neq0 // E mulrC -mulrA.
+Qed.

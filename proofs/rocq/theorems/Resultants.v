@@ -180,6 +180,11 @@ Qed.
 Theorem square_iff n n_c hat_m : (n + n_c = n_c + hat_m.+1 <-> hat_m.+1 = n)%N.
 Proof. by split; lia. Qed.
 
+(* M_2(D, N) has 2n of each. *)
+Theorem shape_of_M_2 n n_c hat_m :
+  (n + n_c = n + n /\ n_c + hat_m.+1 = n + n <-> hat_m.+1 = n /\ n_c = n)%N.
+Proof. by split; lia. Qed.
+
 (* Coefficients in descending order, as the columns of (7.37) list them. *)
 Definition coefficients d (p : {poly R}) : 'cV[R]_d := \col_i p`_(d - i.+1).
 

@@ -66,3 +66,19 @@ have : N_s %| D * D_c - N_zu * N_c by rewrite E dvdp_mull // dvdp_mulr.
 by rewrite dvdp_subl // dvdp_mulr // -mul_polyC dvdp_mull // dvdp_mulr.
 Qed.
 End TargetPoles.
+
+(* (2.49), (2.50), which are (4.39) for n_p = d_zu + deg N_zu,u poles at 0: all poles of a loop that matches
+   them are minimum-phase zeros of G_zu, and 0. *)
+Theorem fir_target_poles (R : fieldType) n_c d k l (H : R) (N_s N_u Dtilde : {poly R}) : H != 0 ->
+  N_s \is monic -> N_u \is monic -> degree_is N_s k -> degree_is N_u l ->
+  H *: (N_s * N_u) * 'X^n_c * 'X^(d + l) = H *: N_u * Dtilde <-> Dtilde = 'X^(n_c + d + l) * N_s.
+Proof.
+move=> nz_H monic_s monic_u deg_s deg_u; have deg_X : degree_is ('X^(d + l) : {poly R}) (d + l).
+  by rewrite size_polyXn.
+have := @remaining_poles R n_c (d + l) d k l H N_s N_u 'X^(d + l) Dtilde nz_H monic_s monic_u deg_s deg_u
+  (monicXn _ _) deg_X (leqnn _).
+rewrite -addnA leq_addl /matches_target => /(_ isT).
+have -> : (d + l - d - l = 0)%N by lia.
+have -> : (n_c + (d + l) - (d + l) = n_c)%N by lia.
+by rewrite expr0 mul1r [N_s * 'X^_]mulrC mulrA -exprD.
+Qed.

@@ -1,11 +1,12 @@
 (* Witnesses of the theorems on target models, on the least squares of RCMR, on the limit of (8.96) and on
    the unscented filter. *)
-From mathcomp Require Import all_ssreflect all_algebra ring.
+From mathcomp Require Import all_ssreflect all_fingroup all_algebra ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary PositiveDefinite.
 From Compensators.theorems Require Import HighAuthorityPoles.
 From Compensators.theorems Require ForwardConvergence TargetPoles TargetDirections SubsystemRecursion.
-From Compensators.theorems Require UnscentedTransformation MinimalLoops.
+From Compensators.theorems Require UnscentedTransformation MinimalLoops ControllerForms ClosedLoop.
+From Compensators.theorems Require ExtendedPerformance.
 From Compensators.witnesses Require Import Satisfiable Placement Circle.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.
@@ -104,4 +105,54 @@ Lemma minimal_loop_is_nonderogatory :
 Proof.
 move=> absurd; apply: (absurd Q Q [rmorphism of idfun] 0%N 0%N o e e o e e 1 1%N e e (integrator_is_minimal Q) sees).
 by rewrite (map_mx_id _) // integrator_loop mulmx1 scale1r.
+Qed.
+
+(* Controllers whose signals are 0. *)
+Lemma controller_2_32 : ltac:(can_be_met (@ControllerForms.controller_2_32)).
+Proof.
+move=> absurd; apply: (absurd [comUnitRingType of rat] 1 1%N 1%N 0%N _ (fun=> 0) (fun=> 0) 0 0 1%N) => //.
+by rewrite !big_geq // addr0.
+Qed.
+
+Lemma fir_controller_2_35 : ltac:(can_be_met (@ControllerForms.fir_controller_2_35)).
+Proof.
+move=> absurd; apply: (absurd [comUnitRingType of rat] 1 1%N 1%N 0%N _ (fun=> 0) 0 0 1%N) => //.
+by rewrite big_geq.
+Qed.
+
+Lemma quasi_fir_controller_6_1 : ltac:(can_be_met (@ControllerForms.quasi_fir_controller_6_1)).
+Proof. by move=> absurd; apply: (absurd [comUnitRingType of rat] 1 1%N 2%N _ (fun=> 0)). Qed.
+
+Lemma integrator_controller_6_4 : ltac:(can_be_met (@ControllerForms.integrator_controller_6_4)).
+Proof.
+move=> absurd; apply: (absurd [comUnitRingType of rat] 1 1%N 1%N 0%N _ (fun=> 0) 0 0 1%N 0 0 0) => //.
+  by rewrite scaler0 mulmx0 addr0.
+by rewrite big_geq // mulmx0 addr0.
+Qed.
+
+Lemma pid_controller_2_58 : ltac:(can_be_met (@ControllerForms.pid_controller_2_58)).
+Proof.
+move=> absurd; apply: (absurd [comUnitRingType of rat] 1 1%N 1%N _ 0 0 0 0 0 0) => //.
+  by rewrite !scaler0 addr0.
+by rewrite !mul0mx !addr0.
+Qed.
+
+Lemma fir_target_poles : ltac:(can_be_met (@TargetPoles.fir_target_poles)).
+Proof.
+by move=> absurd; apply: (absurd Q 0%N 0%N 0%N 0%N 1 1 1 1); rewrite ?monic1 ?size_poly1 ?oner_neq0.
+Qed.
+
+Lemma compensator_7_24 : ltac:(can_be_met (@ClosedLoop.compensator_7_24)).
+Proof. by move=> absurd; apply: (absurd Q 1 0); rewrite ?mulr0 ?addr0 oner_neq0. Qed.
+
+Lemma performance_8_39 : ltac:(can_be_met (@ExtendedPerformance.performance_8_39)).
+Proof.
+by move=> absurd; apply: (absurd [comRingType of rat] 1%N 0%N 0%N (1%g : {perm _}) 0 0 0 0); rewrite mul0mx addr0.
+Qed.
+
+Lemma extended_8_45 : ltac:(can_be_met (@ExtendedPerformance.extended_8_45)).
+Proof.
+move=> absurd; apply: (absurd [comRingType of rat] 1%N 0%N 0%N (fun=> 0%N) (fun=> 0) (fun=> 0) (fun=> 0)
+  (fun=> 0) 0).
+by case.
 Qed.

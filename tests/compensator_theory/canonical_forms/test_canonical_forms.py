@@ -114,6 +114,7 @@ def pencils(draw):
 def test_kronecker_form_of_what_was_disguised(case):
     A, E, right, left, finite, infinite = case
     found = kronecker_form(A, E)
+    assert found.certificate.holds
     assert sorted(found.right_indices) == right and sorted(found.left_indices) == left
     assert [p.as_expr() for p in found.invariant_polynomials] == finite
     assert sorted(found.infinite_orders) == infinite
@@ -129,6 +130,7 @@ def test_indices_against_ranks_of_toeplitz_matrices(case):
     """The numbers of polynomial vectors of degree < k in the kernel, as a definition of indices."""
     A, E, *_ = case
     found = kronecker_form(A, E)
+    assert found.certificate.holds
     rows, columns = A.shape
     for k in range(1, 4):
         wide = sympy.zeros((k + 1) * rows, k * columns)

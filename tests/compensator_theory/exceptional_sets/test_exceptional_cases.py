@@ -65,7 +65,7 @@ def short_placement(p, q, r, t):
 
 
 def diophantine(p, q, r, t):
-    return (f"s**2 + {p}", f"s + {q}", f"{r}*s + {t}", "s"), {}
+    return (f"s**2 + {p}", f"s + {q}", f"{r}*s + {t}"), {"variable": "s"}
 
 
 def diophantines_agree(one, other, point):
@@ -75,7 +75,7 @@ def diophantines_agree(one, other, point):
 
 
 def matrix_diophantine(p, q, r, t):
-    return ([[f"s - ({p})", 0], [0, "s"]], [["1"], [q]], [[f"s + {r}"], [t]], "s"), {}
+    return ([[f"s - ({p})", 0], [0, "s"]], [["1"], [q]], [[f"s + {r}"], [t]]), {"variable": "s"}
 
 
 def matrix_diophantines_agree(one, other, point):
@@ -111,7 +111,7 @@ def solutions_agree(one, other, point):
 
 
 def fractions(p, q, r, t):
-    return (([[p, 1], [q, r]], [[0], [t]], [[1, 0]]), [-1, -2], [-1, -3], "s"), {}
+    return (([[p, 1], [q, r]], [[0], [t]], [[1, 0]]), [-1, -2], [-1, -3]), {"variable": "s"}
 
 
 def fractions_agree(one, other, point):
@@ -119,7 +119,7 @@ def fractions_agree(one, other, point):
 
 
 def gains(p, q, r, t):
-    return ([[p, 1], [q, r]], [[1, 0], [t, 0]], [-1, -2], "s"), {}
+    return ([[p, 1], [q, r]], [[1, 0], [t, 0]], [-1, -2]), {"variable": "s"}
 
 
 CASES = {

@@ -1,6 +1,7 @@
 """Tuning: what is tried, what is chosen, what is judged on what."""
 
 import itertools
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from rcac_numeric.synthesis.design import compared
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.trials import FIXED, RCAC, Trials
-from rcac_numeric.synthesis.tuning import LEARNING, RULE, drawn
+from rcac_numeric.synthesis.tuning import LEARNING, RULE, Candidate, _judged, drawn
 
 PLANT = "1/(q - 0.9)"
 
@@ -152,11 +153,18 @@ def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_pat
 
 def test_processes_leave_the_same_runs(found, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1}
-    one, other = (
-        tune(found, **arguments, **more)
-        for more in ({}, {"store": tmp_path / "runs", "workers": 1})
-    )
-    assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
+    with ThreadPoolExecutor(1) as pool:  # of others, as dask's is
+        one, *others = (
+            tune(found, **arguments, **more)
+            for more in (
+                {},
+                {"store": tmp_path / "runs", "workers": 1},
+                {"store": tmp_path / "theirs", "executor": pool},
+            )
+        )
+        assert pool.submit(int).result() == 0  # not shut down
+    for other in others:
+        assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
 
 
 def test_a_store_of_another_design_is_refused(found, tmp_path):
@@ -169,3 +177,28 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
         tune(found, **{**arguments, "store": tmp_path / "file"})
     with pytest.raises(InputError, match="no store"):
         tune(found, 1, workers=2)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="in their place"):
+        tune(found, **arguments, executor=pool)
+
+
+def test_what_loses_more_than_it_saves_on_other_plants_gives_way_to_the_rule(found, tuned):
+    knobs = {RULE: Knobs(), "1": Knobs(samples=10.0)}
+    made = {FIXED: found.fixed} | {
+        name: settings_of(found.model, found.reference, found.expected, one)
+        for name, one in knobs.items()
+    }
+    beside = tuned.chosen.beside
+    candidates = tuple(Candidate(name, one, beside, 1.5, 4) for name, one in knobs.items())
+
+    def runner(name, trials):  # one run of the point is lost, none of the others
+        numbers = dict.fromkeys(trials.controllers, (1.0, 1.0, 1.5))
+        runs = [
+            (np.inf, np.inf, np.inf) if (n, i, j) == (RCAC, 1, 0) else numbers[n]
+            for n in trials.controllers for i in range(len(trials.variations))
+            for j in range(trials.seeds)
+        ]  # fmt: skip
+        return trials.of(runs)
+
+    kept = _judged(found, made, candidates[1], candidates, 300, (2, 1, 0), runner)
+    assert kept.chosen.name == RULE and equal(kept.settings, made[RULE])
+    assert kept.verdict.rcac.stable == (3, 3) and kept.beside_rule.losses == 0
