@@ -151,7 +151,7 @@ inline unsigned lanes_loop(const UdLaneFactors& factors, const double* row, cons
         return c * j + c * (c - (c > 0)) / 2;
     };
     unsigned lost = 0;
-    Vec grown[halves], f[halves][block], f_next[halves][block];
+    Vec grown[halves], f[halves][block] = {}, f_next[halves][block] = {};
     double* u = factors.U;
     for (std::size_t k = 0, h = 0; k < halves; ++k, h += width) {
         grown[k] = load(r + h);
