@@ -15,7 +15,7 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.validation import require_dense, signal_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, compensator_of
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
@@ -36,7 +36,7 @@ class ClosedLoop(Value):
     Parameters
     ----------
     plant : Plant, or a discrete system that `plant_of` reads
-    compensator : Compensator
+    compensator : Compensator, or a transfer function in q
 
     Raises
     ------
@@ -58,8 +58,9 @@ class ClosedLoop(Value):
     compensator: Compensator
 
     def __post_init__(self) -> None:
-        plant, compensator = linear_plant(self.plant), self.compensator
+        plant, compensator = linear_plant(self.plant), compensator_of(self.compensator)
         object.__setattr__(self, "plant", plant)
+        object.__setattr__(self, "compensator", compensator)
         if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
             raise InputError(
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "

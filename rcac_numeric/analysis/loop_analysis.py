@@ -17,9 +17,9 @@ from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
-from rcac_numeric.arrays.validation import instance_of, integer
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, compensator_of
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import controllers_of
@@ -41,7 +41,8 @@ class LoopAnalysis(Value):
 
     Parameters
     ----------
-    of : Run, or a pair of Plant and Compensator
+    of : Run, or a pair of a plant and a compensator
+        Each may be a transfer function in q, as a text too.
         Of a run it is the plant of the last completed step with the controller after it. A
         compensator reads y, or [y; r].
     target : TargetModel, optional
@@ -104,12 +105,16 @@ class LoopAnalysis(Value):
     @cached_property
     def plant(self) -> Plant:
         """The plant, that of a run without its delay line."""
-        return plant_at(self.of.plant, self.last_step) if isinstance(self.of, Run) else self.of[0]
+        return (
+            plant_at(self.of.plant, self.last_step)
+            if isinstance(self.of, Run)
+            else linear_plant(self.of[0])
+        )
 
     @cached_property
     def compensator(self) -> Compensator:
         """The fixed controller."""
-        return self.of.compensator if isinstance(self.of, Run) else self.of[1]
+        return self.of.compensator if isinstance(self.of, Run) else compensator_of(self.of[1])
 
     @cached_property
     def compared_with(self) -> TargetModel:
@@ -256,7 +261,7 @@ def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensato
     if isinstance(of, Run):
         return LoopAnalysis(of).loop
     if isinstance(of, tuple) and len(of) == 2:
-        return ClosedLoop(linear_plant(of[0]), instance_of(of[1], "compensator", Compensator))
+        return ClosedLoop(*of)
     raise InputError(
         f"a {type(of).__name__} is not a loop; give a Run, a ClosedLoop, or a pair of a plant and "
         "a Compensator."
@@ -285,7 +290,7 @@ def compare_exactly(
     of : Run, Plant, or a system that `plant_of` reads
         Of a run it is the plant of its last step with the controller after it. u, y and z are
         scalar.
-    compensator : Compensator
+    compensator : Compensator, or a transfer function in q
         With a plant; of a run its last controller.
     target : TargetModel, optional
         With exact data: built by `fir_target`, `pole_placement_target` or `target_model`. Of a run
@@ -328,6 +333,4 @@ def compare_exactly(
         return LoopAnalysis(of, target).comparison
     if compensator is None:
         raise InputError("a plant alone is no loop; give a Run, or a plant and its Compensator.")
-    plant = linear_plant(of)
-    instance_of(compensator, "compensator", Compensator)
-    return LoopAnalysis((plant, compensator), target).comparison
+    return LoopAnalysis((linear_plant(of), compensator_of(compensator)), target).comparison

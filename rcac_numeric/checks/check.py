@@ -26,7 +26,7 @@ from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks.regressor import require_fit
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, compensator_of
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import Structure
@@ -176,7 +176,7 @@ def check_controller(
     theta : array, shape (steps, l_theta) or (l_theta,)
         The coefficients, with the structure that they belong to.
     structure : Structure, optional
-    compensator : Compensator, optional
+    compensator : Compensator, or a transfer function in q, optional
         In place of theta and structure. (D_c and N_c of a log do the same.)
     plant : Plant, optional
         Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`. Without it
@@ -185,7 +185,8 @@ def check_controller(
     noise : mapping, optional
         Intensities of blocks or channels of w for the H2 costs, as for `h2_cost`.
     k_w : int, optional
-        First step with u = Phi theta.
+        First step with u = Phi theta; beside a compensator the one since which it made u. By
+        default that is held against the last tenth of the log alone.
     sample_time : float, optional
         In seconds.
     tolerance : float, optional
@@ -240,6 +241,8 @@ def check_controller(
     _require_bounded(log, fixed)
     check = ControllerCheck(log, structure, fixed, plant, target)
     used = None if compensator is not None else structure
+    if compensator is None and (log.theta is None or structure is None):
+        k_w = None  # polynomials of a log are those that it ended with
     check = _with_log(check, used, k_w, tolerance)
     if plant is None:
         if noise is not None:
@@ -285,7 +288,7 @@ def _with_log(
         return replace(check, replay=replayed, unanswered={"convergence": reason})
     reason = "no theta was logged" if log.theta is None else "theta was not used"
     if log.steps > len(fixed.past_u):
-        replayed = replay_compensator(log, fixed, tolerance=tolerance)
+        replayed = replay_compensator(log, fixed, k_w=k_w, tolerance=tolerance)
         return replace(check, replay=replayed, unanswered={"convergence": reason})
     short = f"the log of {log.steps} steps does not fill the controller's memory"
     return replace(check, unanswered={"convergence": reason, "replay": short})
@@ -396,7 +399,7 @@ def fixed_compensator(
 ) -> Compensator:
     """The controller at the end of the log."""
     if compensator is not None:
-        return compensator
+        return compensator_of(compensator)
     if log.theta_final is not None and structure is not None:
         require_fit(log, structure)
         return structure.compensator(log.theta_final)

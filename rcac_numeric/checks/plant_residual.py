@@ -33,17 +33,21 @@ class PlantResidual(Value):
     Attributes
     ----------
     rms, change : float
-        Root mean square of e, and of y(k) - y(k-1).
+        Root mean square of e about its mean, and of y(k) - y(k-1).
     best : float or None
         Of the least-squares fit with as many past steps; None for a log too short to fit one.
     mend : str
         A simple change of u with which the plant explains the log; empty where none does.
+    offset : float
+        Length of the mean of e: a constant disturbance, or an offset of u or y, makes it, and
+        contradicts no plant.
     """
 
     rms: float
     change: float
     best: float | None
     mend: str = ""
+    offset: float = 0.0
 
     @property
     def relative(self) -> float:
@@ -66,7 +70,8 @@ class PlantResidual(Value):
 
     def __str__(self) -> str:
         fitted = "" if self.best is None else f"; a plant fitted to the log leaves {self.best:.3g}"
-        size = f"its one-step error of y is {self.rms:.3g} rms{fitted}, and y changes by "
+        about = f" about {self.offset:.3g}, a constant" if self.offset > self.rms else ""
+        size = f"its one-step error of y is {self.rms:.3g} rms{about}{fitted}, and y changes by "
         size += f"{self.change:.3g} rms a step"
         if not self.is_doubtful:
             fits = self.relative <= UNEXPLAINED
@@ -113,10 +118,12 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
         return None
     size = max(np.abs(log.u).max(), np.abs(log.y).max(), np.abs(known).max(initial=0.0)) or 1.0
     u, y, known = log.u[:steps] / size, log.y[:steps] / size, known[:steps] / size
-    rms = _rms(one_step_errors(plant, B, D, np.hstack([u, known]), y)) * size
+    e = one_step_errors(plant, B, D, np.hstack([u, known]), y)
+    rms, offset = _about_mean(e) * size, float(np.linalg.norm(e.mean(axis=0))) * size
     change = _rms(np.diff(y, axis=0)) * size
     best = _best(u, known, y, window)
-    found = PlantResidual(float(rms), float(change), None if best is None else best * size)
+    fitted = None if best is None else best * size
+    found = PlantResidual(float(rms), float(change), fitted, offset=offset)
     if not np.isfinite(found.rms) or found.change == 0:
         return None  # the plant's powers leave float64, or the log shows no movement
     if found.relative <= UNEXPLAINED:
@@ -128,7 +135,9 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     }
     for words, other in others.items():
         if (
-            TIMES_WORSE * _rms(one_step_errors(plant, B, D, np.hstack([other, known]), y)) * size
+            TIMES_WORSE
+            * _about_mean(one_step_errors(plant, B, D, np.hstack([other, known]), y))
+            * size
             < found.rms
         ):
             return replace(found, mend=words)
@@ -204,6 +213,10 @@ def _best(u: Array, known: Array, y: Array, n: int) -> float | None:
     now = y[n:]
     e = now - data @ np.linalg.lstsq(data, now, rcond=None)[0]
     return float(np.sqrt(np.sum(e**2) / (freedom * y.shape[1])))
+
+
+def _about_mean(e: Array) -> float:
+    return _rms(e - e.mean(axis=0))
 
 
 def _rms(e: Array) -> float:

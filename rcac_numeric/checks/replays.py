@@ -141,9 +141,13 @@ def replay(
 
 
 def replay_compensator(
-    log: ControllerLog, compensator: Compensator, *, tolerance: float | None = None
+    log: ControllerLog,
+    compensator: Compensator,
+    *,
+    k_w: int | None = None,
+    tolerance: float | None = None,
 ) -> ControlReplay:
-    """The same for a compensator that did not change, over the last tenth of the log."""
+    """The same for a compensator that did not change since k_w, by default over the last tenth."""
     errors = LogErrors(log, tolerance)
     reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
     made, terms, bound = (np.zeros_like(log.u) for _ in range(3))
@@ -156,7 +160,8 @@ def replay_compensator(
             made[lag:] += signal[past] @ matrix.T
             terms[lag:] += np.abs(signal[past]) @ np.abs(matrix).T
             bound[lag:] += off[past] @ np.abs(matrix).T
-    start = max(len(compensator.past_u), log.steps - max(log.steps // 10, 1))
+    since = log.steps - max(log.steps // 10, 1) if k_w is None else k_w
+    start = max(len(compensator.past_u), since)
     return errors.held(made, terms, bound, start, of="the compensator", floor=STILL)
 
 

@@ -19,6 +19,7 @@ from rcac_numeric.checks.hypotheses import Decision, decide_problem
 from rcac_numeric.checks.logs import ROLES, TIMES, ControllerLog, read_log
 from rcac_numeric.cli.exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
+from rcac_numeric.controllers.compensator import compensator_of
 from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.files.documents import Raw, named
 from rcac_numeric.plants.linear import MATRICES, Plant
@@ -53,6 +54,10 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     type=click.Choice(KINDS, case_sensitive=False),
     help="Of theta; default with --n-c: iir.",
 )
+@click.option(
+    "--controller",
+    help='Of a fixed one, u = G_c y, in place of theta: "-(0.5*q - 0.4)/(q - 1)".',
+)
 @click.option("--n-c", type=int, help="Order of the controller.")
 @click.option("--k-c", type=int, help="First lag of y: 1 by default, 0 for an exactly proper one.")
 @click.option("--k-w", type=int, help="First step at which u came from theta.")
@@ -77,6 +82,7 @@ def check(
     names: str,
     transpose: bool,
     structure: str | None,
+    controller: str | None,
     n_c: int | None,
     k_c: int | None,
     k_w: int | None,
@@ -99,7 +105,8 @@ def check(
     """
     with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
         model, table = read_case(plant, problem or "standard")
-        own = _own(log) if plant is None and not names and structure is None else None
+        described = names or structure is not None or controller is not None
+        own = _own(log) if plant is None and not described else None
         if own is not None:
             found = check_controller(
                 own, target=None if target is None else target_model(target),
@@ -114,15 +121,18 @@ def check(
             decision, model = _decided(recorded, plant)
         if model is None and log.suffix.lower() != ".csv":
             model = plant_in(read_variables(log), str(log))
-        k_w = k_w_of(table) if k_w is None else k_w
+        if k_w is None:
+            k_w = k_w_of(table) if controller is None else 0
         widths = (recorded.u.shape[1], recorded.y.shape[1])
         made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
-        _require_coefficients(recorded, log, parse_names(names))
-        if made is None:
-            _require_structure(recorded, widths)
+        if controller is None:
+            _require_coefficients(recorded, log, parse_names(names))
+            if made is None:
+                _require_structure(recorded, widths)
         found = check_controller(
             recorded,
             structure=made,
+            compensator=None if controller is None else compensator_of(controller, "controller"),
             plant=model,
             target=read_target(table, model, target),
             noise=parse_noise(noise),
@@ -212,7 +222,8 @@ def _require_coefficients(log: ControllerLog, file: Path, names: dict[str, str])
     )
     raise InputError(
         f"{log.source} has no theta, the coefficients of the controller: {proposal}; or log D_c "
-        "and N_c, or only what they ended with, in a .mat or .npz file."
+        "and N_c, or only what they ended with, in a .mat or .npz file. Of a fixed controller give "
+        "its transfer function with --controller."
     )
 
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compensator_theory.errors import InputError
+import compensator_theory as exact
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import number, real_array, require_dense
+from rcac_numeric.arrays.validation import number, real_array, require_dense, rounded
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
+from rcac_numeric.signals.text_tables import as_number
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -153,6 +157,49 @@ class Compensator(Value):
                 f"the compensator has {self.l_y} inputs and {self.l_u} outputs; numerator and "
                 "denominator polynomials exist for a scalar one. Use state_space() instead."
             )
+
+
+def compensator_of(system: Any, name: str = "compensator") -> Compensator:
+    """The compensator u = G_c y of a transfer function in q; a Compensator as it is.
+
+    Parameters
+    ----------
+    system : Compensator, str, TransferFunction, or one of python-control, SciPy or SymPy
+        Scalar and in discrete time. Its exact coefficients are rounded once.
+
+    Raises
+    ------
+    InputError
+        Where it is in continuous time, not scalar, or has symbols or irrational coefficients.
+    ImproperError
+        Where it would use future values of y.
+
+    Examples
+    --------
+    >>> from rcac_numeric.controllers.compensator import compensator_of
+    >>> pi = compensator_of("-(0.5*q - 0.4)/(q - 1)")
+    >>> pi.denominator, pi.numerator
+    (array([ 1., -1.]), array([-0.5,  0.4]))
+    """
+    if isinstance(system, Compensator):
+        return system
+    if not (isinstance(system, str | exact.TransferFunction) or is_foreign(system)):
+        raise InputError(f"{name} = {system!r} is not a Compensator.")
+    variable = "q" if isinstance(system, str) and as_number(system) is not None else None
+    G_c = exact.transfer_function(system, variable)
+    if str(G_c.variable) == "s":
+        raise InputError(
+            f"the {name} is in continuous time; make it one in q first, for instance by "
+            "compensator_theory.sampling.tustin."
+        )
+    if not G_c.is_proper:
+        raise ImproperError(f"the {name} {G_c} is improper: it would use future values of y.")
+    D_c = G_c.denominator.all_coeffs()
+    N_c = [0] * (len(D_c) - len(G_c.numerator.all_coeffs())) + G_c.numerator.all_coeffs()
+    denominator, numerator = (
+        rounded([c / D_c[0] for c in coefficients], name) for coefficients in (D_c, N_c)
+    )
+    return Compensator(-denominator[1:, None, None], numerator[:, None, None])
 
 
 def parallel(a: Compensator, b: Compensator) -> Compensator:

@@ -8,9 +8,9 @@ from functools import partial
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, integer, real_array
+from rcac_numeric.arrays.validation import integer, real_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, compensator_of
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -19,7 +19,7 @@ class FixedController(Value):
 
     Parameters
     ----------
-    compensator : Compensator
+    compensator : Compensator, or a transfer function in q
         From y to u, or from [y; r] to u.
     l_r : int
         How many of its inputs, the last ones, are commands.
@@ -48,12 +48,12 @@ class FixedController(Value):
 
     def __init__(self, compensator: Compensator, l_r: int = 0, k_w: int = 0) -> None:
         set_ = partial(object.__setattr__, self)
-        set_("compensator", instance_of(compensator, "compensator", Compensator))
+        set_("compensator", compensator_of(compensator))
         set_("l_r", integer(l_r, "l_r"))
         set_("k_w", integer(k_w, "k_w"))
-        if l_r > compensator.l_y:
+        if l_r > self.compensator.l_y:
             raise InputError(
-                f"the compensator has {compensator.l_y} inputs; l_r = {l_r} of them cannot be "
+                f"the compensator has {self.compensator.l_y} inputs; l_r = {l_r} of them cannot be "
                 "commands."
             )
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.arrays.wording import matrix_latex
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, compensator_of
 
 StateSpace = tuple[Array, Array, Array, Array]
 
 
 def state_space_of(compensator: Any, l_u: int, l_y: int) -> StateSpace:
     """(A_c, B_c, C_c, D_c) of a Compensator, a python-control system or four arrays."""
+    if isinstance(compensator, str | exact.TransferFunction):
+        compensator = compensator_of(compensator)
     if isinstance(compensator, Compensator):
         parts: Any = compensator.state_space()
     elif isinstance(compensator, tuple | list):

@@ -89,3 +89,22 @@ def test_the_command_is_known_where_it_was_logged():
 def test_a_short_log_says_nothing():
     plant = standard_plant("1/(q - 0.5)")
     assert plant_residual(ControllerLog(np.ones(5), np.ones(5)), plant) is None
+
+
+@given(st.integers(1, 3), st.floats(0.2, 5), st.integers(0, 2**32 - 1))
+def test_a_constant_that_was_not_logged_contradicts_no_plant(n, size, seed):
+    """A load at the input and an offset of y leave a constant error, which is said as one."""
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((n, n))
+    plant = Plant(
+        A=A * rng.uniform(0.3, 0.9) / max(abs(np.linalg.eigvals(A))),
+        B=rng.standard_normal((n, 1)), D_1=rng.standard_normal((n, 1)),
+        C=rng.standard_normal((1, n)),
+    )  # fmt: skip
+    u = rng.standard_normal((80, 1))
+    y = response(plant, u, np.full((80, 1), size), rng.standard_normal(n)) + size
+    found = plant_residual(ControllerLog(u, y), plant)
+    assert found.rms <= 1e-6 * np.abs(y).max()
+    assert not found.is_doubtful and not found.is_contradicted
+    if found.offset > 1e-3:
+        assert "a constant" in str(found)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import read_log
+from rcac_numeric import FixedController, Step, exogenous, read_log, simulate
 from rcac_numeric.cli.main import main
 
 OCTAVE = "examples/octave/rcac_loop.mat"
@@ -365,3 +365,17 @@ def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
     # The plant of the other sign is that of a servo loop with no command.
     other = run(wanted / "log.csv", *GIVEN, "--plant", "-1/(q - 2)")
     assert "The log decides for servo" in " ".join(other.output.split())
+
+
+def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
+    """A PI controller that ran elsewhere, with a load that nobody logged."""
+    plant, pi = "0.2*(q + 0.8)/((q - 0.9)*(q - 0.7))", "-(0.5*q - 0.4)/(q - 1)"
+    ran = simulate(plant, FixedController(pi), exogenous([Step()], 200))
+    log = tmp_path / "pi.csv"
+    write_csv(log, {"u": ran.u, "y": ran.y})
+    options = (str(log), "--plant", plant, "--problem", "standard", "--json")
+    found = run(*options, "--controller", pi)
+    assert found.exit_code == 0 and strict(found.output)["replay"]["agrees"]
+    assert run(*options, "--controller", "-(0.5*q - 0.3)/(q - 1)").exit_code == 1
+    assert "--controller" in run(*options).output
+    assert "in continuous time" in run(*options, "--controller", "1/(s + 1)").output
