@@ -109,7 +109,7 @@ def test_the_sign_is_where_y_goes_in_the_end(G, sign):
 @pytest.mark.parametrize(
     ("plant", "arguments", "error", "words"),
     [
-        ("1/(s + 1)", (None, 0), InputError, "sample_time=0.01"),
+        ("1/(s + 1)", (None, 0), InputError, "by sample_time"),
         ("1/(s + 1)", (-1.0, 0), InputError, "positive"),
         ("1/(s + 1)", (1.0, -1), InputError, "negative"),
         ("1/(s + 1)", (0.01, 5), InputError, "500 steps"),
