@@ -261,7 +261,7 @@ def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensato
     if isinstance(of, Run):
         return LoopAnalysis(of).loop
     if isinstance(of, tuple) and len(of) == 2:
-        return ClosedLoop(*of)
+        return ClosedLoop(linear_plant(of[0]), compensator_of(of[1]))
     raise InputError(
         f"a {type(of).__name__} is not a loop; give a Run, a ClosedLoop, or a pair of a plant and "
         "a Compensator."
