@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
+import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
@@ -17,7 +18,7 @@ from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator, compensator_of
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -29,6 +30,7 @@ from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.model import TargetModel
 
 Result = TypeVar("Result")
@@ -42,12 +44,17 @@ class LoopAnalysis(Value):
     Parameters
     ----------
     of : Run, or a pair of a plant and a compensator
-        Each may be a transfer function in q, as a text too.
-        Of a run it is the plant of the last completed step with the controller after it. A
-        compensator reads y, or [y; r].
-    target : TargetModel, optional
+        Of a run it is the plant of the last completed step with the controller after it. Plant and
+        compensator may each be a transfer function in q, as a text too; a compensator reads y, or
+        [y; r].
+    target : TargetModel or transfer function in q, optional
         By default, of a run, the one that its settings adapt to at the last step. Without any
         there is nothing to compare with: `comparison`, `match` and `split` raise.
+
+    Raises
+    ------
+    InputError
+        Where it is neither a run nor such a pair, or the target model cannot be read.
 
     Examples
     --------
@@ -70,6 +77,20 @@ class LoopAnalysis(Value):
 
     of: Run | tuple[Plant, Compensator]
     target: TargetModel | None = None
+
+    def __post_init__(self) -> None:
+        of, target = self.of, self.target
+        if not isinstance(of, Run):
+            if not isinstance(of, tuple) or len(of) != 2:
+                raise InputError(
+                    f"a {type(of).__name__} is not a loop; give a Run, or a pair of a plant and a "
+                    "compensator."
+                )
+            object.__setattr__(self, "of", (linear_plant(of[0]), compensator_of(of[1])))
+        if isinstance(target, str | exact.TransferFunction):
+            object.__setattr__(self, "target", target_model(target))
+        elif target is not None:
+            instance_of(target, "target", TargetModel)
 
     @property
     def run(self) -> Run:
@@ -105,16 +126,12 @@ class LoopAnalysis(Value):
     @cached_property
     def plant(self) -> Plant:
         """The plant, that of a run without its delay line."""
-        return (
-            plant_at(self.of.plant, self.last_step)
-            if isinstance(self.of, Run)
-            else linear_plant(self.of[0])
-        )
+        return plant_at(self.of.plant, self.last_step) if isinstance(self.of, Run) else self.of[0]
 
     @cached_property
     def compensator(self) -> Compensator:
         """The fixed controller."""
-        return self.of.compensator if isinstance(self.of, Run) else compensator_of(self.of[1])
+        return self.of.compensator if isinstance(self.of, Run) else self.of[1]
 
     @cached_property
     def compared_with(self) -> TargetModel:
@@ -191,8 +208,8 @@ class LoopAnalysis(Value):
     @cached_property
     def zeros(self) -> dict[str, ComplexArray]:
         """Closed-loop zeros from each channel of w to z; exact where the comparison is."""
-        exact, _ = attempted(lambda: self.comparison.zeros)
-        return dict(self.loop.zeros() if exact is None else exact)
+        found, _ = attempted(lambda: self.comparison.zeros)
+        return dict(self.loop.zeros() if found is None else found)
 
     @cached_property
     def match(self) -> IntercalatedMatch:
@@ -258,14 +275,7 @@ def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensato
         return of
     if isinstance(of, LoopAnalysis):
         return of.loop
-    if isinstance(of, Run):
-        return LoopAnalysis(of).loop
-    if isinstance(of, tuple) and len(of) == 2:
-        return ClosedLoop(linear_plant(of[0]), compensator_of(of[1]))
-    raise InputError(
-        f"a {type(of).__name__} is not a loop; give a Run, a ClosedLoop, or a pair of a plant and "
-        "a Compensator."
-    )
+    return LoopAnalysis(of).loop
 
 
 def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
@@ -292,7 +302,7 @@ def compare_exactly(
         scalar.
     compensator : Compensator, or a transfer function in q
         With a plant; of a run its last controller.
-    target : TargetModel, optional
+    target : TargetModel or transfer function in q, optional
         With exact data: built by `fir_target`, `pole_placement_target` or `target_model`. Of a run
         by default the one that it adapted to.
 
@@ -333,4 +343,4 @@ def compare_exactly(
         return LoopAnalysis(of, target).comparison
     if compensator is None:
         raise InputError("a plant alone is no loop; give a Run, or a plant and its Compensator.")
-    return LoopAnalysis((linear_plant(of), compensator_of(compensator)), target).comparison
+    return LoopAnalysis((of, compensator), target).comparison

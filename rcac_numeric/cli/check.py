@@ -115,6 +115,8 @@ def check(
             found = replace(found, log=replace(found.log, source=str(log)))
             show(check_sheet(found), as_json, picture, found.plot)
             return _status(found)
+        if controller is not None and (structure is not None or n_c is not None):
+            raise InputError("--controller is the whole controller; leave --structure, --n-c out.")
         recorded = read_log(log, parse_names(names), transpose=transpose)
         decision: Decision | str | None = None
         if problem is None and is_transfer_function(plant) and plant is not None:

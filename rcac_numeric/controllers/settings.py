@@ -28,7 +28,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator, parallel
 from rcac_numeric.controllers.normalization import Normalization
-from rcac_numeric.controllers.prior import prior_weight
+from rcac_numeric.controllers.prior_weight import prior_weight
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.prior import PriorSamples

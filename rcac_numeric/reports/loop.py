@@ -207,7 +207,7 @@ def loop_section(found: LoopAnalysis, title: str = "", remark: str = "") -> Sect
     if comparison is not None:
         parts.append(comparison_section(comparison))
     else:
-        parts.append(poles_section(found, obstacle))
+        parts.append(poles_section(found, found.obstacle or obstacle))
     match, reason = attempted(lambda: found.match)
     parts.append(match_section(match, reason))
     if run is not None:

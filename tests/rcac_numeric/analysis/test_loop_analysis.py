@@ -6,7 +6,9 @@ import pytest
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     ClosedLoop,
+    Compensator,
     LoopAnalysis,
+    Plant,
     TargetModel,
     check_controller,
     compare_exactly,
@@ -96,6 +98,11 @@ def test_a_plant_may_be_a_text_or_a_transfer_function(run):
         (lambda run: h2_cost(run, run.compensator), "a run has its own controller"),
         (lambda run: stability_margins(run.plant), "a Plant is not a loop; give a Run"),
         (lambda run: numeric_observer_forms(run.plant), "a plant alone is no loop"),
+        (lambda run: LoopAnalysis(5), "a int is not a loop; give a Run, or a pair"),
+        (lambda run: LoopAnalysis((run.plant,)), "a tuple is not a loop; give a Run, or a pair"),
+        (lambda run: LoopAnalysis((run.plant, 3)), "compensator = 3 is not a Compensator"),
+        (lambda run: LoopAnalysis(run, 5), "target = 5 is not a TargetModel"),
+        (lambda run: compare_exactly(run, target="1/("), "cannot read"),
         (lambda run: multivariable_disk_margin(3), "a int is not a loop; give a Run"),
     ],
 )
@@ -114,3 +121,18 @@ def test_reports_begin_with_stability(run):
     assert "UNSTABLE" in lines[1] and "NOT reached" in lines[2]
     assert "UNSTABLE" in LoopAnalysis((run.plant, worse)).report().splitlines()[1]
     assert "completed after 100 steps" in LoopAnalysis(run).report().splitlines()[0]
+
+
+def test_plant_compensator_and_target_may_be_texts():
+    plant, compensator = "1/(q - 2)", "-4/(q + 2)"  # D D_c - N N_c = q^2
+    found = compare_exactly(plant, compensator, "1/q")
+    assert found.worst_distance == 0 and found.controller_distance == 0
+    assert LoopAnalysis((plant, compensator), "1/q").match.worst < 1e-12
+    assert not LoopAnalysis((plant, "0")).loop.is_stable
+
+
+def test_a_report_says_once_why_there_is_no_exact_comparison():
+    two = Plant(A=np.diag([0.5, 0.2]), B=np.eye(2), D_1=np.ones((2, 1)), C=np.eye(2))
+    nothing = Compensator(np.zeros((1, 2, 2)), np.zeros((2, 2, 2)))
+    words = " ".join(LoopAnalysis((two, nothing)).report().split())
+    assert "No exact comparison: it is for scalar signals" in words

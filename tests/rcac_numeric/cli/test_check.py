@@ -379,3 +379,5 @@ def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     assert run(*options, "--controller", "-(0.5*q - 0.3)/(q - 1)").exit_code == 1
     assert "--controller" in run(*options).output
     assert "in continuous time" in run(*options, "--controller", "1/(s + 1)").output
+    both = run(*options, "--controller", pi, "--structure", "iir", "--n-c", "1")
+    assert both.exit_code == 2 and "the whole controller" in both.output
