@@ -232,7 +232,7 @@ def _product(a: _Side, b: _Side) -> _Side:
     kinds = len(a.degrees())
     degree = int(a.total_degree()) + int(b.total_degree())
     ask("degree", degree, "the expression, multiplied out,")
-    ask("terms", min(len(a) * len(b), comb(degree + kinds, kinds)), "the expression may")
+    ask("terms", min(len(a) * len(b), comb(degree + kinds, kinds)), "the expression, at most,")
     bits = _bits(a) + _bits(b) + min(len(a), len(b)).bit_length()
     ask("digits", decimal_digits(bits), "a coefficient")
     return a * b
@@ -245,7 +245,7 @@ def _power(base: _Side, exponent: int) -> _Side:
     kinds, degree = len(base.degrees()), int(base.total_degree()) * exponent
     if len(base) > 1:
         terms = comb(len(base) + exponent - 1, min(exponent, len(base) - 1))
-        ask("terms", min(terms, comb(degree + kinds, kinds)), "the expression may")
+        ask("terms", min(terms, comb(degree + kinds, kinds)), "the expression, at most,")
     bits = exponent * (_bits(base) + len(base).bit_length() - 1)
     if bits > exponent:  # powers of 1 and -1 are short
         ask("digits", decimal_digits(bits), "a coefficient")

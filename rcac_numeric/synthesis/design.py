@@ -687,9 +687,8 @@ def reasons_of(
     weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
     modelled = f"; with {parts} for the disturbance" if parts else ""
     fixed = f"LQG of order {n_c}", f"{weights}: the least cost on the ladder{robust}{modelled}"
-    order = f"iir(n_c={n_c})", "the order of the fixed controller: more costs robustness"
-    if knobs.spare:
-        order = f"iir(n_c={structure.n_c})", f"{order[1][:33]} and {knobs.spare} more"
+    more = f" and {knobs.spare} more" if knobs.spare else ": more costs robustness"
+    order = f"iir(n_c={n_c + knobs.spare})", f"the order of the fixed controller{more}"
     if reference.commands:
         words = "past u, e and r under one denominator; r adds to the loop and leaves it as it is"
         order = f"feedforward(n_c={structure.n_c})", words

@@ -161,7 +161,8 @@ def tune(
     the plants at the corners of the uncertainty. In each round the better half goes on, with twice
     the draws. The rule's settings and the fixed controller are candidates from the first round to
     the last; what is left then is judged on plants drawn from inside the uncertainty, with draws
-    of their own. Where it loses more of these runs than it saves, the rule's settings stay.
+    of their own. Where it loses more of these runs than it saves, the rule's settings stay: that
+    one choice of two looks at them, so that they flatter what is handed out by as much.
 
     Parameters
     ----------
