@@ -53,7 +53,10 @@ def print_sheet(sheet: Sheet, console: Console | None = None) -> None:
 def as_text(sheet: Sheet, width: int = 100) -> str:
     """The report as plain text of lines of at most `width` characters."""
     stream = io.StringIO()
-    print_sheet(sheet, Console(file=stream, width=width, highlight=False, color_system=None))
+    print_sheet(
+        sheet,
+        Console(file=stream, width=width, highlight=False, color_system=None, force_jupyter=False),
+    )
     return "\n".join(line.rstrip() for line in stream.getvalue().strip("\n").split("\n"))
 
 

@@ -98,3 +98,11 @@ def test_lines_are_broken_for_people_only():
 def test_numbers_beyond_float64_are_infinite():
     assert rounded(10**400) == math.inf and rounded(-(10**400)) == -math.inf
     assert complex_list([]) == "none" and complex_list([1 + 0j, 2j]) == "1, 0+2j"
+
+
+def test_in_a_notebook_a_report_is_a_text_too(monkeypatch):
+    """There Rich shows what is printed, to whatever file, unless it is told not to."""
+    sheet = Sheet("A case", sections=(Section("The loop", (Text("radius 0.5"),)),))
+    elsewhere = as_text(sheet)
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    assert as_text(sheet) == elsewhere and "radius 0.5" in elsewhere
