@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -75,11 +75,11 @@ class LoopAnalysis(Value):
     (None, 'the target model is not known; give it as target=')
     """
 
-    of: Run | tuple[Plant, Compensator]
+    of: Run | tuple[AnyPlant | str, Compensator | str]
     target: TargetModel | None = None
 
     def __post_init__(self) -> None:
-        of, target = self.of, self.target
+        of, target = cast("tuple[object, object]", (self.of, self.target))  # as they were given
         if not isinstance(of, Run):
             if not isinstance(of, tuple) or len(of) != 2:
                 raise InputError(
@@ -126,12 +126,14 @@ class LoopAnalysis(Value):
     @cached_property
     def plant(self) -> Plant:
         """The plant, that of a run without its delay line."""
-        return plant_at(self.of.plant, self.last_step) if isinstance(self.of, Run) else self.of[0]
+        if isinstance(self.of, Run):
+            return plant_at(self.of.plant, self.last_step)
+        return linear_plant(self.of[0])
 
     @cached_property
     def compensator(self) -> Compensator:
         """The fixed controller."""
-        return self.of.compensator if isinstance(self.of, Run) else self.of[1]
+        return self.of.compensator if isinstance(self.of, Run) else compensator_of(self.of[1])
 
     @cached_property
     def compared_with(self) -> TargetModel:
