@@ -20,6 +20,10 @@ from rcac_numeric.arrays.array_types import Array
 EPS = float(np.finfo(float).eps)
 # How close to the circle a computed zero may be one on it; a multiple one comes as a cluster.
 NEXT = 1e-3
+# How far from each other the members of such a cluster may be.
+ABOUT = 0.1
+# Steps of the search below this are about digits that decide nothing.
+SETTLED = 1e-10
 # Points at which the normal rank is read off; any but finitely many serve.
 PROBES = (0.41 + 0.83j, -1.37 + 0.29j, 0.07 - 1.61j)
 
@@ -110,6 +114,11 @@ def require_no_zero_on_circle(
     system pencil; at a zero that value is rounding noise.
     """
     size = len(A) + B.shape[1]
+    sizes = np.linalg.svd(E_2, compute_uv=False)
+    if len(sizes) == B.shape[1] and sizes.min(initial=np.inf) > 1e-6 * sizes.max(initial=0):
+        # E_2 is one to one, and u = -E_2^+ E_1 x at a zero, which is then one of these:
+        modes = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1)[0])
+        near = near[np.abs(near[:, None] - modes).min(axis=1, initial=np.inf) < ABOUT]
     for start in near:
         zero = _nearest_zero(A, B, E_1, E_2, start)
         if not (np.isfinite(zero) and abs(abs(zero) - 1) < NEXT):
@@ -151,7 +160,7 @@ def words(value: complex) -> str:
 
 def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) -> complex:
     """A zero of the system pencil; a number that is none where the iteration does not settle."""
-    n, at = len(A), complex(start)
+    n, at, before = len(A), complex(start), np.inf
     for _ in range(60):
         left, values, right = np.linalg.svd(_pencil(A, B, E_1, E_2, at))
         u, v = left[:, len(values) - 1], right[len(values) - 1].conj()
@@ -162,8 +171,9 @@ def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) ->
             return complex(np.nan)  # none is near
         step = values[-1] / slope
         at += step
-        if not abs(step) > EPS:
+        if abs(step) < SETTLED and not abs(step) < before / 2:  # rounding, or a multiple zero
             break
+        before = abs(step)
     return at
 
 
