@@ -2,9 +2,11 @@
 
 Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
 `--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
-statistics in full, and all that is marked slow, `--slow N` runs N of these. Of a test marked
-`cases(N)` N of its cases are run, others in every run, and all with `--all-cases` or `--long`;
-`--perturb SEED` moves the last digits of all data, but in tests marked `exact_data`.
+statistics in full, and all that is marked slow, `--slow N` runs N of these. Where the whole suite
+is run, one in eight of the tests marked `costly` is, others in every run; `--costly N` runs one in
+N. Of a test marked `cases(N)` N of its cases are run, others in every run, and all with
+`--all-cases` or `--long`; `--perturb SEED` moves the last digits of all data, but in tests marked
+`exact_data`.
 """
 
 import os
@@ -30,10 +32,14 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the long statistics in full")
     parser.addoption("--slow", type=int, default=0, metavar="N", help="run N of the slow tests")
+    parser.addoption(
+        "--costly", type=int, default=8, metavar="N", help="run one in N of the costly"
+    )
     parser.addoption("--all-cases", action="store_true", help="run every case of every test")
     parser.addoption("--perturb", type=int, metavar="SEED", help="move the last digits of all data")
 
 
+WHOLE_SUITE = 3000  # more tests than any folder has
 LAST_DIGITS = pytest.StashKey[LastDigits]()
 
 
@@ -57,9 +63,10 @@ def pytest_runtest_setup(item):
 def pytest_collection_modifyitems(config, items):
     """What is slow is for --long; what a supervisor says of a drawn controller is no failure."""
     if not config.getoption("--long"):
-        slow = sorted(i.nodeid for i in items if i.get_closest_marker("slow"))
-        draw = random.Random(config.getoption("randomly_seed", None))
-        left = set(slow) - set(draw.sample(slow, min(config.getoption("--slow"), len(slow))))
+        draw = random.Random(_seed(config))
+        left = _not_drawn(draw, items, "slow", lambda _: config.getoption("--slow"))
+        if len(items) > WHOLE_SUITE:
+            left |= _not_drawn(draw, items, "costly", lambda n: n // config.getoption("--costly"))
         if not config.getoption("--all-cases"):
             left |= _other_cases(items, draw)
         config.hook.pytest_deselected(items=[i for i in items if i.nodeid in left])
@@ -68,6 +75,18 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
             item.add_marker(pytest.mark.filterwarnings(warning))
+
+
+def _seed(config):
+    """One for all workers, so that they agree on what is drawn."""
+    workers = getattr(config, "workerinput", {})
+    return config.getoption("randomly_seed", None) or workers.get("testrunuid")
+
+
+def _not_drawn(draw, items, marker, number):
+    """What is left out of the tests with a marker, of which `number` of their count are run."""
+    marked = sorted(item.nodeid for item in items if item.get_closest_marker(marker))
+    return set(marked) - set(draw.sample(marked, min(number(len(marked)), len(marked))))
 
 
 def _other_cases(items, draw):

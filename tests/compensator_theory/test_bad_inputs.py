@@ -48,6 +48,7 @@ def test_every_public_function_is_a_door_of_the_table():
     assert not unknown, f"{sorted(unknown)} in tests/support/bad_inputs.py are no public functions"
 
 
+@pytest.mark.costly
 @pytest.mark.cases(70)
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_inputs_are_refused(name, in_full):
@@ -64,6 +65,7 @@ def test_bad_inputs_are_refused(name, in_full):
             assert sum(refused) >= ENOUGH
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", ["canonical", "kronecker_form", "smith_form"])
 def test_refusals_stay_small(name):
     door, (arguments, keywords) = PUBLIC[name], GOOD[name]
@@ -113,6 +115,7 @@ def test_letters_and_keys_are_no_list(letters):
         exact.loops.direction_residual([["(q - 2)/q", 0], [0, "1/q"]], 2, letters)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("limits", "door", "value"),
     [({"degree": 3000, "terms": 3000}, exact.polynomial, "(s + 1)**2000"),

@@ -4,6 +4,7 @@ import math
 from collections import Counter
 
 import numpy as np
+import pytest
 import sympy
 from sympy import Rational
 
@@ -65,6 +66,7 @@ def test_lqg_in_continuous_time():
     assert counts == {True: 12, False: 4}
 
 
+@pytest.mark.costly
 def test_high_authority_lqg_in_discrete_time():
     """N = q^2 - 3 q + c splits where 9 - 4 c is a square, or no root is outside of the circle."""
     counts = Counter()

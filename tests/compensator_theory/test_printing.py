@@ -80,6 +80,7 @@ def test_matrices_of_long_integers_and_empty_ones():
         assert text(empty) == str(empty)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(40)
 @pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
 def test_no_result_prints_with_a_limit(cls, monkeypatch):

@@ -73,6 +73,7 @@ def test_a_page_that_is_no_more_is_removed(tmp_path):
     assert not (tmp_path / "api" / "rcac_numeric.was_renamed.md").exists()
 
 
+@pytest.mark.costly
 def test_every_module_is_on_the_page_of_its_folder(written):
     """But for what is public, and for the strategies, which are one page."""
     for package in PACKAGES:
@@ -83,6 +84,7 @@ def test_every_module_is_on_the_page_of_its_folder(written):
                 assert f".. automodule:: {'.'.join(folder)}.{module}\n" in page
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("number", "name"),
     [

@@ -82,6 +82,7 @@ def warmed():
     warm()
 
 
+@pytest.mark.costly
 @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
 @given(text=texts)
 @example("sqrt(0.5-1e300**999)")
@@ -134,6 +135,7 @@ def test_a_text_that_takes_many_calls_is_refused_or_echoed(text):
     check_text(text)
 
 
+@pytest.mark.costly
 @settings(max_examples=EXAMPLES // 2, suppress_health_check=list(HealthCheck))
 @example("j+j*sqrt(1.6866535829354996e-46)")
 @example("+99999999999999999999  0.8934380951601534/0.14479776269673994^(10)**-1")

@@ -45,6 +45,7 @@ def states(runs):
     return [pair for run in runs for pair in restorable(run)]
 
 
+@pytest.mark.costly
 def test_hostile_runs_and_states(tmp_path, parts, states, in_full):
     """Some must be read and some refused, or the generator tries nothing."""
     ends = set()
@@ -164,6 +165,7 @@ def test_no_member_is_unpacked_that_claims_too_much(tmp_path, monkeypatch):
     assert not is_record(path)
 
 
+@pytest.mark.costly
 def test_an_archive_of_a_hundred_thousand_members_is_not_listed(tmp_path):
     path = tmp_path / "many.npz"
     with zipfile.ZipFile(path, "w") as archive:

@@ -194,6 +194,7 @@ def require_civil(make):
         return None
 
 
+@pytest.mark.costly
 @MANY
 @example(seed=27479)  # a zero with a symbol
 @given(seed=st.integers(0, 2**64))
@@ -210,6 +211,7 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("files")
 
 
+@pytest.mark.costly
 @MANY
 @given(seed=st.integers(0, 2**64))
 def test_mutated_text(seed, folder):

@@ -5,6 +5,8 @@ import inspect
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from tests.house.layers import LAYERS
 from tests.support.public import public_objects
 
@@ -123,6 +125,7 @@ def test_only_the_engine_knows_the_kernel():
             assert kernel not in {module for _, module, _ in imports(path)}, path
 
 
+@pytest.mark.costly
 def test_analyses_run_nothing():
     """They read a Run, which is data; nothing that they import imports the kernel."""
     graph = _graph()
@@ -134,6 +137,7 @@ def test_analyses_run_nothing():
         assert not users, f"{name} comes to the kernel by {users}"
 
 
+@pytest.mark.costly
 def test_the_exact_half_has_no_floats():
     for path in (ROOT / "compensator_theory").rglob("*.py"):
         tree = ast.parse(path.read_text())

@@ -61,6 +61,7 @@ def test_every_exact_result_has_a_formula(cls):
     assert "_repr_latex_" in vars(cls), "see compensator_theory.latex"
 
 
+@pytest.mark.costly
 @pytest.mark.cases(40)
 @pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
 @settings(suppress_health_check=[HealthCheck.too_slow], max_examples=2)

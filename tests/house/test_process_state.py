@@ -53,6 +53,7 @@ def setters(tree):
                 yield from ATTRIBUTES & set(map(written, parts))
 
 
+@pytest.mark.costly
 def test_nothing_of_the_process_is_set():
     found = {
         (path.relative_to(ROOT).as_posix(), name)

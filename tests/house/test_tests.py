@@ -39,6 +39,7 @@ def test_every_way_to_import_a_test_is_seen(line):
     assert OF_A_TEST.search(line)
 
 
+@pytest.mark.costly
 def test_every_helper_has_one_idea_and_a_user():
     texts = {path: path.read_text() for path in FILES}
     for path in HELPERS:

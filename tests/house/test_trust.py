@@ -79,6 +79,7 @@ def occurring():
     return found
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", sorted(JUSTIFIED))
 def test_what_could_run_a_text_stands_in_named_places(kind):
     """A new place must be looked at, and named in trust.toml with its reason; an old one goes."""

@@ -4,6 +4,8 @@ import ast
 import re
 from pathlib import Path
 
+import pytest
+
 from docs.reference_pages import public_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,6 +27,7 @@ def fields(name, module):
                     yield f"{entry.name}()", ast.unparse(entry.returns) if entry.returns else "Any"
 
 
+@pytest.mark.costly
 def test_a_wrong_attribute_is_seen():
     """What is annotated Any hides every mistake behind it."""
     vague = [

@@ -27,6 +27,7 @@ def sentences(entry):
         yield found.statement if isinstance(found, ForAll) else statement_of(found)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
 def test_every_formula_can_be_set_and_none_is_left_as_text(entry):
     parser = MathTextParser("path")

@@ -91,6 +91,7 @@ def test_a_wrong_matrix_or_polynomial_is_noticed(monkeypatch, name, wrong, check
     assert found.status == "fails" and "false for sizes" in found.detail
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("module", "name", "wrong", "check"),
     [

@@ -156,6 +156,7 @@ def test_an_older_compilation_answers_for_nothing(tmp_path):
     }
 
 
+@pytest.mark.costly
 @needs_coq
 def test_coq_is_asked(folder):
     names = ["Proved.one_is_one", "Assumed.rests_on_it", "Assumed.nothing", "Absent.x"]
@@ -211,6 +212,7 @@ def sums(tmp_path_factory):
     return folder
 
 
+@pytest.mark.costly
 @needs_coq
 @pytest.mark.parametrize(
     ("before", "after", "names"),

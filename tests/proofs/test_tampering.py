@@ -66,6 +66,7 @@ def test_there_are_those_of_the_review_and_forty_others():
     assert len({tampering.name for tampering in ALL}) == len(ALL)
 
 
+@pytest.mark.costly
 def test_a_tampering_of_every_kind_is_caught(tree, edited, in_full):
     by_kind = defaultdict(list)
     for tampering in ALL:
@@ -97,12 +98,14 @@ def test_a_fingerprint_written_by_hand_is_refused(tree, edited):
         tree.signed()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check[1])
 def test_every_check_has_mutants(check):
     """A check whose text leaves nothing to change claims nothing."""
     assert any(mutant.kind != "comparison" for mutant in mutants(*check))
 
 
+@pytest.mark.costly
 def test_a_mutant_of_every_check_is_caught(in_full):
     blind = [check for check in CHECKS[:: 1 if in_full else 26] if first_caught(*check) is None]
     assert blind == []

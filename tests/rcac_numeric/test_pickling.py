@@ -103,6 +103,7 @@ def compares(cls, seed, other):
         assert twin != value and value != twin, name
 
 
+@pytest.mark.costly
 @pytest.mark.cases(50)
 @every_class
 @few
@@ -111,6 +112,7 @@ def test_it_pickles_to_an_equal_object_in_a_fresh_process(elsewhere, cls, seed):
     pickles_elsewhere(elsewhere, cls, seed)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(50)
 @every_class
 @few
@@ -120,6 +122,7 @@ def test_it_is_equal_where_all_that_it_holds_is_equal(cls, seed, other):
     compares(cls, seed, other)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("cls", DESIGNED, ids=lambda cls: cls.__name__)
 def test_what_takes_seconds_to_design_does_so_once(elsewhere, cls):

@@ -4,7 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 
+
+@pytest.mark.costly
 def test_eight_threads_answer_what_one_does():
     root = Path(__file__).parents[2]
     command = [sys.executable, "-W", "error", "-m", "tests.support.thread_mix", "2"]

@@ -63,6 +63,7 @@ def irreducible(expressions):
     return {max(f, sympy.expand(-f), key=str) for f in factors}
 
 
+@pytest.mark.costly
 @given(
     polynomials(min_degree=1, max_degree=3, is_monic=True),
     polynomials(max_degree=2),

@@ -169,6 +169,7 @@ def points_of(found, values):
             yield tuple(Fraction(int(v.p), int(v.q)) for v in point)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(4)
 @pytest.mark.parametrize("name", CASES)
 def test_cases_are_what_a_construction_answers_at_points(name, in_full):

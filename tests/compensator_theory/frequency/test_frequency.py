@@ -67,6 +67,7 @@ def test_the_norm_is_the_peak(G):
     assert ends[0] * ends[1] <= 0 and square.is_irreducible
 
 
+@pytest.mark.costly
 @fewer(4)
 @given(stable_matrices())
 def test_bounded_real_on_both_sides_of_the_norm(G):
@@ -125,6 +126,7 @@ def test_passive_networks_are_positive_real(Z):
     assert not decide_positive_real(-Z, "s").holds
 
 
+@pytest.mark.costly
 @fewer(6)
 @given(networks(depth=2), networks(depth=2), networks(depth=2), st.integers(-2, 2))
 def test_passive_two_ports(a, b, c, gyration):

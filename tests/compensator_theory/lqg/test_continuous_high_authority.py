@@ -103,6 +103,7 @@ def errors(limit, factor, weight):
         return nearest(poles[: len(finite)], finite), nearest(poles[len(finite) :], expected)
 
 
+@pytest.mark.costly
 @settings(max_examples=8)
 @given(scalar_plants())
 def test_one_signal_each_at_small_weights(plant):
@@ -127,6 +128,7 @@ def test_one_signal_each_at_small_weights(plant):
         assert two[1] <= max(1.2 * rate * one[1], mpmath.mpf("1e-40"))
 
 
+@pytest.mark.costly
 @settings(max_examples=6)
 @given(st.tuples(*[strictly_proper_plants(max_order=3)] * 2), st.booleans())
 def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):

@@ -1,5 +1,6 @@
 """Elimination and products with symbols agree with SymPy's, and with numbers put in."""
 
+import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -22,6 +23,7 @@ def matrices(rows, columns):
     )
 
 
+@pytest.mark.costly
 @given(matrices(3, 3), matrices(3, 2))
 def test_solutions_solve(M, R):
     value = sympy.cancel(M.det(method="berkowitz"))
@@ -32,6 +34,7 @@ def test_solutions_solve(M, R):
         assert all(entry == sympy.cancel(entry) for entry in X)
 
 
+@pytest.mark.costly
 @given(matrices(3, 2), matrices(1, 2))
 def test_echelon_forms_and_ranks_are_sympys(M, more):
     whole = M.row_join(M * more.T).row_join(M[:, 0])
@@ -41,6 +44,7 @@ def test_echelon_forms_and_ranks_are_sympys(M, more):
     assert (found.matrix - expected[: len(pivots), :]).applyfunc(sympy.cancel).is_zero_matrix
 
 
+@pytest.mark.costly
 @given(matrices(2, 3), matrices(3, 2), matrices(2, 2))
 def test_products_are_reduced(P, Q, R):
     found, expected = symbolic_product(P, Q, R), P * Q * R

@@ -107,6 +107,7 @@ def test_fewer_states_observe_a_function_of_the_state(loop):
     assert (decision.answer, decision.number_of_forms) == (bool(found.forms), len(found.forms))
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(minimal_loops(excess=1, max_order=2))
 def test_more_states_add_a_youla_parameter(loop):
@@ -291,6 +292,7 @@ def test_grassmannian_of_forms_is_represented():
     )
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(rationals(), rationals())
 def test_repeated_spectrum_has_one_form(shift, root):
@@ -333,6 +335,7 @@ def test_plants_with_a_direct_term():
     assert any((form.K, form.F) == (design.K, design.F) for form in found.forms)
 
 
+@pytest.mark.costly
 def test_symbolic_plants():
     design = observer_based_compensator("1/(s**2 + a*s)", ["-p", "-2"], [-1, -3])
     found = observer_forms(design.plant, design.compensator)

@@ -33,6 +33,7 @@ def loop_polynomial(G, G_c, sign):
     return sympy.cancel(difference * poles.as_expr())
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(transfer_matrices(), st.sampled_from([1, -1]), st.data())
 def test_the_poles_are_the_roots_of_the_targets(G, sign, data):

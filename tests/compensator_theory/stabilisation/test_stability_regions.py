@@ -95,6 +95,7 @@ def in_its_formulas(region, values):
         return any(float(low) < last < float(high) for low, high in cells)
 
 
+@pytest.mark.costly
 @fewer(5)
 @given(st.sampled_from(MANY), st.data())
 def test_the_printed_cells_are_where_the_roots_are_stable(row, data):
@@ -114,6 +115,7 @@ def test_the_printed_cells_are_where_the_roots_are_stable(row, data):
     assert (tuple(place[k.name] for k in region.parameters) in region) == (size < 0)
 
 
+@pytest.mark.costly
 def test_a_plant_of_order_five_under_pid():
     """Curves of degree three and more have no formulas: the ends are those at the samples."""
     plant = "s*(s**5 + 8*s**4 + 32*s**3 + 46*s**2 + 46*s + 17)"

@@ -34,6 +34,7 @@ def share(strategy, *conditions, count=300):
     return [number / len(drawn) for number in found]
 
 
+@pytest.mark.costly
 @pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("strategy", "conditions", "least"),

@@ -45,6 +45,7 @@ ALL = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.cases(8)
 @pytest.mark.parametrize("name", ALL)
 def test_almost_no_draw_is_filtered(name):
@@ -169,6 +170,7 @@ def observability(A, C):
     return controllability(A.T, C.T)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("strategy", "condition", "least", "most"),

@@ -109,6 +109,7 @@ def test_the_least_order_is_the_mcmillan_degree_by_minors(G):
     assert not found.order or krylov(found.realisation.A, found.realisation.B).rank() == found.order
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(transfer_matrices(extra=2))
 def test_poles_at_infinity_count(G):

@@ -66,6 +66,7 @@ def test_the_operators_are_those_of_a_text(G, H):
     assert transfer_function(f"({G})**3", "s") == G**3
 
 
+@pytest.mark.costly
 @given(quotients, quotients, st.sampled_from([-1, 1]))
 def test_connections_are_those_of_sympy(G, H, sign):
     """SymPy's control module as the oracle, compared as rational functions."""

@@ -22,6 +22,7 @@ from tests.rcac_numeric.samples import SAMPLES, SEEDS
 PLAIN = [cls for cls in SAMPLES if issubclass(cls, Value) and cls.__str__ is Value.__str__]
 
 
+@pytest.mark.costly
 @pytest.mark.cases(40)
 @pytest.mark.parametrize("cls", PLAIN, ids=lambda cls: cls.__name__)
 @settings(max_examples=3)

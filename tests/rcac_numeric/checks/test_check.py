@@ -168,6 +168,7 @@ def test_what_a_harmonic_leaves_in_the_controller():
     assert check.costs.obstacle == "" and check.costs.ratio >= 1
 
 
+@pytest.mark.costly
 def test_without_a_plant_or_w_it_says_what_it_cannot_say(octave):
     log = octave.log
     alone = check_controller(log.u, log.y, theta=log.theta, structure=iir(n_c=4))

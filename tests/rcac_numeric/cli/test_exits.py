@@ -73,6 +73,7 @@ def test_messages_are_short_and_command_no_terminal(monkeypatch):
     assert wrong.exit_code == exits.BAD_INPUT and len(wrong.stderr) < 3000
 
 
+@pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("arguments", QUICK, ids=lambda a: a[0])
 def test_a_closed_pipe_is_no_error(arguments):
@@ -84,6 +85,7 @@ def test_a_closed_pipe_is_no_error(arguments):
     assert ended.returncode in (0, 141) and ended.stderr == ""
 
 
+@pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a full device")
 @pytest.mark.parametrize("arguments", QUICK, ids=lambda a: a[0])

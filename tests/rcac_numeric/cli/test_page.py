@@ -1,11 +1,13 @@
 """`rcac verify --page`: one file, refused early where it cannot be."""
 
+import pytest
 from click.testing import CliRunner
 
 from rcac_numeric.cli.main import main
 from tests.support.pages import Page
 
 
+@pytest.mark.costly
 def test_a_case_of_a_users_own_gets_a_page(tmp_path):
     file = tmp_path / "own.html"
     result = CliRunner().invoke(

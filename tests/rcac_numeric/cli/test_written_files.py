@@ -82,6 +82,7 @@ def test_what_cannot_be_written_is_named(tmp_path):
             new.write_text("new")
 
 
+@pytest.mark.costly
 def test_a_full_disk_leaves_the_old_picture(tmp_path, in_full):
     """A limit of the size of files stands for the disk: the same error from the same call."""
     for suffix in ("png", "pdf", "svg") if in_full else ("svg",):

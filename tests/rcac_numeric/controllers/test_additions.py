@@ -106,6 +106,7 @@ RULES = [
 ]
 
 
+@pytest.mark.costly
 @given(st.data(), sizes, sizes, sizes, st.sampled_from(RULES), st.booleans(), seeds)
 @hypothesis_settings(max_examples=40)
 def test_the_engine_follows_the_reference(data, l_u, l_y, l_z, rule, filter_form, seed):

@@ -103,6 +103,7 @@ def test_other_data_are_another_case():
     assert digest_of(changed) != digest_of(example) == digest_of(load_example("2.2"))
 
 
+@pytest.mark.costly
 def test_the_digest_is_the_same_in_every_process():
     code = (
         "from rcac_numeric.dissertation import load_example\n"
@@ -177,6 +178,7 @@ def test_the_command_writes_a_page_and_says_what_is_so(tmp_path):
     assert result.exit_code == 2 and "there is no example of chapter" in result.output
 
 
+@pytest.mark.costly
 def test_processes_make_the_same_cases_and_end_with_the_block(experiments, undisturbed, tmp_path):
     with case_workers(2) as executor:
         found = reproduce(experiments, tmp_path, executor=executor)

@@ -189,6 +189,7 @@ print({run.outcome for run in simulate_many(cases, threads=300)})
 """
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs Linux's resource limits")
 def test_a_system_that_gives_no_more_threads():
     """Sixteen stacks of 8 MiB fit where 300 are asked for."""

@@ -69,6 +69,7 @@ def driven(one, steps, seed=0):
     return np.array(us)
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
 def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
     path = tmp_path / "log.csv"
@@ -81,6 +82,7 @@ def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
     assert np.array_equal(log.u[:, 0], driven(Controller(SETTINGS), 499))
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit of a file's size")
 def test_a_full_disk_leaves_whole_rows_and_takes_no_u(tmp_path):
     path = tmp_path / "log.csv"

@@ -51,6 +51,7 @@ def rms(values):
     return float(np.sqrt(np.mean(values**2)))
 
 
+@pytest.mark.costly
 def test_it_follows_through_the_transition_because_it_learns(in_full):
     """With a dither of 1e-4 rad on 3 initial states, on 20 with --long."""
     true = plant_zeros(aircraft_plant("off-nominal", source="corrected"))

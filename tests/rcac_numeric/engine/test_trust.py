@@ -56,6 +56,7 @@ def example(name, k_w):
 
 
 # What the covariance of the text loses at R_theta = 1e-10 and 1e-20; None: little or by luck.
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("name", "k_w", "lost_at_1e_10", "lost_at_1e_20"),
     [

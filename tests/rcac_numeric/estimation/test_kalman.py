@@ -61,6 +61,7 @@ def test_noises_that_change(make, seed):
     assert relative_error(found.x, np.array(expected)) < 1e-10
 
 
+@pytest.mark.costly
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @every_filter
 @given(seed=seeds)

@@ -28,6 +28,7 @@ def case(controller=(), **run):
     return table
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("table", "what"),
     [

@@ -57,6 +57,7 @@ def test_every_verdict_of_record_holds(number, verifications):
             assert not verdict.changed_completions
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("number", example_ids())
 def test_what_does_not_hold_has_a_reason(number):
     """A claim that fails as it is said tells its reader why, and one that holds does not."""
@@ -67,6 +68,7 @@ def test_what_does_not_hold_has_a_reason(number):
         assert bool(fails) == any(claim.reason for claim in same), text
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("number", example_ids())
 def test_claims_of_the_text_are_judged_fairly(number):
     """Whose words, over what, and that a failure could have been a success."""
@@ -110,6 +112,7 @@ def test_5_1_the_margins_of_twenty_seeds():
     assert (margins > 1.5).all() and (margins < 2.9).all()
 
 
+@pytest.mark.costly
 def test_5_6_is_decided_by_the_last_digits(verifications):
     results = verifications["5.6"].results
     runs = [repetition.run for repetition in results["R_theta = 100"].repetitions]
@@ -133,6 +136,7 @@ def test_4_7_places_four_poles_and_leaves_three(verifications):
     assert np.abs(np.array(rest) - [0.72 - 0.54j, 0.0, 0.72 + 0.54j]).max() < 1e-5
 
 
+@pytest.mark.costly
 def test_4_6_rounding_makes_the_ordering(verifications):
     results = verifications["4.6"].results
 
@@ -169,6 +173,7 @@ def test_2_6_adaptation_is_what_avoids_the_windup(verifications):
     assert held[0] < 10 and held[1] > 50
 
 
+@pytest.mark.costly
 def test_a_radius_below_1_is_not_printed_as_1(verifications):
     """Reflection pins the poles of example 6.2 just inside the circle, and the report shows it."""
     (stable,) = [

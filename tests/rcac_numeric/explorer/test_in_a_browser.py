@@ -146,6 +146,7 @@ def moved_at_random(page, draw):
         page.select_option("#signal", draw.choice(["step", "wave", "command", "none"]))
 
 
+@pytest.mark.costly
 def test_every_scene_and_the_case_are_those_of_simulate_bit_for_bit(opened, monkeypatch):
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
     page = opened()
@@ -170,6 +171,7 @@ def test_twenty_settings_come_back_as_files_with_the_same_run(opened, monkeypatc
     assert len(kinds) >= 3  # some are lost, some stable, some reach the rings
 
 
+@pytest.mark.costly
 def test_what_saturates_has_the_bits_of_simulate_and_says_so(opened, monkeypatch):
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
     page, shares = opened(), []
@@ -192,6 +194,7 @@ def margins_of(specification):
     return stability_margins(ClosedLoop(run.plant, run.compensator), disk=False)
 
 
+@pytest.mark.costly
 def test_margins_are_those_of_the_numeric_half(opened):
     """Crossovers are bisected to float64; the two loops differ by the rounding of their poles."""
     page, draw, compared = opened(), random.Random(5), 0
@@ -213,6 +216,7 @@ def test_margins_are_those_of_the_numeric_half(opened):
     assert compared >= 5
 
 
+@pytest.mark.costly
 def test_the_prediction_is_the_exact_one(opened):
     """It is the characteristic polynomial of the matched loop, by the exact half."""
     page, seen = opened(), 0
@@ -232,6 +236,7 @@ def test_the_prediction_is_the_exact_one(opened):
     assert seen >= 3
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.skipif(compiler() is None, reason="there is no C compiler on this machine")
 @pytest.mark.parametrize("number", [0, 1, 3])
@@ -248,6 +253,7 @@ def test_theta_is_that_of_the_exported_core_bit_for_bit(opened, number):
     assert same_bits(core.theta, found["theta"][found["done"]])
 
 
+@pytest.mark.costly
 def test_dozens_of_drags_leave_the_rings_in_the_disk_and_the_console_silent(opened, in_full):
     page, draw = opened(), random.Random(7)
     for number in range(300 if in_full else 12):
@@ -292,6 +298,7 @@ def test_where_a_ring_is_let_go_there_it_is_asked_for(opened):
     assert moved == pytest.approx(60 * 3.38 / 440, abs=2 * 3.38 / 440 / unit)
 
 
+@pytest.mark.costly
 def test_the_keyboard_moves_adds_and_removes_rings(opened):
     page = opened()
     page.get_by_role("button", name="An unstable plant").click()
@@ -339,6 +346,7 @@ def test_a_finger_moves_a_ring_and_not_the_page(opened):
     assert plane.bounding_box()["y"] == pytest.approx(top, abs=1)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_wider_than_the_window(opened, scheme):
@@ -382,6 +390,7 @@ WRONG = {
 }
 
 
+@pytest.mark.costly
 def test_a_wrong_formula_is_one_line_and_the_last_picture_stays(opened):
     page = opened()
     before = settle(page)
@@ -411,6 +420,7 @@ def test_the_words_of_a_file_are_words(opened):
     assert page.locator("#scenes b").count() == 0
 
 
+@pytest.mark.costly
 def test_the_sentence_says_what_happened(opened):
     page = opened()
 
@@ -429,6 +439,7 @@ def test_the_sentence_says_what_happened(opened):
     assert "sign of the gain" in settle(page)["sentence"]
 
 
+@pytest.mark.costly
 def test_a_track_is_painted_by_what_each_place_comes_to(opened):
     page = opened()
     page.get_by_role("button", name="An unstable plant").click()
@@ -506,6 +517,7 @@ def test_the_pole_that_is_missed_is_that_which_no_pole_is_near(scripts):
     assert far[2] == 0 and sorted(far[:2]) == [0, pytest.approx(0.4, abs=1e-15)]
 
 
+@pytest.mark.costly
 def test_a_notebook_shows_the_same_page_in_a_frame(browser, tmp_path):
     """Its script runs and its own alone; it moves, and asks for nothing."""
     shown = explore(own())

@@ -155,6 +155,7 @@ def fuzz(tmp_path, name, real, steps):
     assert refused > 0 and (fine > 0 or name == "extreme")
 
 
+@pytest.mark.costly
 def test_the_linked_image_holds_nothing_but_itself(tmp_path):
     """No heap, no libm, no exceptions: what the core needs of others is what compilers call."""
     for number, (given_settings, more) in enumerate([FUZZED["iir"], FUZZED["rich"]]):
@@ -198,6 +199,7 @@ def test_the_analyser_of_clang_finds_nothing(tmp_path, in_full):
             assert (done.returncode == 0) == clean, done.stderr
 
 
+@pytest.mark.costly
 @settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(core_settings(), seeds, st.sampled_from(["gcc", "clang"]))
 def test_float32_follows_float64(case, seed, cc):

@@ -126,6 +126,7 @@ def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version):
     slave.close()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_fmpy_runs_it_with_the_signals_of_a_run(tmp_path, version):
     run = simulate(PLANT, SETTINGS, noise(1, 200, 1))
@@ -158,6 +159,7 @@ def built_from_its_sources(file, target):
     return target
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version):
     """Where z is missed it is `Controller` bit for bit; where y is, u stays finite."""
@@ -200,6 +202,7 @@ def test_an_fmu_from_a_shell(tmp_path):
         assert wrong.exit_code == 2 and words in wrong.output
 
 
+@pytest.mark.costly
 def test_the_same_settings_give_the_same_bytes(tmp_path):
     files = [export_fmu(SETTINGS, tmp_path / f"{i}.fmu", sample_time=0.1) for i in range(2)]
     assert files[0].read_bytes() == files[1].read_bytes()

@@ -44,6 +44,7 @@ def written(array):
     return f"[{'; '.join(rows)}]" if array.size else f"zeros({len(array)}, 0)"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", CASES)
 def test_the_bits_in_octave(tmp_path, name):
     export_controller(CASES[name], tmp_path, layout="mex")

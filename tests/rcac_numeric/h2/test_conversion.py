@@ -35,6 +35,7 @@ def gap(design):
     return float((gaps / (sizes if is_any else np.maximum(terms, 1.0))).max()), is_any
 
 
+@pytest.mark.costly
 def test_random_designs_with_delays_keep_their_response(in_full):
     made, refused, nothing, worst = 0, 0, 0, 0.0
     rng = np.random.default_rng(0)

@@ -47,6 +47,7 @@ def health_of(plant, target, steps=400):
     return loop_health(simulate(plant, settings, w))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", WRONG)
 def test_every_form_that_hides_an_instability_is_named(name):
     """Also of a loop that has not diverged yet, and with the mend that cures it."""

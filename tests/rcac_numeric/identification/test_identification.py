@@ -60,6 +60,7 @@ def test_the_fitted_equation_is_3_8(plant, seed):
         assert y[k] == pytest.approx(value + found.residual[row])
 
 
+@pytest.mark.costly
 def test_the_error_shrinks_with_the_root_of_the_number_of_samples():
     """Section 3.6: white input, arbitrary (here strongly coloured) noise; H is consistent.
 

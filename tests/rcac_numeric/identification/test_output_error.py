@@ -18,6 +18,7 @@ def record(A, B, delay, seed, steps=400, noise=0.0, colour=()):
     return u, y + noise * lfilter([1.0], [1.0, *colour], rng.standard_normal(steps))
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(
     poles=st.tuples(st.floats(0.5, 0.8), st.floats(-0.6, 0.3)), b=st.floats(-0.4, 0.4),

@@ -27,6 +27,7 @@ def looped(A, B, gain, delay=0, steps=600, noise=0.0, seed=0, dither=1.0, colour
     return u, y, r, e
 
 
+@pytest.mark.costly
 @settings(max_examples=15)
 @given(
     poles=st.tuples(st.floats(1.02, 1.3), st.floats(-0.5, 0.6)), b=st.floats(-0.2, 0.2),
@@ -47,6 +48,7 @@ def test_without_noise_the_unstable_plant_itself(poles, b, unit, seed):
     assert np.abs(ours - theirs).max() < 1e-5 * np.abs(theirs).max()
 
 
+@pytest.mark.costly
 def test_orders_delays_and_the_unstable_pole_are_found():
     for seed in range(3):
         u, y, *_ = looped(np.poly([1.06, 0.6]), [0.3, 0.1], 0.3, 2, 2000, 0.1, seed, 1.0, [-0.8])
@@ -56,6 +58,7 @@ def test_orders_delays_and_the_unstable_pole_are_found():
         assert found.correlation < 4 and found.explained > 0.9
 
 
+@pytest.mark.costly
 def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
     """40 records of y(k) = 1.1 y(k-1) + 0.5 u(k-1) + e(k) - 0.6 e(k-1), u = r - 0.8 y."""
     a, b, c, noise, steps, ratios = -1.1, 0.5, -0.6, 0.5, 500, []
@@ -84,6 +87,7 @@ def test_the_noise_of_the_output_is_left_in_its_size():
     assert np.var(found.residual) == pytest.approx(0.09, rel=5 * np.sqrt(2 / 4000) + 0.02)
 
 
+@pytest.mark.costly
 def test_a_pole_at_1_is_imposed_where_the_record_has_one():
     u, y, *_ = looped(np.poly([1.0, 0.7]), [0.2, 0.1], 0.2, steps=1500, noise=0.1)
     found = identify_in_closed_loop(u, y, orders=[1, 2], delays=[0, 1], integrators=(0, 1))

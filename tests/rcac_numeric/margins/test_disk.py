@@ -36,6 +36,7 @@ def test_the_peaks_are_not_below_any_grid_and_are_reached(seed):
     assert abs(disk.radius_at - 1) < 1e-6
 
 
+@pytest.mark.costly
 @settings(max_examples=40)
 @given(seeds)
 def test_gains_and_phases_in_the_disk_keep_the_loop_stable(seed):
@@ -122,6 +123,7 @@ def in_units(loop, units):
     )
 
 
+@pytest.mark.costly
 @settings(max_examples=5)
 @given(seeds)
 def test_the_units_of_the_channels_do_not_matter(seed):
@@ -132,6 +134,7 @@ def test_the_units_of_the_channels_do_not_matter(seed):
     assert multivariable_disk_margin(in_units(loop, units)).alpha == pytest.approx(ours, rel=1e-6)
 
 
+@pytest.mark.costly
 @settings(max_examples=4)
 @given(seeds)
 def test_up_to_three_channels_the_margin_is_reached(seed):
@@ -208,6 +211,7 @@ def test_at_least_as_sharp_as_python_control():
         assert ours >= theirs * (1 - 1e-3) and ours <= theirs * 1.02
 
 
+@pytest.mark.costly
 def test_channels_that_act_one_way_only_are_as_good_as_alone():
     """A triangular loop: the couplings can be scaled away, and only the diagonal counts."""
     for coupling in (1.0, 1e3):

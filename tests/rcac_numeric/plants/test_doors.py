@@ -69,6 +69,7 @@ SEVERAL = {
 }  # fmt: skip
 
 
+@pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_every_door_takes_systems_of_several_signals(name):

@@ -50,6 +50,7 @@ def test_marked_margins_are_those_of_python_control(text):
     assert abs((low / 180) % 2 - 1) < 1e-5
 
 
+@pytest.mark.costly
 def test_views_widths_and_axes():
     margins = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1)
     assert [len(margins.plot(view).axes) for view in ("all", "nyquist", "bode")] == [3, 1, 2]

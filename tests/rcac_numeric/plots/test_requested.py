@@ -29,6 +29,7 @@ def lines(figure):
     return {line.get_label(): line for axis in figure.axes for line in axis.get_lines()}
 
 
+@pytest.mark.costly
 def test_every_kind_is_drawn(steps):
     assert set(DRAWINGS) | set(OF_STUDIES) == set(KINDS) - {"sheet"}
     for kind in ("sheet", *DRAWINGS):
@@ -122,6 +123,7 @@ def test_bad_requests_are_refused(steps):
         plot_request(steps, FigureRequest("distribution", "", measure="no"))
 
 
+@pytest.mark.costly
 def test_the_examples_ask_for_figures_that_can_be_drawn():
     """Every shipped request names runs and measures that are there; some are drawn above."""
     count = 0

@@ -77,6 +77,7 @@ def test_a_key_that_is_pressed_in_a_measure_is_no_failure_of_it(tmp_path):
         signal.signal(signal.SIGINT, before)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [0, 1])
 def test_a_run_that_never_ends_is_ended(tmp_path, workers, small_chunks):

@@ -372,6 +372,7 @@ def test_two_processes_never_do_the_same_work(tmp_path):
     assert claims[0] == claims[1] and len(read_table(store)) == 360
 
 
+@pytest.mark.costly
 def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
     """At random moments, by SIGKILL; the table is that of an undisturbed run."""
     file = tmp_path / "study.toml"

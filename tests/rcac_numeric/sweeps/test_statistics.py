@@ -51,6 +51,7 @@ def table(seed, rows=60):
     return SweepTable(columns, ("gain", "n_c", "way"), ("rms",))
 
 
+@pytest.mark.costly
 @given(seed=st.integers(0, 50), by=st.permutations(["gain", "n_c", "way"]), many=st.integers(0, 3))
 def test_a_summary_is_that_of_pandas(seed, by, many):
     pandas = pytest.importorskip("pandas")

@@ -63,6 +63,7 @@ def test_a_row_that_is_missing_is_noticed(stored):
         read_table(stored)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("seed", range(8))
 def test_flipped_bytes_never_change_a_number_silently(stored, seed):
     """Either an error of ours, or the table as it was: the byte was of nothing that is read."""
@@ -97,6 +98,7 @@ def test_a_folder_that_is_not_there_is_named(tmp_path):
         run_study(studies.study(1), tmp_path / "nowhere" / "store.sqlite", workers=0)
 
 
+@pytest.mark.costly
 def test_a_full_disk_keeps_what_had_ended(tmp_path):
     """The system gives the file no more room; with more, the same command goes on."""
     file, store = tmp_path / "study.toml", tmp_path / "store.sqlite"
@@ -141,6 +143,7 @@ def test_a_lease_that_ran_out_is_taken_over_and_the_first_result_stays(stored):
         quick.close()
 
 
+@pytest.mark.costly
 def test_who_is_gone_is_seen():
     process = subprocess.run(
         [sys.executable, "-c",

@@ -64,6 +64,7 @@ def test_the_fingerprint_is_that_of_what_decides_the_results():
     assert len({one.fingerprint, *(other.fingerprint for other in others)}) == 1 + len(others)
 
 
+@pytest.mark.costly
 def test_the_fingerprint_is_the_same_in_every_process():
     code = "from tests.support import studies; print(studies.over_R_theta([1.0], studies.deadly)"
     out = subprocess.run(
@@ -214,6 +215,7 @@ def test_keywords_in_the_wrong_place_are_told_the_right_one():
     assert Study(studies.BASE, []) == Study(studies.BASE, [], [])
 
 
+@pytest.mark.costly
 def test_the_schema_has_what_the_reader_reads():
 
     table = {
@@ -242,6 +244,7 @@ def always(path):
     return path if path.stem == "gain_change" else pytest.param(path, marks=pytest.mark.slow)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("path", [always(path) for path in SHIPPED], ids=lambda path: path.stem)
 def test_a_shipped_study_runs(path, tmp_path):
     """Its first and its last cell, one run of each; the whole is run by hand."""

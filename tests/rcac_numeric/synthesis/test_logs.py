@@ -40,6 +40,7 @@ def found():
     return design(log_of(), sample_time=0.5, **QUICK)
 
 
+@pytest.mark.costly
 def test_the_controller_is_one_for_the_plant_of_the_log(found):
     true = read_plant(TRUE, None, 2)
     assert (found.model.delay, found.model.sign) == (2, "-") and found.plant.sample_time == 0.5
@@ -62,12 +63,14 @@ def test_what_the_log_shows_of_itself_is_evidence(found):
     assert logged.noise == pytest.approx(size * np.sqrt(1 - 0.8), rel=0.1)
 
 
+@pytest.mark.costly
 def test_what_is_told_is_not_asked():
     told = design(log_of(), disturbance=Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
     assert [question.name for question in told.questions] == ["plant", "plant", "dead_time"]
     assert told.expected.noise == 0.01
 
 
+@pytest.mark.costly
 def test_units_change_nothing_but_units():
     one, other = (plant_from_log(log_of(u_unit=u, y_unit=y)) for u, y in ((1, 1), (1e-6, 1e6)))
     assert (one.model.order, one.model.delay) == (other.model.order, other.model.delay)
@@ -77,10 +80,12 @@ def test_units_change_nothing_but_units():
     assert other.disturbance == pytest.approx(1e-6 * one.disturbance, rel=1e-6)
 
 
+@pytest.mark.costly
 def test_a_dead_time_that_is_known_is_kept():
     assert plant_from_log(log_of(), 0.5, 0.5).plant.delay == 1
 
 
+@pytest.mark.costly
 def test_a_log_of_two_inputs_or_of_none_is_refused():
     two = np.random.default_rng(1).standard_normal((500, 2))
     with pytest.raises(InputError, match="2 controls"):
@@ -89,6 +94,7 @@ def test_a_log_of_two_inputs_or_of_none_is_refused():
         design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
 
 
+@pytest.mark.costly
 def test_a_plant_that_integrates_has_its_pole_at_1(found):
     rng = np.random.default_rng(440012)
     u = rng.standard_normal(2000)
@@ -109,6 +115,7 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
     assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
 
 
+@pytest.mark.costly
 def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
     best = Ladder.best
 
@@ -139,6 +146,7 @@ def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
     return run.u[:, 0], r - run.y[:, 0], r, true
 
 
+@pytest.mark.costly
 def test_an_unstable_plant_from_the_log_of_its_loop():
     u, y, r, true = looped()
     found = design(ControllerLog(u, y), **QUICK)
@@ -152,6 +160,7 @@ def test_an_unstable_plant_from_the_log_of_its_loop():
     assert equal(with_r.settings, found.settings)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
 def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
@@ -165,12 +174,14 @@ def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, pe
     assert other.verdict.use == one.verdict.use
 
 
+@pytest.mark.costly
 def test_a_loop_that_nothing_moves_shows_no_plant():
     u, y, *_ = looped(dither=0.0)
     with pytest.raises(InputError, match="u follows from y"):
         design(ControllerLog(u, y), **QUICK)
 
 
+@pytest.mark.costly
 def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
     """u acts after 1 step, and again after 19, where delays of 12 and orders of 5 are tried."""
     rng = np.random.default_rng(3)

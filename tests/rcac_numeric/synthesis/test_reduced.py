@@ -177,6 +177,7 @@ def test_feedforward_needs_a_command():
 # The disturbance, and the actuator.
 
 
+@pytest.mark.costly
 @settings(max_examples=3)
 @given(first=st.floats(0.1, 0.25), apart=st.floats(0.2, 0.5))
 def test_every_sinusoid_that_is_known_has_its_model(first, apart):

@@ -55,6 +55,7 @@ def two():
                   steps=300)  # fmt: skip
 
 
+@pytest.mark.costly
 def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(made):
     plant, found, _ = made
     omega = np.concatenate([np.geomspace(1e-4, 0.1, 300), np.linspace(0.1, np.pi, 1500)])
@@ -92,6 +93,7 @@ def test_the_target_is_what_the_reference_loop_is(made):
     assert (low <= settings_.theta_0).all() and (settings_.theta_0 <= high).all()
 
 
+@pytest.mark.costly
 def test_units_change_nothing_but_units():
     _, found, ours = of(TWO)
     _, other, theirs = of(TWO, gains=(1e3, 1e-4))
@@ -149,6 +151,7 @@ def test_it_is_a_design_as_any_other(two):
     assert ClosedLoop(two.plant, two.fixed.compensator).is_stable
 
 
+@pytest.mark.costly
 def test_the_file_says_the_same(two):
     file = build(parsed(two.to_toml()), "design.toml")
     assert equal(file.runs[RCAC].settings, two.settings)
@@ -158,6 +161,7 @@ def test_the_file_says_the_same(two):
     assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.costly
 def test_a_file_of_several_signals_is_read_for_a_design(two, tmp_path):
     file = tmp_path / "two.toml"
     two.save(file)

@@ -151,6 +151,7 @@ def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_pat
     assert all(now.done == now.total for now in again)  # nothing is run twice
 
 
+@pytest.mark.costly
 def test_processes_leave_the_same_runs(found, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1}
     with ThreadPoolExecutor(1) as pool:  # of others, as dask's is

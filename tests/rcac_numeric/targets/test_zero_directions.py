@@ -141,6 +141,7 @@ def test_five_degrees_cost_little():
     assert cost_ratio(plant, fir(H, -zero * np.outer(f, f) @ H)) < 1.02
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_plants(kind, request):
     """J/JL <= 1.01 on 95 of 100 with one real zero."""

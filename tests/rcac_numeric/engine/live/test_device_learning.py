@@ -49,6 +49,7 @@ def drive(controller, run, steps, saturated=False):
     return np.array(u)
 
 
+@pytest.mark.costly
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @given(
     st.sampled_from(["reset", "blend", "keep", "replay"]),

@@ -73,6 +73,7 @@ def test_example_8_6(in_full):
     assert controller.theta[0] == pytest.approx(-1.0851, abs=1e-3)  # of -1.0880
 
 
+@pytest.mark.costly
 def test_example_8_7(in_full):
     """Output feedback follows too, after a larger deviation."""
     controller = IndirectController(indirect(**OUTPUT_FEEDBACK))

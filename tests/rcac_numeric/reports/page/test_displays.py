@@ -76,6 +76,7 @@ def test_what_has_no_entry_is_refused_by_its_type(ask):
         ask(1j)
 
 
+@pytest.mark.costly
 def test_a_report_loads_no_matplotlib_and_a_picture_no_studies():
     code = """if True:
         import sys

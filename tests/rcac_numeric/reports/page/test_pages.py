@@ -116,6 +116,7 @@ def test_every_verdict_is_explained(gallery):
         assert name in text and " ".join(told.split()) in text
 
 
+@pytest.mark.costly
 def test_quotes_are_typeset(gallery):
     assert "<i>M<sub>" in str(typeset(r"$M_{2}$"))
     said = re.findall("\N{LEFT DOUBLE QUOTATION MARK}[^\N{RIGHT DOUBLE QUOTATION MARK}]*", gallery)
@@ -163,6 +164,7 @@ def test_errata_of_the_examples_are_told(gallery):
     assert "8.25 s + 23.25" in Page(gallery).text
 
 
+@pytest.mark.costly
 def test_the_same_case_gives_the_same_page(cases):
     again = case_of(verify(load_example("2.5")))
     assert again == cases[1]
