@@ -18,6 +18,7 @@ from compensator_theory.matrices.flint_matrices import (
     rational,
     rational_in_flint,
     symbols_in,
+    zero_matrix,
 )
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.fraction_free import SymbolicRows, symbolic_product
@@ -180,7 +181,7 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
     Matrix([[1]])
     """
     if any(0 in factor.shape for factor in factors):
-        return ImmutableMatrix.zeros(factors[0].rows, factors[-1].cols)
+        return zero_matrix(factors[0].rows, factors[-1].cols)
     raw = [rational_in_flint(factor) for factor in factors]
     if all(factor is not None for factor in raw):
         return from_flint(reduce(mul, raw))
