@@ -45,6 +45,12 @@ class Echelon:
         units = {column: [int(column == k) for k in free] for column in free}
         return of_rows([{**at_pivots, **units}[k] for k in range(columns)], (columns, len(free)))
 
+    def solutions(self) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...]]:
+        """Return a solution of A x = b and a basis of the homogeneous ones; this is of [A | b]."""
+        kernel = self.kernel()[:-1, :]
+        *basis, last = (kernel[:, k] for k in range(kernel.cols))
+        return -last, tuple(basis)
+
 
 def echelon(matrix: Matrix) -> Echelon:
     """Return the reduced row echelon form, by python-flint or without fractions."""

@@ -16,7 +16,6 @@ from compensator_theory.matrices.flint_matrices import (
     RationalMatrix,
     from_flint,
     kept_rational,
-    rational_in_flint,
     to_flint,
 )
 from compensator_theory.polynomials.budget import ask, decimal_digits, listed, shown
@@ -60,18 +59,6 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
     found = ImmutableMatrix(*shape, flat)
     return found if kept_rational(found) is None else from_flint(to_flint(found))
-
-
-def read_in_flint(value: MatrixLike, name: str) -> flint.fmpq_mat | None:
-    """Read a matrix as python-flint's if all its entries are rational numbers, else return None.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices.exact_matrices import read_in_flint
-    >>> read_in_flint([[1, 2], [3, 4]], "A").det(), read_in_flint([["a"]], "A")
-    (-2, None)
-    """
-    return rational_in_flint(exact_matrix(value, name))
 
 
 def _read_at_once(value: Any, name: str) -> RationalMatrix | None:

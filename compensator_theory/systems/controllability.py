@@ -13,8 +13,8 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix, read_in_flint
-from compensator_theory.matrices.flint_matrices import from_flint, zero_matrix
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import from_flint, rational_in_flint, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -85,7 +85,7 @@ def rational_pair(A: MatrixLike, B: MatrixLike) -> tuple[flint.fmpq_mat, flint.f
     >>> rational_pair([["a"]], [[1]]) is None
     True
     """
-    a, b = read_in_flint(A, "A"), read_in_flint(B, "B")
+    a, b = (rational_in_flint(exact_matrix(M, name)) for M, name in ((A, "A"), (B, "B")))
     if a is None or b is None or not a.nrows():
         return None
     _require_pair((a.nrows(), a.ncols()), (b.nrows(), b.ncols()))
