@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ContextDecorator, contextmanager
 from importlib.util import find_spec
 
 from compensator_theory.errors import InputError
@@ -65,8 +65,7 @@ def _missing(library: str) -> str:
     )
 
 
-@contextmanager
-def roots_in_sympy() -> Iterator[None]:
+class roots_in_sympy(ContextDecorator):
     """Around what multiplies roots of long integers: SymPy 1.14 fails on some, and says nothing.
 
     Its factorint takes a product of two close numbers apart and then insists that they are prime.
@@ -82,13 +81,16 @@ def roots_in_sympy() -> Iterator[None]:
     compensator_theory.errors.InputError: SymPy cannot factor an integer under a root, a product of
     two close ones of 19 digits or so; give rational numbers close to the roots
     """
-    try:
-        yield
-    except ValueError as error:
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if not isinstance(error, ValueError):
+            return
         fault = re.fullmatch(r"(\d+) is not a prime factor of \d+", str(error))
-        if fault is None:
-            raise
-        raise InputError(
-            "SymPy cannot factor an integer under a root, a product of two close ones of "
-            f"{len(fault[1])} digits or so; give rational numbers close to the roots"
-        ) from None
+        if fault is not None:
+            raise InputError(
+                "SymPy cannot factor an integer under a root, a product of two close ones of "
+                f"{len(fault[1])} digits or so; give rational numbers close to the roots"
+            ) from None

@@ -10,6 +10,7 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     kept_in_flint,
@@ -22,7 +23,7 @@ from compensator_theory.printing import text
 
 
 @dataclass(frozen=True)
-class BezoutIdentity(ExactValue):
+class BezoutIdentity(Certified, ExactValue):
     r"""A greatest common divisor and its certificate.
 
     .. math:: x\,a + y\,b = g, \qquad a = g\,\bar a, \quad b = g\,\bar b
@@ -45,6 +46,8 @@ class BezoutIdentity(ExactValue):
     >>> print(bezout_identity("(s + 1)*(s + 2)", "(s + 1)*s"))
     gcd = s + 1 = (1/2)*a + (-1/2)*b
     """
+
+    identity = "x a + y b = g, a = g a', b = g b'"
 
     a: Poly
     b: Poly
@@ -78,8 +81,14 @@ class BezoutIdentity(ExactValue):
     @property
     def residual(self) -> Poly:
         """What is left of x a + y b - g; zero, as computed anew."""
-        x, y, a, b, gcd = over_one_field(self.x, self.y, self.a, self.b, self.gcd)
-        return canonical(x * a + y * b - gcd)
+        return self._left_over()[0]
+
+    def _left_over(self) -> list[Poly]:
+        x, y, a, b, gcd, *parts = over_one_field(
+            self.x, self.y, self.a, self.b, self.gcd, *self.quotients
+        )
+        left = x * a + y * b - gcd, a - gcd * parts[0], b - gcd * parts[1]
+        return [canonical(poly) for poly in left]
 
     def __str__(self) -> str:
         gcd, x, y = (format_polynomial(p) for p in (self.gcd, self.x, self.y))

@@ -12,6 +12,7 @@ from compensator_theory.bezout.sylvester import sylvester_m1
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
@@ -113,7 +114,7 @@ def gcd_from_null_space(
          for p, count in columns for shift in range(count)]
         for power in range(rows)
     ]  # fmt: skip
-    (vector,) = solve_affine(ImmutableMatrix(entries), ImmutableMatrix.zeros(rows, 1)).nullspace
+    (vector,) = solve_affine(ImmutableMatrix(entries), zero_matrix(rows, 1)).nullspace
     found = list(vector)
     b_bar = from_coefficients(found[: l - nullity + 1][::-1], s)
     a_bar = from_coefficients([-c for c in found[l - nullity + 1 :]][::-1], s)

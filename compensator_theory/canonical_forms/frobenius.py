@@ -15,6 +15,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -172,7 +173,7 @@ def _by_smith_form(
     a: ImmutableMatrix, s: Symbol
 ) -> tuple[ImmutableMatrix, tuple[Poly, ...], list[Expr]]:
     n = a.rows
-    smith = smith_form(s * sympy.eye(n) - a, s)
+    smith = smith_form(s * identity_matrix(n) - a, s)
     blocks, polynomials = [], []
     for i in range(n):
         invariant = smith.form[i, i]

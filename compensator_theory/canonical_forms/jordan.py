@@ -13,6 +13,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     evaluate,
@@ -237,9 +238,9 @@ def _blocks(
             found.append((joined(a.rows, chain), form))
         else:
             pairs = [part for v in chain for part in v.as_real_imag()]
-            block, one = Matrix([[p, q], [-q, p]]), sympy.eye(2)
+            block, one = Matrix([[p, q], [-q, p]]), identity_matrix(2)
             shift = Matrix(length, length, lambda i, j: int(j == i + 1))
-            form = sympy.kronecker_product(sympy.eye(length), block)
+            form = sympy.kronecker_product(identity_matrix(length), block)
             found.append((joined(a.rows, pairs), form + sympy.kronecker_product(shift, one)))
     return found
 

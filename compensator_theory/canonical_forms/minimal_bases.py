@@ -15,6 +15,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial, to_flint_polynomial
 from compensator_theory.matrices.residues import pivots
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
@@ -196,7 +197,7 @@ def _pencil(P: PolynomialMatrix) -> Pencil:
 
 
 def _none(P: PolynomialMatrix, exceptional: tuple[Expr, ...]) -> MinimalBasis:
-    nothing = Certificate(IDENTITY, ImmutableMatrix.zeros(1, 1))
+    nothing = Certificate(IDENTITY, zero_matrix(1, 1))
     return MinimalBasis(P, None, None, (), exceptional, nothing)
 
 

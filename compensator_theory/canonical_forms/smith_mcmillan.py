@@ -12,6 +12,7 @@ from compensator_theory.latex import diagonal, displayed, fraction, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
@@ -180,7 +181,7 @@ def _at_infinity(G: TransferMatrix, rank: int) -> tuple[tuple[int, ...], list[Ex
 
 
 def _toeplitz(blocks: list[ImmutableMatrix]) -> ImmutableMatrix:
-    zero = ImmutableMatrix.zeros(*blocks[0].shape)
+    zero = zero_matrix(*blocks[0].shape)
     size = len(blocks)
     return ImmutableMatrix.vstack(
         *(

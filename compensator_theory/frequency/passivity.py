@@ -11,6 +11,7 @@ from sympy import QQ, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
 from compensator_theory.latex import displayed, words
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
@@ -141,10 +142,10 @@ def decide_positive_real(
     N, d = source.numerator_matrix(), source.denominator.as_expr()
     if source.denominator.free_symbols_in_domain or N.free_symbols - {source.variable}:
         raise InputError("positive realness needs rational coefficients; substitute numbers")
-    plus = N + d * sympy.eye(m)
+    plus = N + d * identity_matrix(m)
     if sympy.expand(plus.det(method="berkowitz")) == 0:
         return RealnessDecision("positive real", False, None, (), None)
-    quotient = solve(plus.T, (N - d * sympy.eye(m)).T).T  # (N - d I)(N + d I)^-1
+    quotient = solve(plus.T, (N - d * identity_matrix(m)).T).T  # (N - d I)(N + d I)^-1
     transform = transfer_matrix(
         [[_pair(entry, source.variable) for entry in row] for row in quotient.tolist()],
         source.variable,
@@ -172,7 +173,7 @@ def _decision(
     mirrored = N.subs(s, -s).T
     gram = mirrored * N if N.cols <= N.rows else N * mirrored
     bottom = G.denominator.as_expr()
-    whole = sympy.eye(gram.rows) * bottom * bottom.subs(s, -s) - gram
+    whole = identity_matrix(gram.rows) * bottom * bottom.subs(s, -s) - gram
     x = sympy.Symbol("x_level")
     spread = characteristic_polynomial(whole.applyfunc(sympy.expand), x).all_coeffs()
     spectrum = tuple(_in_square(c * (-1) ** k, s) for k, c in enumerate(spread) if k)

@@ -20,6 +20,7 @@ from compensator_theory.frequency.margins import (
 )
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import LoopPart, read_loop
+from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import ask
@@ -131,7 +132,7 @@ class LocusAngles(ExactValue):
 
 
 @dataclass(frozen=True)
-class RootLocus(ExactValue):
+class RootLocus(Certified, ExactValue):
     r"""The closed-loop roots of :math:`D + kN` as k goes through the real numbers.
 
     Attributes
@@ -153,6 +154,8 @@ class RootLocus(ExactValue):
         At the poles and at the zeros, for positive gains.
     """
 
+    identity = "N D' - N' D = 0 where branches meet, D + k N = 0 there if k is rational"
+
     numerator: Poly
     denominator: Poly
     hidden: Poly
@@ -163,6 +166,15 @@ class RootLocus(ExactValue):
     asymptotes_negative: tuple[Expr, ...]
     departures: tuple[LocusAngles, ...]
     arrivals: tuple[LocusAngles, ...]
+
+    def _left_over(self) -> list[Poly]:
+        N, D = self.numerator, self.denominator
+        slope = N * D.diff() - N.diff() * D
+        rational = [point for point in self.breaks if point.gain.is_Rational]
+        return [
+            *(slope.rem(point.factor) for point in self.breaks),
+            *((D + N * point.gain).rem(point.factor) for point in rational),
+        ]
 
     @property
     def time(self) -> Time:

@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import diagonal, displayed, fraction, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -139,7 +140,7 @@ def decouple(
     below = ImmutableMatrix.vstack(
         *(_applied(source, i, p) for i, p in enumerate(targets))
     )  # C_i p_i(A)
-    W = in_lowest_terms(solve(star, sympy.eye(m)))
+    W = in_lowest_terms(solve(star, identity_matrix(m)))
     F = in_lowest_terms(-W * below)
     modes = characteristic_polynomial(ImmutableMatrix(in_lowest_terms(A + B * F)), source.variable)
     visible = sympy.prod(targets, start=Poly(1, source.variable, domain=sympy.QQ))
@@ -193,7 +194,7 @@ def _targets(
 
 
 def _applied(plant: Realisation, i: int, p: Poly) -> ImmutableMatrix:
-    row = ImmutableMatrix.zeros(1, plant.n)
+    row = zero_matrix(1, plant.n)
     for coefficient in p.all_coeffs():  # Horner's rule
         row = row * plant.A + coefficient * plant.C[i, :]
     return row

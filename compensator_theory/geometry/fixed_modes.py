@@ -13,23 +13,27 @@ from sympy import QQ, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
+from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask, is_integer, listed, shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.poly import canonical, common_divisor, monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class FixedModes(ExactValue):
+class FixedModes(Certified, ExactValue):
     r"""The modes that every :math:`A + \sum_i B_i K_i C_i` has.
 
     Attributes
     ----------
+    plant : Realisation
+        (A, B, C).
     polynomial : sympy.Poly
         Monic; its roots are the fixed modes with multiplicity, 1 if there are none.
     centralised : sympy.Poly
@@ -40,9 +44,17 @@ class FixedModes(ExactValue):
         nothing else: a witness that no more is fixed.
     """
 
+    identity = "the gcd of det(sI - A) and det(sI - A - B K C) is the polynomial"
+
+    plant: Realisation
     polynomial: Poly
     centralised: Poly
     gains: ImmutableMatrix
+
+    def _left_over(self) -> list[Poly]:
+        A, B, C, s = self.plant.A, self.plant.B, self.plant.C, self.plant.variable
+        before, after = (characteristic_polynomial(M, s) for M in (A, A + B * self.gains * C))
+        return [common_divisor(before, after) - self.polynomial]
 
     def modes(self) -> tuple[Root, ...]:
         """Return the certified fixed modes."""
@@ -119,7 +131,7 @@ def decentralised_fixed_modes(
     fixed = _common(*plant_matrices, read, source.variable)
     whole = _common(*plant_matrices, everything, source.variable)
     gains = _witness(*plant_matrices, read, fixed)
-    return FixedModes(fixed, whole, gains)
+    return FixedModes(source, fixed, whole, gains)
 
 
 Channels = list[tuple[tuple[int, ...], tuple[int, ...]]]
@@ -180,6 +192,7 @@ def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbo
 def _interpolated(matrix: flint.fmpq_mat, size: int) -> flint.fmpq_poly:
     """Return the determinant with s added to the first entries of the diagonal, by its values."""
     newton: list[flint.fmpq] = []
+    matrix = flint.fmpq_mat(matrix)  # a copy, since it is changed
     for point in range(size + 1):
         value = matrix.det()
         for k, coefficient in enumerate(newton):  # divided differences at 0, 1, 2, ...

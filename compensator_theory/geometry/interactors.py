@@ -12,6 +12,7 @@ from compensator_theory.geometry.subspaces import Subspaces
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask
@@ -109,7 +110,7 @@ def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> I
         )
     work = Subspaces()
     done: list[tuple[list[Poly], list[Poly]]] = []
-    limits = ImmutableMatrix.zeros(0, source.shape[1])
+    limits = zero_matrix(0, source.shape[1])
     powers: list[int] = []
     for i, start in enumerate(source.numerators):
         product = list(start)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.geometry.subspaces import Subspaces
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
@@ -119,7 +119,7 @@ def controlled_invariant_subspaces(
     work = Subspaces()
     V = _largest(work, A, B, C, D)
     S = _least(work, A, B, C, D)
-    R = work.intersection(V, S) if V.cols and S.cols else ImmutableMatrix.zeros(n, 0)
+    R = work.intersection(V, S) if V.cols and S.cols else zero_matrix(n, 0)
     R, V, S = (work.canonical(space) for space in (R, V, S))
     basis = work.sum(R, V) if R.cols else V
     M, inputs = _motion(work, (A, B, C, D), basis)
@@ -141,9 +141,9 @@ def _largest(
     D: ImmutableMatrix,
 ) -> ImmutableMatrix:
     n = A.rows
-    V, both = ImmutableMatrix(sympy.eye(n)), A.col_join(C)
+    V, both = identity_matrix(n), A.col_join(C)
     while V.cols:
-        below = ImmutableMatrix.zeros(C.rows, V.cols)
+        below = zero_matrix(C.rows, V.cols)
         after = work.preimage(both, V.col_join(below).row_join(B.col_join(D)))
         if after.cols == V.cols:
             break
@@ -159,7 +159,7 @@ def _least(
     D: ImmutableMatrix,
 ) -> ImmutableMatrix:
     n = A.rows
-    S = ImmutableMatrix.zeros(n, 0)
+    S = zero_matrix(n, 0)
     while True:
         silent = work.kernel((C * S).row_join(D))  # (t, u) with C S t + D u = 0
         after = work.span(ImmutableMatrix((A * S).row_join(B) * silent))
@@ -174,8 +174,8 @@ def _motion(
     """Return M and U with A V + B U = V M and C V + D U = 0."""
     A, B, C, D = plant
     if not V.cols:
-        return ImmutableMatrix.zeros(0, 0), ImmutableMatrix.zeros(B.cols, 0)
-    below = ImmutableMatrix.zeros(C.rows, V.cols)
+        return zero_matrix(0, 0), zero_matrix(B.cols, 0)
+    below = zero_matrix(C.rows, V.cols)
     wide = V.col_join(below).row_join(-B.col_join(D))
     found = work.coordinates(wide, A.col_join(C) * V)
     assert found is not None, "V* is controlled invariant"
@@ -185,7 +185,7 @@ def _motion(
 def _gain(work: Subspaces, V: ImmutableMatrix, U: ImmutableMatrix, m: int) -> ImmutableMatrix:
     """Return F with F V = U."""
     if not V.cols:
-        return ImmutableMatrix.zeros(m, V.rows)
+        return zero_matrix(m, V.rows)
     found = work.coordinates(V.T, U.T)
     assert found is not None, "the columns of V are independent"
     return ImmutableMatrix(found.T)

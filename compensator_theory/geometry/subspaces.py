@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.matrices.echelon import echelon, independent_columns
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import in_lowest_terms
 
 
@@ -45,7 +45,7 @@ class Subspaces:
     def kernel(self, matrix: Matrix) -> ImmutableMatrix:
         """Return a basis of the null space."""
         if not matrix.rows:
-            return ImmutableMatrix(sympy.eye(matrix.cols))
+            return identity_matrix(matrix.cols)
         found = echelon(ImmutableMatrix(matrix))
         self.divisors.append(found.divided_by)
         return in_lowest_terms(found.kernel())

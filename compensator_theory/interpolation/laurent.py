@@ -15,7 +15,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
-from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.flint_matrices import rational, zero_matrix
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials.budget import ask, decimal_digits, integer
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -58,7 +58,7 @@ class LaurentExpansion(ExactValue):
         """Return the coefficient of (s - p)**power; InputError beyond what was asked for."""
         index = power + self.order
         if index < 0:
-            return ImmutableMatrix.zeros(*self.coefficients[0].shape)
+            return zero_matrix(*self.coefficients[0].shape)
         if index >= len(self.coefficients):
             raise InputError(
                 f"the expansion ends with the power {len(self.coefficients) - 1 - self.order}; "

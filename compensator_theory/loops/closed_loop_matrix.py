@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import sympy
-from sympy import ImmutableMatrix
+from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import agreed_sign
-from compensator_theory.polynomials.budget import shown
-from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 
 def closed_loop_matrix(
-    plant: Realisation, compensator: Realisation, *, feedback: int | None = None
+    plant: RealisationLike,
+    compensator: RealisationLike,
+    *,
+    feedback: int | None = None,
+    variable: str | Symbol | None = None,
 ) -> ImmutableMatrix:
     r"""Return the dynamics matrix of plant and compensator.
 
@@ -20,12 +22,14 @@ def closed_loop_matrix(
 
     Parameters
     ----------
-    plant : Realisation
-        (A, B, C, D_0) with n states.
-    compensator : Realisation
-        :math:`(A_c, B_c, C_c)`, strictly proper, with :math:`n_c` states.
+    plant : Realisation, (A, B, C, D_0), or what :func:`realisation` reads
+        With n states.
+    compensator : Realisation, (A_c, B_c, C_c), or what :func:`realisation` reads
+        Strictly proper, with :math:`n_c` states.
     feedback : {+1, -1}, optional
         The sign f in :math:`u = f C_c x_c`; default +1, as in the matrix above.
+    variable : str or Symbol, optional
+        As for :func:`realisation`.
 
     Returns
     -------
@@ -52,28 +56,24 @@ def closed_loop_matrix(
     [1,  5],
     [8, -3]])
     """
-    for value in (plant, compensator):
-        if not isinstance(value, Realisation):
-            raise InputError(f"{shown(value)} is not a Realisation; make one with realisation(...)")
-    if compensator.variable != plant.variable:
+    G = realisation(plant, variable)
+    G_c = realisation(compensator, variable)
+    if G_c.variable != G.variable:
         raise InputError(
-            f"the plant is written in {plant.variable} and the compensator in "
-            f"{compensator.variable}; they need the same variable"
+            f"the plant is written in {G.variable} and the compensator in {G_c.variable}; they "
+            "need the same variable"
         )
-    if compensator.D.shape != plant.D.T.shape:
+    if G_c.D.shape != G.D.T.shape:
         raise InputError(
-            f"the compensator maps {compensator.B.cols} to {compensator.C.rows} signals, but the "
-            f"plant has {plant.C.rows} outputs and {plant.B.cols} inputs"
+            f"the compensator maps {G_c.B.cols} to {G_c.C.rows} signals, but the plant has "
+            f"{G.C.rows} outputs and {G.B.cols} inputs"
         )
-    if not compensator.is_strictly_proper:
+    if not G_c.is_strictly_proper:
         raise InputError(
-            f"the compensator has the direct term {compensator.D.tolist()}, which a state estimate "
-            "does not produce; count it as part of the plant, (A + BdC, B, C), and give the rest"
+            f"the compensator has the direct term {G_c.D.tolist()}, which a state estimate does "
+            "not produce; count it as part of the plant, (A + BdC, B, C), and give the rest"
         )
-    compensator = compensator.with_sign(agreed_sign(compensator, feedback))
-    inner = compensator.A + compensator.B * plant.D * compensator.C
-    return ImmutableMatrix(
-        sympy.Matrix.vstack(
-            plant.A.row_join(plant.B * compensator.C), (compensator.B * plant.C).row_join(inner)
-        )
-    )
+    G_c = G_c.with_sign(agreed_sign(G_c, feedback))
+    inner = G_c.A + G_c.B * G.D * G_c.C
+    above, below = G.A.row_join(G.B * G_c.C), (G_c.B * G.C).row_join(inner)
+    return ImmutableMatrix(above.col_join(below))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TypeAlias, overload
 
-import sympy
 from sympy import MatrixBase, Symbol
 
 from compensator_theory.errors import BudgetError, ImproperError, InputError
@@ -15,6 +14,7 @@ from compensator_theory.loops.siso import (
     require_sign,
     well_posed_loop,
 )
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
@@ -126,7 +126,7 @@ def _of_matrices(
             f"a compensator of {G_c.shape} signals (outputs, inputs) does not fit a plant of "
             f"{G.shape}; it needs {(inputs, outputs)}"
         )
-    difference: TransferMatrix = -feedback * (G @ G_c) + sympy.eye(outputs)
+    difference: TransferMatrix = -feedback * (G @ G_c) + identity_matrix(outputs)
     try:
         sensitivity = difference.inverse()
     except BudgetError:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sympy
-
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
@@ -51,7 +50,7 @@ def intercalated_transfer_matrix(
     (q)/(q**2 - q)
     """
     loop = close_loop(problem, N_c, D_c)
-    return loop.response(problem.variable**loop.n_c * sympy.eye(problem.l_u))
+    return loop.response(problem.variable**loop.n_c * identity_matrix(problem.l_u))
 
 
 def intercalated_transfer_function(

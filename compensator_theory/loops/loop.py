@@ -15,6 +15,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.poly import from_expression
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
@@ -178,7 +179,7 @@ def close_loop(
     numerator = _polynomial_rows(N_c, (problem.l_u, problem.l_y), q, "N_c")
     denominator = _polynomial_rows(D_c, (problem.l_u, problem.l_u), q, "D_c")
     n_c = max(int(entry.degree()) for row in denominator for entry in row if not entry.is_zero)
-    if _leading(denominator, n_c) != sympy.eye(problem.l_u):
+    if _leading(denominator, n_c) != identity_matrix(problem.l_u):
         raise InputError(
             f"D_c must be monic: the coefficient of {q}**{n_c} is "
             f"{_leading(denominator, n_c).tolist()} and not the identity; multiply N_c and D_c by "
@@ -188,7 +189,7 @@ def close_loop(
         raise ImproperError(
             f"the compensator is improper: N_c has a higher degree than D_c, which has {n_c}"
         )
-    direct = sympy.eye(problem.l_u) - _leading(numerator, n_c) * problem.D_0
+    direct = identity_matrix(problem.l_u) - _leading(numerator, n_c) * problem.D_0
     if sympy.expand(direct.det()) == 0:
         raise ImproperError(
             "the loop is not well posed: det(I - Q_0 D_0) = 0 for the direct terms Q_0 of the "

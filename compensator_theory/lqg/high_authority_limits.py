@@ -15,7 +15,7 @@ from compensator_theory.lqg.locus import R_2
 from compensator_theory.lqg.poles import require_stable_hidden_modes
 from compensator_theory.lqg.regulator_data import regulator_and_estimator
 from compensator_theory.lqg.regulator_spectra import interpolated, regulator_spectrum
-from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.flint_matrices import identity_matrix, rational
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -264,7 +264,7 @@ def _coefficients(
     width = int(B.cols)
     if not (E_1.T * E_2).is_zero_matrix:
         raise InputError(f"{names[0]} is not zero; the limits are for costs without cross terms")
-    unit = sympy.eye(width) if E_2.is_zero_matrix else E_2
+    unit = identity_matrix(width) if E_2.is_zero_matrix else E_2
     if rank(unit.T * unit) < width:
         raise InputError(f"{names[1]} weighs some signals only; let it be zero or weigh all")
     outputs = Matrix.vstack(E_1, sympy.zeros(unit.rows, A.rows))

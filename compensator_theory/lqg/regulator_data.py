@@ -9,7 +9,7 @@ from sympy import ImmutableMatrix, Matrix
 from compensator_theory.errors import InputError
 from compensator_theory.latex import table
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import is_rational_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix, zero_matrix
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.roots.enclosures import Enclosure, ball_of_number, enclosure_of_ball
 from compensator_theory.systems.standard_problems import StandardProblem
@@ -41,7 +41,7 @@ def regulator_data(
     Matrix([[0]])
     """
     a, b, e_1 = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(E_1, "E_1")
-    e_2 = ImmutableMatrix.zeros(e_1.rows, b.cols) if E_2 is None else exact_matrix(E_2, "E_2")
+    e_2 = zero_matrix(e_1.rows, b.cols) if E_2 is None else exact_matrix(E_2, "E_2")
     shapes = {"A": (a.rows, a.rows), "B": (a.rows, b.cols)}
     shapes |= {"E_1": (e_1.rows, a.rows), "E_2": (e_1.rows, b.cols)}
     for (name, shape), matrix in zip(shapes.items(), (a, b, e_1, e_2), strict=True):
@@ -90,8 +90,8 @@ def read_weights(
     a, b = exact_matrix(A, names[0]), exact_matrix(B, names[1])
     n, m = int(a.rows), int(b.cols)
     read = [a, b, exact_matrix(Q, names[2])]
-    read.append(ImmutableMatrix.zeros(m, m) if R is None else exact_matrix(R, names[3]))
-    read.append(ImmutableMatrix.zeros(n, m) if N is None else exact_matrix(N, names[4]))
+    read.append(zero_matrix(m, m) if R is None else exact_matrix(R, names[3]))
+    read.append(zero_matrix(n, m) if N is None else exact_matrix(N, names[4]))
     shapes = ((n, n), (n, m), (n, n), (m, m), (n, m))
     for name, shape, matrix in zip(names, shapes, read, strict=True):
         if matrix.shape != shape or 0 in shape:

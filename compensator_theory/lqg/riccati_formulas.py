@@ -14,6 +14,7 @@ from compensator_theory.lqg.riccati import RiccatiSolution, solve_riccati
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant, solve
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
@@ -150,7 +151,7 @@ def riccati_formula(
     K = gain
     if time == "discrete":
         P = 2 * P
-        closed = (gain * (a + sympy.eye(n))) / (1 - (gain * b)[0])
+        closed = (gain * (a + identity_matrix(n))) / (1 - (gain * b)[0])
         K = closed.applyfunc(lambda e: _reduced(e, roots, squares))
     P = P.applyfunc(lambda e: _reduced(e, roots, squares))
     K = K.applyfunc(lambda e: _reduced(e, roots, squares))
@@ -161,7 +162,7 @@ def riccati_formula(
         written[root] = sympy.sqrt(sympy.factor(square.subs(written)))
     divisors = [determinant(_kalman(*plane[:2])), plane[3][0], *denominators_of(plane)]
     if time == "discrete":
-        divisors += [determinant(a + sympy.eye(n)), determinant(_kalman(a, b))]
+        divisors += [determinant(a + identity_matrix(n)), determinant(_kalman(a, b))]
     divisors += denominators_of((K, P))
     conditions = tuple(_rebuilt(sympy.factor(square.subs(written))) for square in squares)
     K, P = (ImmutableMatrix(m.subs(written).applyfunc(_rebuilt)) for m in (K, P))
@@ -178,7 +179,7 @@ def _half_plane(weights: Weights, time: Time) -> tuple[Matrix, ...]:
     A, B, Q, R, N = weights
     if time == "continuous":
         return weights
-    unit = sympy.eye(A.rows)
+    unit = identity_matrix(A.rows)
     if determinant(A + unit) == 0:
         raise InputError(
             "A has the eigenvalue -1 for all values of the symbols; move it by a feedback first"
@@ -247,7 +248,7 @@ def _symmetric_solution(plane: tuple[Matrix, ...], K: Matrix) -> Matrix:
         if len(chosen) == len(unknown):
             break
     system, right = sympy.linear_eq_to_matrix(chosen, unknown)
-    inverse = solve(ImmutableMatrix(system.applyfunc(sympy.cancel)), sympy.eye(len(unknown)))
+    inverse = solve(ImmutableMatrix(system.applyfunc(sympy.cancel)), identity_matrix(len(unknown)))
     found = dict(zip(unknown, inverse * right, strict=True))
     return Matrix(P.subs(found))
 

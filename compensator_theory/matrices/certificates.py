@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
 
+import flint
 import sympy
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, words
+from compensator_theory.matrices.flint_matrices import RationalMatrix, from_flint
 from compensator_theory.matrices.fraction_free import vanish
 from compensator_theory.polynomials.values import ExactValue
 
@@ -64,10 +67,12 @@ def proven(certificate: Certificate, what: str = "result") -> Certificate:
     return certificate
 
 
-def certificate_of(
-    identity: str, residuals: Iterable[Iterable[Expr]], what: str = "result"
-) -> Certificate:
-    """Return the certificate of matrices, or lists of expressions, that must vanish.
+Residuals: TypeAlias = Iterable[Iterable[Expr] | Poly]
+"""Matrices, lists of expressions and polynomials that an identity says are zero."""
+
+
+def certificate_of(identity: str, residuals: Residuals, what: str = "result") -> Certificate:
+    """Return the certificate of what must vanish, and refuse what does not.
 
     Examples
     --------
@@ -76,9 +81,51 @@ def certificate_of(
     >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
     True
     """
-    entries = [entry for matrix in residuals for entry in matrix]
+    return proven(evaluated(identity, residuals), what)
+
+
+def evaluated(identity: str, residuals: Residuals) -> Certificate:
+    """Return the certificate of an identity, whether it holds or not.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.certificates import evaluated
+    >>> print(evaluated("a = 0", [[a]]))
+    a = 0: FAILS
+    """
+    parts = [part.all_coeffs() if isinstance(part, Poly) else part for part in residuals]
+    kept = [part.kept for part in parts if isinstance(part, RationalMatrix)]
+    if len(kept) == len(parts):
+        numbers = [entry for part in kept for entry in part.entries()]
+        matrix = from_flint(flint.fmpq_mat(1, len(numbers), numbers))
+        return Certificate(identity, matrix)
+    entries = [entry for part in parts for entry in part]
     left = [
         entry if entry.is_Rational else sympy.Integer(0) if is_zero else sympy.cancel(entry)
         for entry, is_zero in zip(entries, vanish(entries), strict=True)
     ]
-    return proven(Certificate(identity, ImmutableMatrix(1, len(left), left)), what)
+    return Certificate(identity, ImmutableMatrix(1, len(left), left))
+
+
+class Certified:
+    """Base of the results that can be held against what they were made from, by their own fields.
+
+    A class says its `identity`, and in `_left_over` what that says is zero. Nothing of the
+    algorithm that found the result is used again.
+    """
+
+    identity: ClassVar[str]
+
+    def _left_over(self) -> Residuals:
+        raise NotImplementedError
+
+    @property
+    def certificate(self) -> Certificate:
+        """The identity, evaluated anew from the fields of this result."""
+        return evaluated(self.identity, self._left_over())
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether the certificate holds."""
+        return self.certificate.holds

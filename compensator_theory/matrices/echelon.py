@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 from sympy.polys.matrices import DomainMatrix
@@ -11,7 +12,9 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.matrices.flint_matrices import (
     from_flint,
     is_rational_matrix,
+    of_rows,
     to_flint,
+    zero_matrix,
 )
 from compensator_theory.matrices.fraction_free import SymbolicRows
 
@@ -38,24 +41,28 @@ class Echelon:
         """Return a basis of the null space, as columns; there may be none."""
         columns = self.matrix.cols
         free = [column for column in range(columns) if column not in self.pivots]
-        basis = Matrix.zeros(columns, len(free))
-        for index, column in enumerate(free):
-            basis[column, index] = 1
-            for row, pivot in enumerate(self.pivots):
-                basis[pivot, index] = -self.matrix[row, column]
-        return ImmutableMatrix(basis)
+        at_pivots = dict(zip(self.pivots, (-self.matrix[:, free]).tolist(), strict=True))
+        units = {column: [int(column == k) for k in free] for column in free}
+        return of_rows([{**at_pivots, **units}[k] for k in range(columns)], (columns, len(free)))
+
+    def solutions(self) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...]]:
+        """Return a solution of A x = b and a basis of the homogeneous ones; this is of [A | b]."""
+        kernel = self.kernel()[:-1, :]
+        *basis, last = (kernel[:, k] for k in range(kernel.cols))
+        return -last, tuple(basis)
 
 
 def echelon(matrix: Matrix) -> Echelon:
     """Return the reduced row echelon form, by python-flint or without fractions."""
-    rows, columns = matrix.shape
-    if 0 in (rows, columns):
-        return Echelon(ImmutableMatrix.zeros(0, columns), (), sympy.Integer(1))
+    columns = int(matrix.cols)
+    if 0 in matrix.shape:
+        return Echelon(zero_matrix(0, columns), (), sympy.Integer(1))
     if is_rational_matrix(matrix):
         reduced, found = to_flint(matrix).rref()
-        form = from_flint(reduced)[: int(found), :]
-        pivots = tuple(next(c for c in range(columns) if row[c] != 0) for row in form.tolist())
-        return Echelon(ImmutableMatrix(form), pivots, sympy.Integer(1))
+        rows = reduced.tolist()[: int(found)]
+        pivots = tuple(next(c for c in range(columns) if row[c]) for row in rows)
+        form = flint.fmpq_mat(len(rows), columns, [entry for row in rows for entry in row])
+        return Echelon(from_flint(form), pivots, sympy.Integer(1))
     if (symbolic := SymbolicRows.of(matrix)) is not None:
         found_pivots = symbolic.reduce(columns, shortest=False)
         form = symbolic.quotients(range(len(found_pivots)), range(columns))
@@ -82,9 +89,7 @@ def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     [1]])
     """
     found = echelon(matrix)
-    chosen = [matrix[:, pivot] for pivot in found.pivots]
-    basis = ImmutableMatrix.hstack(ImmutableMatrix.zeros(matrix.rows, 0), *chosen)
-    return basis, found.divided_by
+    return ImmutableMatrix(matrix[:, list(found.pivots)]), found.divided_by
 
 
 def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import chain
 from typing import Any, Protocol, TypeAlias
 
 import flint
 import sympy
-from sympy import QQ, ZZ, Expr, ImmutableMatrix, MatrixBase
-from sympy.polys.matrices import DomainMatrix
+from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase, Rational
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.flint_matrices import kept_rational, rational_in_flint
-from compensator_theory.polynomials.budget import ask, ask_for_number, listed, shown
+from compensator_theory.matrices.flint_matrices import (
+    RationalMatrix,
+    from_flint,
+    kept_rational,
+    to_flint,
+)
+from compensator_theory.polynomials.budget import ask, decimal_digits, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
@@ -29,6 +33,9 @@ class ArrayOfNumbers(Protocol):
     def __iter__(self) -> Iterator[Any]:
         """Return its rows."""
 
+
+WHOLE_AS_PRINTED = 10**16
+"""Below this a float without a fraction is the integer of its shortest decimal."""
 
 MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNumbers
 """A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
@@ -50,68 +57,53 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
     flat = [entry for row in entries for entry in row]
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
-    return ImmutableMatrix(*shape, flat)
+    found = ImmutableMatrix(*shape, flat)
+    return found if kept_rational(found) is None else from_flint(to_flint(found))
 
 
-def _read_at_once(value: Any, name: str) -> ImmutableMatrix | None:
-    """Read integers and fractions without a look at each as an expression; None for the rest."""
-    if type(value) is ImmutableMatrix:
-        kept = kept_rational(value)
-        if kept is None:
-            return None
-        ask("entries", int(value.rows) * int(value.cols), f"the matrix {name}")
-        entries = [c for row in kept.to_dod().values() for c in row.values()]
-        ask_for_number(
-            max((abs(int(c.numerator)) for c in entries), default=0),
-            max((int(c.denominator) for c in entries), default=1),
-        )
-        return value
-    if (kinds := _kinds(value, name)) is None:
-        return None
-    domain = ZZ if kinds == {int} else QQ
-    rows = [
-        [domain(e) if domain is ZZ else domain(e.numerator, e.denominator) for e in row]
-        for row in value
-    ]
-    rep = DomainMatrix(rows, (len(rows), len(rows[0])), domain)
-    return ImmutableMatrix._fromrep(rep.to_sparse())
-
-
-def _kinds(value: Any, name: str) -> set[type] | None:
-    """Return the types of the entries of plain rows of integers and fractions; None for others."""
+def _read_at_once(value: Any, name: str) -> RationalMatrix | None:
+    """Read plain rational numbers without a look at each as an expression; None for the rest."""
+    if isinstance(value, RationalMatrix):
+        return _asked(value, name)
+    if type(value) in (ImmutableMatrix, Matrix):
+        return None if kept_rational(value) is None else _asked(from_flint(to_flint(value)), name)
+    is_array = type(value).__module__ == "numpy" and getattr(value, "ndim", 0) == 2
+    if is_array and value.dtype.name in ("float64", "int64"):
+        ask("entries", value.size, f"the matrix {name}")
+        value = value.tolist()
     if type(value) not in (list, tuple) or not all(type(row) in (list, tuple) for row in value):
         return None
     if len({len(row) for row in value}) != 1 or not value[0]:
         return None
-    kinds = {type(entry) for row in value for entry in row}
-    if not kinds <= {int, Fraction}:
-        return None
     ask("entries", len(value) * len(value[0]), f"the matrix {name}")
+    kinds = {type(entry) for row in value for entry in row}
     if kinds == {int}:
-        largest = max(map(abs, chain.from_iterable(value)))
-    else:
-        largest = max(max(abs(e.numerator), e.denominator) for row in value for e in row)
-    ask_for_number(largest, 1)
-    return kinds
+        return _asked(from_flint(flint.fmpq_mat(flint.fmpz_mat(value))), name)
+    if not all(kind in (int, float, Fraction) or issubclass(kind, Rational) for kind in kinds):
+        return None
+    entries = [_number(entry) for row in value for entry in row]
+    if None in entries:
+        return None
+    return _asked(from_flint(flint.fmpq_mat(len(value), len(value[0]), entries)), name)
 
 
-def read_in_flint(value: MatrixLike, name: str) -> flint.fmpq_mat | None:
-    """Read a rational matrix without SymPy where it is written in plain numbers, else through it.
+def _number(entry: Any) -> flint.fmpq | None:
+    """Read one entry as :func:`exact_number` does; None if it is not finite."""
+    if isinstance(entry, float):
+        if not math.isfinite(entry):
+            return None
+        whole = entry.is_integer() and abs(entry) < WHOLE_AS_PRINTED
+        entry = int(entry) if whole else Fraction(repr(entry))
+    return flint.fmpq(int(entry.numerator), int(entry.denominator))
 
-    Examples
-    --------
-    >>> from compensator_theory.matrices.exact_matrices import read_in_flint
-    >>> read_in_flint([[1, 2], [3, 4]], "A").det(), read_in_flint([["a"]], "A")
-    (-2, None)
-    """
-    kinds = _kinds(value, name)
-    if kinds is None:
-        return rational_in_flint(exact_matrix(value, name))
-    rows: Any = value
-    if kinds == {int}:
-        return flint.fmpq_mat(flint.fmpz_mat(rows))
-    fractions = [flint.fmpq(e.numerator, e.denominator) for row in rows for e in row]
-    return flint.fmpq_mat(len(rows), len(rows[0]), fractions)
+
+def _asked(matrix: RationalMatrix, name: str) -> RationalMatrix:
+    """Ask the budget for the entries and for the longest of them."""
+    entries = matrix.kept.entries()
+    ask("entries", len(entries), f"the matrix {name}")
+    bits = max(map(flint.fmpq.height_bits, entries), default=0)
+    ask("digits", decimal_digits(bits), "a number")
+    return matrix
 
 
 def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:

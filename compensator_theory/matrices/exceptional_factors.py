@@ -7,6 +7,8 @@ from collections.abc import Iterable
 import sympy
 from sympy import Expr, Matrix
 
+from compensator_theory.matrices.flint_matrices import symbols_in
+
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     """Return the irreducible polynomials in the symbols where one of the divisors is 0 or infinite.
@@ -50,6 +52,7 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     bottoms = (
         sympy.fraction(sympy.cancel(entry))[1]
         for matrix in matrices
+        if symbols_in(matrix)
         for entry in matrix
         if entry.free_symbols
     )

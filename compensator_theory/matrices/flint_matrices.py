@@ -1,13 +1,160 @@
-"""Rational matrices of SymPy as those of python-flint, and back."""
+"""Rational matrices that python-flint keeps, and SymPy shows."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import flint
-from sympy import QQ, ImmutableMatrix, Matrix, Rational, Symbol
+from sympy import QQ, Expr, ImmutableMatrix, Integer, Matrix, Rational, Symbol, Tuple
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.sdm import SDM
+
+
+class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
+    """A matrix of SymPy that python-flint keeps: SymPy's entries are written when asked for.
+
+    It is equal to the same ImmutableMatrix and has its hash, its text and its pickle. Sums,
+    products, transposes and ranks of such matrices stay in python-flint; what is made of one and a
+    matrix with symbols is an ImmutableMatrix.
+
+    Attributes
+    ----------
+    kept : flint.fmpq_mat
+        Not to be changed by anybody.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from compensator_theory.matrices.flint_matrices import from_flint, to_flint
+    >>> half = from_flint(to_flint(ImmutableMatrix([[1, 2], [3, 4]])) / 2)
+    >>> half * half.T, (half + half).kept
+    (Matrix([
+    [ 5/4, 11/4],
+    [11/4, 25/4]]), [1, 2]
+    [3, 4])
+    """
+
+    kept: flint.fmpq_mat
+    _mhash: int | None
+
+    @classmethod
+    def _kept_as(cls, kept: flint.fmpq_mat) -> RationalMatrix:
+        found: RationalMatrix = object.__new__(cls)
+        found.kept = kept
+        found._rows, found._cols = int(kept.nrows()), int(kept.ncols())
+        found._mhash = None
+        found._assumptions = cls.default_assumptions
+        return found
+
+    @classmethod
+    def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
+        if rep.domain.is_ZZ or rep.domain.is_QQ:
+            return cls._kept_as(_in_flint(rep))
+        return ImmutableMatrix._fromrep(rep)
+
+    @cached_property
+    def _rep(self) -> DomainMatrix:
+        """SymPy's form for computing, sparse as in all its matrices."""
+        rows: list[list[Any]] = self.kept.tolist() if self._rows and self._cols else []
+        if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
+            rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
+        nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
+        by_row = {i: row for i, row in nonzero.items() if row}
+        return DomainMatrix.from_rep(SDM(by_row, (self._rows, self._cols), QQ))
+
+    @cached_property
+    def _args(self) -> tuple[Integer, Integer, Tuple]:
+        flat = [entry for row in self._eval_tolist() for entry in row]
+        return Integer(self._rows), Integer(self._cols), Tuple(*flat, sympify=False)
+
+    def __hash__(self) -> int:
+        if self._mhash is None:
+            self._mhash = hash((ImmutableMatrix.__name__, *self._hashable_content()))
+        return self._mhash
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, RationalMatrix):
+            return bool(self.kept == other.kept)
+        found: bool = super().__eq__(other)  # or that SymPy does not know
+        return found
+
+    def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
+        return ImmutableMatrix, self._args
+
+    @property
+    def is_zero_matrix(self) -> bool:
+        """Whether every entry is zero, which is always known here."""
+        return not any(self.kept.entries())
+
+    @property
+    def free_symbols(self) -> set[Symbol]:
+        """No symbols."""
+        return set()
+
+    def __iter__(self) -> Iterator[Rational]:
+        return iter(self._args[2].args)
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, int):
+            key = divmod(range(self._rows * self._cols)[key], self._cols)
+        if not (isinstance(key, tuple) and all(isinstance(k, int | slice | list) for k in key)):
+            return super().__getitem__(key)
+        i, j = map(_places, key, (self._rows, self._cols))
+        if isinstance(i, int) and isinstance(j, int):
+            return rational(self.kept[i, j])
+        return self._eval_extract(*([k] if isinstance(k, int) else k for k in (i, j)))
+
+    def _eval_tolist(self) -> list[list[Rational]]:
+        if not (self._rows and self._cols):
+            return [[] for _ in range(self._rows)]
+        return [[rational(entry) for entry in row] for row in self.kept.tolist()]
+
+    def _eval_transpose(self) -> RationalMatrix:
+        return self._kept_as(self.kept.transpose())
+
+    def __neg__(self) -> RationalMatrix:
+        return self._kept_as(-self.kept)
+
+    def _eval_add(self, other: Matrix) -> ImmutableMatrix:
+        raw = rational_in_flint(other)
+        return super()._eval_add(other) if raw is None else self._kept_as(self.kept + raw)
+
+    def _eval_matrix_mul(self, other: Matrix) -> ImmutableMatrix:
+        raw = rational_in_flint(other)
+        return super()._eval_matrix_mul(other) if raw is None else self._kept_as(self.kept * raw)
+
+    def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
+        if not isinstance(other, Rational):
+            return super()._eval_scalar_mul(other)
+        return self._kept_as(self.kept * flint.fmpq(int(other.p), int(other.q)))
+
+    _eval_scalar_rmul = _eval_scalar_mul
+
+    def _eval_row_join(self, other: Matrix) -> ImmutableMatrix:
+        if (raw := rational_in_flint(other)) is None:
+            return super()._eval_row_join(other)
+        return self._kept_as(_joined(self.kept.transpose(), raw.transpose()).transpose())
+
+    def _eval_col_join(self, other: Matrix) -> ImmutableMatrix:
+        if (raw := rational_in_flint(other)) is None:
+            return super()._eval_col_join(other)
+        return self._kept_as(_joined(self.kept, raw))
+
+    def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> RationalMatrix:
+        entries, width = self.kept.entries(), self._cols
+        chosen = [entries[i * width + j] for i in rows for j in columns]
+        return self._kept_as(flint.fmpq_mat(len(rows), len(columns), chosen))
+
+
+def _places(key: Any, size: int) -> Any:
+    return [range(size)[k] for k in key] if isinstance(key, list) else range(size)[key]
+
+
+def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
+    height = above.nrows() + below.nrows()
+    return flint.fmpq_mat(height, above.ncols(), above.entries() + below.entries())
 
 
 def is_rational_matrix(matrix: Matrix) -> bool:
@@ -20,7 +167,7 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
     (True, False)
     """
-    if kept_rational(matrix) is not None:
+    if isinstance(matrix, RationalMatrix) or kept_rational(matrix) is not None:
         return True
     # SymPy's conversion would write down what it refuses, and look for the values of its roots
     return all(entry.is_Rational for entry in matrix.todok().values())
@@ -49,16 +196,17 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
+    if isinstance(matrix, RationalMatrix):
+        return matrix.kept
     kept = kept_rational(matrix)
-    if kept is None:
-        kept = matrix.to_DM(domain=QQ)
-    by_row = kept.to_dod()  # Sylvester matrices are half zeros
-    result = flint.fmpq_mat(matrix.rows, matrix.cols)
-    is_flint = QQ.dtype is flint.fmpq  # SymPy's ground types are python-flint's where it found it
-    for i, row in by_row.items():
-        for j, entry in row.items():
-            result[i, j] = entry if is_flint else _fraction(entry)
-    return result
+    return _in_flint(matrix.to_DM(domain=QQ) if kept is None else kept)
+
+
+def _in_flint(kept: DomainMatrix) -> flint.fmpq_mat:
+    entries = kept.to_list_flat()
+    if QQ.dtype is not flint.fmpq:
+        entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
+    return flint.fmpq_mat(*kept.shape, entries)
 
 
 def kept_rational(matrix: Matrix) -> DomainMatrix | None:
@@ -87,11 +235,12 @@ def symbols_in(matrix: Matrix) -> set[Symbol]:
     >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
     ({a}, set())
     """
-    return set() if kept_rational(matrix) is not None else set(matrix.free_symbols)
+    is_free = isinstance(matrix, RationalMatrix) or kept_rational(matrix) is not None
+    return set() if is_free else set(matrix.free_symbols)
 
 
-def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
-    """Return a rational matrix of python-flint as one of SymPy.
+def from_flint(matrix: flint.fmpq_mat) -> RationalMatrix:
+    """Return a rational matrix of python-flint, which is kept and must not change, as SymPy's.
 
     Examples
     --------
@@ -100,21 +249,51 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     >>> from_flint(flint.fmpq_mat(1, 2, [flint.fmpq(1, 2), flint.fmpq(3)]))
     Matrix([[1/2, 3]])
     """
-    shape = matrix.nrows(), matrix.ncols()
-    rows = matrix.tolist() if 0 not in shape else []
-    if QQ.dtype is not flint.fmpq:
-        rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
-    if shape[1] == 1:
-        by_row = {i: {0: row[0]} for i, row in enumerate(rows) if row[0]}
-    else:
-        nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
-        by_row = {i: row for i, row in nonzero.items() if row}
-    # SymPy's public way, through a mutable matrix, takes twice as long for a column of 20.
-    return ImmutableMatrix._fromrep(DomainMatrix.from_rep(SDM(by_row, shape, QQ)))
+    return RationalMatrix._kept_as(matrix)
 
 
-def _fraction(entry: Any) -> flint.fmpq:
-    return flint.fmpq(int(entry.numerator), int(entry.denominator))
+def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> ImmutableMatrix:
+    """Return the matrix of entries that were computed here, kept by python-flint if it can be.
+
+    Examples
+    --------
+    >>> from sympy import Rational
+    >>> from compensator_theory.matrices.flint_matrices import of_rows
+    >>> of_rows([[Rational(1, 2), 0]], (1, 2)).kept
+    [1/2, 0]
+    """
+    flat = [entry for row in rows for entry in row]
+    if not all(isinstance(entry, int | Rational) for entry in flat):
+        return ImmutableMatrix(*shape, flat)
+    entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in flat]
+    return from_flint(flint.fmpq_mat(*shape, entries))
+
+
+def identity_matrix(size: int) -> RationalMatrix:
+    """Return the identity matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices.flint_matrices import identity_matrix
+    >>> identity_matrix(2)
+    Matrix([
+    [1, 0],
+    [0, 1]])
+    """
+    ones = [int(i == j) for i in range(size) for j in range(size)]
+    return from_flint(flint.fmpq_mat(size, size, ones))
+
+
+def zero_matrix(rows: int, columns: int) -> RationalMatrix:
+    """Return a matrix of zeros.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices.flint_matrices import zero_matrix
+    >>> zero_matrix(1, 2)
+    Matrix([[0, 0]])
+    """
+    return from_flint(flint.fmpq_mat(rows, columns))
 
 
 def rational(value: flint.fmpq) -> Rational:
@@ -127,4 +306,4 @@ def rational(value: flint.fmpq) -> Rational:
     >>> rational(flint.fmpq(2, 4))
     1/2
     """
-    return Rational(int(value.p), int(value.q))
+    return Rational.from_coprime_ints(int(value.p), int(value.q))

@@ -13,11 +13,13 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.flint_matrices import (
     from_flint,
     rational,
     rational_in_flint,
     symbols_in,
+    zero_matrix,
 )
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.fraction_free import SymbolicRows, symbolic_product
@@ -136,24 +138,12 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
             return AffineSolution(solve(matrix, right_side), ())
         except NoSolutionError:
             pass
-    columns = matrix.cols
-    reduced, pivots = _echelon(matrix.row_join(right_side))
-    if columns in pivots:
+    found = echelon(matrix.row_join(right_side))
+    if matrix.cols in found.pivots:
         raise NoSolutionError(
-            f"the {matrix.rows} equations for {columns} unknowns contradict each other"
+            f"the {matrix.rows} equations for {matrix.cols} unknowns contradict each other"
         )
-    free = [column for column in range(columns) if column not in pivots]
-    particular = Matrix.zeros(columns, 1)
-    for row, pivot in enumerate(pivots):
-        particular[pivot] = reduced[row, columns]
-    basis = []
-    for column in free:
-        vector = Matrix.zeros(columns, 1)
-        vector[column] = 1
-        for row, pivot in enumerate(pivots):
-            vector[pivot] = -reduced[row, column]
-        basis.append(ImmutableMatrix(vector))
-    return AffineSolution(ImmutableMatrix(particular), tuple(basis))
+    return AffineSolution(*found.solutions())
 
 
 def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
@@ -180,7 +170,7 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
     Matrix([[1]])
     """
     if any(0 in factor.shape for factor in factors):
-        return ImmutableMatrix.zeros(factors[0].rows, factors[-1].cols)
+        return zero_matrix(factors[0].rows, factors[-1].cols)
     raw = [rational_in_flint(factor) for factor in factors]
     if all(factor is not None for factor in raw):
         return from_flint(reduce(mul, raw))
@@ -188,21 +178,6 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
         return product
     fields = [factor.to_field() for factor in _unified(*factors)]
     return ImmutableMatrix(reduce(mul, fields).to_Matrix())
-
-
-def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
-    if (raw := rational_in_flint(matrix)) is not None:
-        reduced, found = raw.rref()
-        result = from_flint(reduced)
-        leading = (
-            next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))
-        )
-        return result, tuple(leading)
-    if (symbolic := SymbolicRows.of(matrix)) is not None:
-        pivots = symbolic.reduce(matrix.cols)
-        return symbolic.quotients(range(matrix.rows), range(matrix.cols)), tuple(pivots)
-    numerator, denominator, pivots = DomainMatrix.from_Matrix(matrix).to_dense().rref_den()
-    return _quotient(numerator, denominator), tuple(pivots)
 
 
 def _quotient(numerator: DomainMatrix, denominator: DomainElement) -> ImmutableMatrix:

@@ -11,6 +11,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.matrix_equations.sylvester_equations import solve_lyapunov, solve_stein
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -137,7 +138,7 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
         reached, shown = first.X, second.X
         exceptional = exceptional_factors([*first.exceptional, *second.exceptional])
     else:
-        reached = shown = ImmutableMatrix.zeros(0, 0)
+        reached = shown = zero_matrix(0, 0)
         exceptional = ()
     energy = sympy.cancel((C * reached * C.T).trace())
     norm = energy + direct if discrete else sympy.oo if not D.is_zero_matrix else energy

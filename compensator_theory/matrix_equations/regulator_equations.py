@@ -12,6 +12,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrix_equations.solutions import solve_by_kronecker
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
@@ -125,17 +126,17 @@ def solve_regulator_equations(
     A, B, C, D = source.A, source.B, source.C, source.D
     s, q = exact_matrix(S, "S"), exact_matrix(Q, "Q")
     n, m, r = source.n, B.cols, s.rows
-    p = ImmutableMatrix.zeros(n, r) if P is None else exact_matrix(P, "P")
+    p = zero_matrix(n, r) if P is None else exact_matrix(P, "P")
     if s.cols != r or not r or q.shape != (C.rows, r) or p.shape != (n, r):
         raise InputError(
             f"S is {s.rows} x {s.cols}, Q is {q.rows} x {q.cols} and P is {p.rows} x {p.cols}; for "
             f"this plant S must be square, r x r with r > 0, Q {C.rows} x r and P {n} x r"
         )
 
-    states, no_input = sympy.eye(n), sympy.zeros(n, m)
-    motion = [(states.row_join(no_input), s), (-A.row_join(B), sympy.eye(r))]
+    states, no_input = identity_matrix(n), sympy.zeros(n, m)
+    motion = [(states.row_join(no_input), s), (-A.row_join(B), identity_matrix(r))]
     found, more, divisors = solve_by_kronecker(
-        [motion, [(C.row_join(D), sympy.eye(r))]],
+        [motion, [(C.row_join(D), identity_matrix(r))]],
         (n + m, r),
         [*p, *(-q)],
         contradiction="the regulator equations have no solution: an eigenvalue of S is a zero of "

@@ -113,11 +113,7 @@ def solve_by_kronecker(
     if size in found.pivots:
         column = Matrix(len(right), 1, list(right))
         raise NoSolutionError(contradiction).holding(contradictions(table, column))
-    particular = Matrix.zeros(size, 1)
-    for row, pivot in enumerate(found.pivots):
-        particular[pivot] = found.matrix[row, size]
-    kernel = found.kernel()[:size, :-1]  # the last column belongs to the right side
-    basis = [kernel[:, k] for k in range(kernel.cols)]
+    particular, basis = found.solutions()
     X, *more = (ImmutableMatrix(rows, columns, list(v)) for v in (particular, *basis))
     return X, tuple(more), divisors
 

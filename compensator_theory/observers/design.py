@@ -10,6 +10,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -79,7 +80,7 @@ class ObserverBasedCompensator(ExactValue):
         compensator, and what is left of both polynomials.
         """
         A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
-        identity, zero = sympy.eye(n), sympy.zeros(n)
+        identity, zero = identity_matrix(n), sympy.zeros(n)
         S = sympy.Matrix.vstack(identity.row_join(zero), identity.row_join(-identity))
         inner, outer = A + B * self.K, A - self.F * C
         separated = sympy.Matrix.vstack(inner.row_join(-B * self.K), zero.row_join(outer))

@@ -10,6 +10,8 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
+from compensator_theory.matrices.certificates import Certified
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     in_lowest_terms,
@@ -19,13 +21,14 @@ from compensator_theory.matrices.linear_algebra import (
 )
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import total
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class ObserverForm(ExactValue):
+class ObserverForm(Certified, ExactValue):
     r"""A change of basis that shows a compensator to be an observer with state feedback.
 
     .. math:: x_c = T\hat x, \qquad T^{-1} A_c T = A + BK - FC, \quad T^{-1} B_c = F,
@@ -51,6 +54,8 @@ class ObserverForm(ExactValue):
     For :math:`n_c < n` this is Luenberger's observer of the function Tx of the state, without F;
     for :math:`n_c > n` see :func:`youla_forms`. Source: (7.11)-(7.18).
     """
+
+    identity = "B_c C + A_c T = T (A + B K), T of full rank, both spectra, F where n_c = n"
 
     plant: Realisation
     compensator: Realisation
@@ -78,34 +83,33 @@ class ObserverForm(ExactValue):
         left = self.compensator.B * C_y + self.compensator.A * self.T
         return in_lowest_terms(left - self.T * (A + B * self.K))
 
-    @property
-    def is_verified(self) -> bool:
-        """Whether residual, rank of T, both spectra and, for n_c = n, (7.13) hold; anew."""
+    def _left_over(self) -> list[ImmutableMatrix | Poly]:
         A, B, C = self.plant.A, self.plant.B, self.plant.C
         A_c, s, K = self.compensator.A, self.plant.variable, self.K
         inner = A_c + self.compensator.B * self.plant.D * self.compensator.C
-        checks = [
-            self.residual.is_zero_matrix,
-            rank(self.T) == min(self.T.shape),
-            _equal(characteristic_polynomial(in_lowest_terms(A + B * K), s), self.regulator),
-            _equal(
-                characteristic_polynomial(
-                    in_lowest_terms(inner - self.T * B * self.compensator.C), s
-                ),
-                self.observer,
+        spectra = (
+            (A + B * K, self.regulator),
+            (inner - self.T * B * self.compensator.C, self.observer),
+        )
+        left = [
+            self.residual,
+            ImmutableMatrix([[min(self.T.shape) - rank(self.T)]]),
+            *(
+                total(characteristic_polynomial(in_lowest_terms(matrix), s), poly * -1)
+                for matrix, poly in spectra
             ),
         ]
         F = self.F
         if F is not None:
             built = A + B * K - F * C - F * self.plant.D * K
-            checks.append(in_lowest_terms(A_c * self.T - self.T * built).is_zero_matrix)
-        return all(checks)
+            left.append(in_lowest_terms(A_c * self.T - self.T * built))
+        return left
 
     @property
     def squared_condition(self) -> Expr:
         r""":math:`\|T\|_F^2\,\|T^{+}\|_F^2`, exact; T amplifies errors by at most its root."""
         gram = self.T.T * self.T if self.T.rows >= self.T.cols else self.T * self.T.T
-        return sympy.cancel(gram.trace() * solve(gram, sympy.eye(gram.rows)).trace())
+        return sympy.cancel(gram.trace() * solve(gram, identity_matrix(gram.rows)).trace())
 
     def at(self, values: Sequence[NumberLike]) -> ObserverForm:
         """Return the form for given values of the parameters.
@@ -201,7 +205,3 @@ def form_of_subspace(
             "state" + (": an uncontrollable mode outside the regulator" if siso else "")
         )
     return ObserverForm(plant, compensator, ImmutableMatrix(T), *spectra, parameters)
-
-
-def _equal(left: Poly, right: Poly) -> bool:
-    return bool(sympy.cancel(left.as_expr() - right.as_expr()) == 0)

@@ -10,11 +10,14 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, lines, words
+from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.matrices.certificates import Certified, Residuals
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.form import ObserverForm
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.poly import is_rational, product, total
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import certified_roots
@@ -22,7 +25,7 @@ from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class ObserverForms(ExactValue):
+class ObserverForms(Certified, ExactValue):
     r"""The observer-based forms that :func:`observer_forms` found, and why there are no others.
 
     Attributes
@@ -51,6 +54,8 @@ class ObserverForms(ExactValue):
     Source: (7.11)-(7.18); the subspaces are :math:`\ker p_R(\tilde A)`.
     """
 
+    identity = "the identities of every form, p_R p_O = D~, det(sI - A~) = D~"
+
     plant: Realisation
     compensator: Realisation
     characteristic_polynomial: Poly
@@ -59,6 +64,14 @@ class ObserverForms(ExactValue):
     rejections: tuple[tuple[Poly, str], ...] = ()
     undecided: tuple[Poly, ...] = ()
     continua: tuple[tuple[Poly, int, int], ...] = ()
+
+    def _left_over(self) -> Residuals:
+        whole, s = closed_loop_matrix(self.plant, self.compensator), self.plant.variable
+        minus = self.characteristic_polynomial * -1
+        yield total(characteristic_polynomial(whole, s), minus)
+        for form in (*self.forms, *self.families):
+            yield from form._left_over()
+            yield total(product(form.regulator, form.observer), minus)
 
     @property
     def has_continuum(self) -> bool:

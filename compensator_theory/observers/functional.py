@@ -12,6 +12,7 @@ from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.invariant_subspaces import kernel
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -75,7 +76,7 @@ class FunctionalObserver(ExactValue):
 
     def realisation(self) -> Realisation:
         """Return the system from u and y, in this order, to the estimate of L x."""
-        plant, identity = self.plant, ImmutableMatrix(sympy.eye(self.order))
+        plant, identity = self.plant, identity_matrix(self.order)
         inputs = (self.H - self.J * plant.D).row_join(self.J)
         direct = (-self.E * plant.D).row_join(self.E)
         return Realisation(
@@ -123,7 +124,7 @@ class FunctionalObserver(ExactValue):
         of_estimate, of_output = self._split(gain)
         direct = of_estimate * self.E + of_output
         try:
-            W = solve(ImmutableMatrix(sympy.eye(m) + direct * plant.D), sympy.eye(m))
+            W = solve(ImmutableMatrix(identity_matrix(m) + direct * plant.D), identity_matrix(m))
         except NoSolutionError as error:
             raise NoSolutionError(
                 "the loop is not well posed: I + M D is singular for the direct terms M of the "
@@ -247,7 +248,7 @@ def functional_observer(
             f"L is {functional.rows} x {functional.cols}; for {whole.n} states it needs "
             f"{whole.n} columns"
         )
-    G = ImmutableMatrix.zeros(whole.n, 0)
+    G = zero_matrix(whole.n, 0)
     if unknown_inputs is not None:
         G = exact_matrix(unknown_inputs, "unknown_inputs")
         if G.rows != whole.n:
@@ -316,14 +317,14 @@ def reduced_order_observer(
     rows = [row for row in range(whole.n) if row not in seen]
     if not rows:
         raise InputError("C has rank n: the outputs show the whole state, nothing is left to find")
-    return functional_observer(whole, sympy.eye(whole.n)[rows, :], poles)
+    return functional_observer(whole, identity_matrix(whole.n)[rows, :], poles)
 
 
 def _designed(
     plant: Realisation, L: ImmutableMatrix, G: ImmutableMatrix, wanted: Poly
 ) -> FunctionalObserver:
     A, C, r, p = plant.A, plant.C, int(L.rows), int(plant.C.rows)
-    zeros = ImmutableMatrix.zeros(r + p, G.cols)
+    zeros = zero_matrix(r + p, G.cols)
     left = ImmutableMatrix(L.col_join(C).row_join(zeros).col_join((C * A).row_join(C * G)))
     right = ImmutableMatrix((L * A).row_join(L * G))
     try:
@@ -354,8 +355,8 @@ def _placed(
     q = int(basis.rows)
     pivots = set(echelon(basis).pivots)
     rest = [row for row in range(r) if row not in pivots]
-    complete = ImmutableMatrix(basis.col_join(sympy.eye(r)[rest, :]))
-    inverse = solve(complete, sympy.eye(r))
+    complete = ImmutableMatrix(basis.col_join(identity_matrix(r)[rest, :]))
+    inverse = solve(complete, identity_matrix(r))
     moved = complete * N_0 * inverse  # in these coordinates, (w; rest), w' = N_w w alone
     fixed = characteristic_polynomial(ImmutableMatrix(moved[q:, q:]), s)
     if wanted.degree() != q:
@@ -365,7 +366,7 @@ def _placed(
             f"placed{hidden}"
         )
     if q == 0:
-        return N_0, ImmutableMatrix.zeros(r, N_1.rows), fixed
+        return N_0, zero_matrix(r, N_1.rows), fixed
     # Of the rows of N_1 as many as are independent; the family needs no more and takes no other.
     rows = echelon(N_1.T).pivots
     seen = ImmutableMatrix((N_1 * inverse)[list(rows), :q])

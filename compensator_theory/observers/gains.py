@@ -13,7 +13,7 @@ from compensator_theory.errors import (
     NotObservableError,
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import from_flint
+from compensator_theory.matrices.flint_matrices import from_flint, zero_matrix
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant, solve
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -98,7 +98,7 @@ def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) 
     columns = [column]
     for _ in range(n - 1):
         columns.append(A * columns[-1])
-    kalman = flint.fmpz_mat([[int(x[i, 0]) for i in range(n)] for x in columns])
+    kalman = flint.fmpz_mat([x.entries() for x in columns])
     last = flint.fmpz_mat([[int(k == n - 1)] for k in range(n)])
     try:
         row, q = kalman.solve(last).transpose().numer_denom()
@@ -116,7 +116,7 @@ def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> Immuta
     """Solve K [V_1 .. V_n] = p - p_R for the columns of adj(sI - A) b (Bass and Gura)."""
     if a.rows != a.cols or b.rows != a.rows or not a.rows:
         controllability_matrix(a, b)  # which says what does not fit
-        return ImmutableMatrix.zeros(1, 0)
+        return zero_matrix(1, 0)
     wanted = ImmutableMatrix([goal.all_coeffs()[1:]])
     A, v, target = DomainMatrix.from_Matrix(a).unify(
         DomainMatrix.from_Matrix(b), DomainMatrix.from_Matrix(wanted), fmt="dense"

@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
-from sympy import ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.loops.siso import agreed_sign
+from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     divisors,
@@ -21,7 +22,7 @@ from compensator_theory.matrices.invariant_subspaces import (
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.poly import canonical, total
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.subspaces.strata import continuum_size
@@ -30,7 +31,7 @@ from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class YoulaForm(ExactValue):
+class YoulaForm(Certified, ExactValue):
     r"""An observer, state feedback, and a stable or unstable filter of the innovations.
 
     .. math::
@@ -51,6 +52,8 @@ class YoulaForm(ExactValue):
     -----
     Source: (7.11), (7.12) and the parametrisation of Youla; the text stops at :math:`n_c = n`.
     """
+
+    identity = "T^-1 A_c T, T^-1 B_c, C_c T are an observer with a filter, with these spectra"
 
     plant: Realisation
     compensator: Realisation
@@ -83,22 +86,20 @@ class YoulaForm(ExactValue):
         period = self.plant.sample_time
         return Realisation(A_q, B_q, C_q, None, self.plant.variable, sample_time=period)
 
-    @property
-    def is_verified(self) -> bool:
-        """Whether the transformed compensator has the structure and the spectra; anew."""
+    def _left_over(self) -> list[ImmutableMatrix | Poly]:
         plant, Q, K, F, s = self.plant, self.Q, self.K, self.F, self.plant.variable
         C_hat = plant.C + plant.D * K  # the estimate of y is C_hat x_hat + D_0 C_q x_q
         top = (plant.A + plant.B * K - F * C_hat).row_join((plant.B - F * plant.D) * Q.C)
         bottom = (-Q.B * C_hat).row_join(Q.A - Q.B * plant.D * Q.C)
-        built = Matrix.vstack(top, bottom)
-        spectra = [
+        spectra = (
             (plant.A + plant.B * K, self.regulator),
             (plant.A - F * plant.C, self.observer),
             (Q.A, self.parameter),
-        ]
-        return built == Matrix(self.transformed.A) and all(
-            characteristic_polynomial(matrix, s) == poly for matrix, poly in spectra
         )
+        return [
+            top.col_join(bottom) - self.transformed.A,
+            *(total(characteristic_polynomial(M, s), poly * -1) for M, poly in spectra),
+        ]
 
     def __str__(self) -> str:
         parts = ("regulator", "observer", "parameter")

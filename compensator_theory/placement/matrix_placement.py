@@ -15,6 +15,7 @@ from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
@@ -277,7 +278,7 @@ def reduced_left_fraction(
     D_l = PolynomialMatrix(tuple(reduced.form.rows[i] for i in order))
     N_l = PolynomialMatrix(tuple(N.rows[i] for i in order))
     leading = reduced.leading_matrix.extract(order, list(range(G.shape[0])))
-    H = solve(ImmutableMatrix(leading), sympy.eye(G.shape[0]))
+    H = solve(ImmutableMatrix(leading), identity_matrix(G.shape[0]))
     return D_l, N_l, H, [reduced.row_degrees[i] for i in order]
 
 

@@ -14,6 +14,7 @@ from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.echelon import contradictions
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
@@ -283,7 +284,7 @@ def _solve(
 def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
     """Return the linear relation between target coefficients that proves there is no solution."""
     descending = goal.all_coeffs()
-    for relation in solve_affine(M.T, ImmutableMatrix.zeros(M.cols, 1)).nullspace:
+    for relation in solve_affine(M.T, zero_matrix(M.cols, 1)).nullspace:
         value = sympy.cancel(sum(y * c for y, c in zip(relation, descending, strict=True)))
         if value != 0:
             degree = len(descending) - 1

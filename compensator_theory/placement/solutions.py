@@ -15,6 +15,7 @@ from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.placement.rounding_effects import rounding_effect
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class PolePlacement(ExactValue):
+class PolePlacement(Certified, ExactValue):
     r"""Every compensator that :func:`place_poles` found.
 
     .. math:: D (D_c + \textstyle\sum_i \alpha_i\,\delta D_i)
@@ -67,6 +68,8 @@ class PolePlacement(ExactValue):
     >>> print(family.member([1]))  # 1 is the coefficient of s in N_c
     (s + 5)/(s + 3)
     """
+
+    identity = "D D_c - f N N_c = lambda D~, D dD_i = f N dN_i"
 
     plant: TransferFunction
     target: Poly
@@ -115,6 +118,14 @@ class PolePlacement(ExactValue):
     def residual(self) -> Poly:
         r"""What is left of :math:`D D_c - f N N_c - \lambda\tilde D`; zero, as computed anew."""
         return self.residual_of(self.compensator)
+
+    def _left_over(self) -> list[Poly]:
+        found = [self.residual]
+        for pair in self.homogeneous:
+            sides = self.plant.denominator, self.plant.numerator, *pair
+            D, N, above, below = over_one_field(*sides)
+            found.append(canonical(D * below - N * above * self.feedback))
+        return found
 
     def residual_of(self, compensator: TransferFunction) -> Poly:
         """Return the residual of any compensator, for instance of a :meth:`member`."""

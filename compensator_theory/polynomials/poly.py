@@ -170,10 +170,11 @@ def common_divisor(first: Poly, *others: Poly) -> Poly:
     >>> common_divisor(polynomial("2*s**2 - 2"), polynomial("s**2 - s"))
     Poly(s - 1, s, domain='QQ')
     """
-    first, *others = over_one_field(first, *others)  # type: ignore[assignment]
-    found = common_divisor_by_flint(first, *others)
-    if found is not None:
-        return monic(canonical(found))
+    if not all(poly.domain.is_QQ for poly in (first, *others)):
+        first, *others = over_one_field(first, *others)  # type: ignore[assignment]
+        found = common_divisor_by_flint(first, *others)
+        if found is not None:
+            return monic(canonical(found))
     for other in others:
         first = first.gcd(other)
     return monic(canonical(first))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import accumulate
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
@@ -12,7 +13,8 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, of_rows
 from compensator_theory.matrices.linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -92,15 +94,13 @@ def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
     [1, 0]])
     """
     n = sum(indices)
-    A, B = Matrix.zeros(n, n), Matrix.zeros(n, len(indices))
-    end = 0
-    for i, length in enumerate(indices):
-        for k in range(end, end + length - 1):
-            A[k, k + 1] = 1
-        end += length
-        if length:
-            B[end - 1, i] = 1
-    return ImmutableMatrix(A), ImmutableMatrix(B)
+    ends = list(accumulate(indices))
+    A = [[int(j == i + 1 and j not in ends) for j in range(n)] for i in range(n)]
+    B = [
+        [int(k + 1 == end and length > 0) for end, length in zip(ends, indices, strict=True)]
+        for k in range(n)
+    ]
+    return of_rows(A, (n, n)), of_rows(B, (n, len(indices)))
 
 
 def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
@@ -145,8 +145,8 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
             "modes from the plant, or change B"
         )
     indices = tuple(sum(pivot % m == i for pivot in first.pivots) for i in range(m))
-    columns = [kalman[:, k * m + i] for i in range(m) for k in range(indices[i])]
-    inverse = solve(ImmutableMatrix.hstack(*columns), sympy.eye(n))
+    columns = [k * m + i for i in range(m) for k in range(indices[i])]
+    inverse = solve(kalman[:, columns], identity_matrix(n))
     rows, tops, end = [], [], 0
     for length in indices:
         end += length
@@ -157,14 +157,14 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
         if length:
             tops.append(row)  # h A^kappa
     basis_inverse = ImmutableMatrix.vstack(*rows)
-    T = solve(basis_inverse, sympy.eye(n))
+    T = solve(basis_inverse, identity_matrix(n))
     moved = multiplied(basis_inverse, b)
     ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
-    F, W = Matrix.zeros(m, n), Matrix(sympy.eye(m))
+    F, W = Matrix.zeros(m, n), Matrix(identity_matrix(m))
     below = solve(gain, -ImmutableMatrix.vstack(*tops))
-    free = solve(gain, sympy.eye(len(used)))
+    free = solve(gain, identity_matrix(len(used)))
     for row, i in enumerate(used):
         F[i, :] = below[row, :]
         for column, j in enumerate(used):
@@ -176,7 +176,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     divisors = [first.divided_by, determinant(gain)]
     basis, F, W = ImmutableMatrix(T), ImmutableMatrix(F), ImmutableMatrix(W)
     certificate = _certificate(a, b, indices, basis, F, W)
-    divisors += [sympy.fraction(e)[1] for part in (basis, F, W) for e in part]
+    divisors += denominators_of((basis, F, W))
     return BrunovskyForm(a, b, indices, basis, F, W, exceptional_factors(divisors), certificate)
 
 

@@ -15,6 +15,7 @@ from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
 from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -104,11 +105,11 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
     if any(part.is_number and not part.is_rational for part in parts):
         raise InputError(f"the eigenvalue {value} must have rational parts, or be a symbol")
     n = a.rows
-    pencil = ImmutableMatrix((value * sympy.eye(n) - a).row_join(-b))
+    pencil = ImmutableMatrix((value * identity_matrix(n) - a).row_join(-b))
     kernel = echelon(pencil).kernel()[:n, :]
     nonzero = echelon(kernel)  # inputs without effect have v = 0
     return ImmutableMatrix.hstack(
-        ImmutableMatrix.zeros(n, 0), *(kernel[:, pivot] for pivot in nonzero.pivots)
+        zero_matrix(n, 0), *(kernel[:, pivot] for pivot in nonzero.pivots)
     )
 
 
@@ -255,10 +256,10 @@ def _block(value: Expr, vectors: Chain) -> tuple[list[ImmutableMatrix], Matrix]:
     size = len(vectors)
     above = Matrix(size, size, lambda i, j: int(j == i + 1))
     if imaginary == 0:
-        return [_column(vector) for vector in vectors], value * sympy.eye(size) + above
+        return [_column(vector) for vector in vectors], value * identity_matrix(size) + above
     columns = [_column([_parts(e)[k] for e in vector]) for vector in vectors for k in (0, 1)]
     pair = Matrix([[real, imaginary], [-imaginary, real]])
-    kronecker = sympy.kronecker_product(above, sympy.eye(2))
+    kronecker = sympy.kronecker_product(above, identity_matrix(2))
     return columns, sympy.diag(*[pair] * size) + Matrix(kronecker)
 
 

@@ -12,8 +12,10 @@ from sympy import Dummy, Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from compensator_theory.canonical_forms.frobenius import frobenius_form
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certified, Residuals
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -24,7 +26,7 @@ from compensator_theory.matrices.linear_algebra import (
 )
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.poly import canonical, monic, total
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.printing import text
@@ -34,7 +36,7 @@ TRIES = 60
 
 
 @dataclass(frozen=True)
-class StateFeedbackFamily(ExactValue):
+class StateFeedbackFamily(Certified, ExactValue):
     r"""All gains K that make A + B K similar to one matrix.
 
     .. math:: A X(\Phi) + B G(\Phi) = X(\Phi)\,\Lambda, \qquad K = G(\Phi)\,X(\Phi)^{-1}
@@ -59,6 +61,8 @@ class StateFeedbackFamily(ExactValue):
     :math:`\Lambda` need no exception.
     """
 
+    identity = "A X + B G = X Lambda for every parameter, det(sI - Lambda) = p"
+
     form: BrunovskyForm
     Lambda: ImmutableMatrix
     polynomial: Poly
@@ -72,6 +76,12 @@ class StateFeedbackFamily(ExactValue):
     def exceptional(self) -> tuple[Expr, ...]:
         """Where the form of (A, B) does not hold, as polynomials in its symbols."""
         return self.form.exceptional
+
+    def _left_over(self) -> Residuals:
+        A, B, s = self.form.A, self.form.B, self.polynomial.gen
+        yield total(characteristic_polynomial(self.Lambda, s), self.polynomial * -1)
+        for X, G in self._columns():
+            yield multiplied(A, X) + multiplied(B, G) - multiplied(X, self.Lambda)
 
     def basis(self, parameters: MatrixLike) -> ImmutableMatrix:
         """Return X: its columns are those in which A + B K is Lambda."""
@@ -102,7 +112,7 @@ class StateFeedbackFamily(ExactValue):
             raise NoSolutionError(
                 f"det X = 0 for the parameters {phi.tolist()}: no gain belongs to them"
             ) from error
-        inverse = solve(self.form.T, sympy.eye(self.shape[1]))
+        inverse = solve(self.form.T, identity_matrix(self.shape[1]))
         K = in_lowest_terms(self.form.F + self.form.W * moved * inverse)
         self._require(K)
         return K
@@ -119,14 +129,19 @@ class StateFeedbackFamily(ExactValue):
             raise InputError(f"K is {gain.rows} x {gain.cols}; here it must be {m} x {n}")
         if not are_similar(in_lowest_terms(self.form.A + self.form.B * gain), self.Lambda):
             return ()
-        images = []
-        for position in range(m * n):
-            unit = ImmutableMatrix(m, n, [int(k == position) for k in range(m * n)])
-            below, top = self._stacked(unit)
-            left = self.form.F * self.form.T * below + self.form.W * top
-            images.append((left - gain * self.form.T * below).reshape(m * n, 1))
+        images = [(G - gain * X).reshape(m * n, 1) for X, G in self._columns()]
         kernel = _kernel(ImmutableMatrix.hstack(*images))
         return tuple(ImmutableMatrix(m, n, list(column)) for column in kernel)
+
+    def _columns(self) -> Iterator[tuple[ImmutableMatrix, ImmutableMatrix]]:
+        """Yield (X, G) for each unit matrix of the parameters, in which both are linear."""
+        m, n = self.shape
+        for position in range(m * n):
+            below, top = self._stacked(
+                ImmutableMatrix(m, n, [int(k == position) for k in range(m * n)])
+            )
+            X = multiplied(self.form.T, below)
+            yield X, multiplied(self.form.F, X) + multiplied(self.form.W, top)
 
     def _members(self) -> Iterator[ImmutableMatrix]:
         """Yield small integers with det X nonzero, the same ones each time."""
@@ -146,7 +161,7 @@ class StateFeedbackFamily(ExactValue):
 
     def _stacked(self, phi: ImmutableMatrix) -> tuple[ImmutableMatrix, ImmutableMatrix]:
         """Return the rows phi_i Lambda^k below the index of each chain, and those at it."""
-        below, tops = [ImmutableMatrix.zeros(0, self.shape[1])], []
+        below, tops = [zero_matrix(0, self.shape[1])], []
         for i, length in enumerate(self.form.indices):
             row = phi[i, :]
             for _ in range(length):
@@ -285,7 +300,7 @@ def are_similar(first: Matrix, second: Matrix) -> bool:
     s = Symbol("s") if Symbol("s") not in first.free_symbols | second.free_symbols else Dummy()
     if characteristic_polynomial(first, s) != characteristic_polynomial(second, s):
         return False
-    unit = sympy.eye(first.rows)
+    unit = identity_matrix(first.rows)
 
     def commutant(left: Matrix, right: Matrix) -> int:
         product = sympy.kronecker_product

@@ -8,6 +8,7 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import NotControllableError, NotObservableError
 from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certified, Residuals
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
@@ -19,7 +20,7 @@ from compensator_theory.state_feedback.gain_families import (
 
 
 @dataclass(frozen=True)
-class ObserverGainFamily(ExactValue):
+class ObserverGainFamily(Certified, ExactValue):
     r"""All gains F that make A - F C similar to one matrix; the transpose of a state feedback.
 
     .. math:: A - F C = (A' + C' K)', \qquad F = -K'
@@ -30,7 +31,12 @@ class ObserverGainFamily(ExactValue):
         That of (A', C').
     """
 
+    identity = "A' X + C' G = X Lambda for every parameter, det(sI - Lambda) = p"
+
     dual: StateFeedbackFamily
+
+    def _left_over(self) -> Residuals:
+        return self.dual._left_over()
 
     def gain(self, parameters: MatrixLike | None = None) -> ImmutableMatrix:
         """Return F, n x p, for the parameters of the dual; see :class:`StateFeedbackFamily`."""

@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.matrices.certificates import certificate_of
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import canonical, from_coefficients
@@ -81,7 +82,7 @@ def _realised(
         )
         fast = minimal_realisation(TransferMatrix(powers, canonical(Poly(z ** (degree + 1), z))))
         parts, exceptional = [*parts, fast.realisation], exceptional + fast.exceptional
-    one = [sympy.eye(part.n) for part in parts]
+    one = [identity_matrix(part.n) for part in parts]
     found = DescriptorSystem(
         sympy.diag(one[0], *(part.A for part in parts[1:])),
         sympy.diag(parts[0].A, *one[1:]),

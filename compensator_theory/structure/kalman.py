@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon, independent_columns
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, in_lowest_terms
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -161,8 +161,8 @@ def kalman_decomposition(
     meeting = echelon(reached.row_join(-hidden))
     divisors.append(meeting.divided_by)
     blocks = [ImmutableMatrix(reached * meeting.kernel()[: reached.cols, :])]
-    for space in (reached, hidden, ImmutableMatrix(sympy.eye(n))):
-        known = ImmutableMatrix.hstack(ImmutableMatrix.zeros(n, 0), *blocks)
+    for space in (reached, hidden, identity_matrix(n)):
+        known = ImmutableMatrix.hstack(zero_matrix(n, 0), *blocks)
         if len(blocks) == 2:  # what is hidden is joined to the first block, not to the second
             found, minor = independent_columns(blocks[0].row_join(space))
             blocks.append(found[:, blocks[0].cols :])
@@ -170,7 +170,7 @@ def kalman_decomposition(
             found, minor = independent_columns(known.row_join(space))
             blocks.append(found[:, known.cols :])
         divisors.append(minor)
-    T = ImmutableMatrix(ImmutableMatrix.hstack(*blocks).applyfunc(sympy.cancel))
+    T = in_lowest_terms(ImmutableMatrix.hstack(*blocks))
     moved = source.in_basis(T) if n else source
     a, b, c, d = (int(block.cols) for block in blocks)
     certificate = _certificate(source, moved, T, (a, b, c, d))
@@ -179,7 +179,7 @@ def kalman_decomposition(
 
 def _krylov(A: ImmutableMatrix, B: ImmutableMatrix) -> ImmutableMatrix:
     """Return the controllability matrix, 0 x m where there are no states."""
-    return controllability_matrix(A, B) if A.rows else ImmutableMatrix.zeros(0, B.cols)
+    return controllability_matrix(A, B) if A.rows else zero_matrix(0, B.cols)
 
 
 def _certificate(

@@ -10,6 +10,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import solve
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -112,7 +113,7 @@ def minimal_realisation(
         *source.shape,
         [markov_parameters(proper_entry(source, i, j), 1)[0] for i, j in places(source)],
     )
-    whole = hankel_matrix(source, size, size + 1) if size else ImmutableMatrix.zeros(0, 0)
+    whole = hankel_matrix(source, size, size + 1) if size else zero_matrix(0, 0)
     outputs, inputs = source.shape
     first = whole[:, : size * inputs]
     rows = echelon(first.T)
@@ -126,9 +127,9 @@ def minimal_realisation(
     C = solve(square.T, first[:outputs, list(columns.pivots)].T).T if rows.pivots else None
     n = len(rows.pivots)
     found = Realisation(
-        A if n else ImmutableMatrix.zeros(0, 0),
-        B if n else ImmutableMatrix.zeros(0, inputs),
-        C if n else ImmutableMatrix.zeros(outputs, 0),
+        A if n else zero_matrix(0, 0),
+        B if n else zero_matrix(0, inputs),
+        C if n else zero_matrix(outputs, 0),
         D,
         source.variable,
         sample_time=source.sample_time,

@@ -16,6 +16,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -233,7 +234,7 @@ def tustin(
     if not (h.is_Rational or isinstance(h, Symbol)):
         raise InputError(f"the step {shown(h)} must be a rational number or a symbol here")
     n = given.n
-    unit = sympy.eye(n)
+    unit = identity_matrix(n)
     below = ImmutableMatrix(unit - given.A * h / 2)
     if n and determinant(below) == 0:
         raise NoSolutionError(
@@ -366,10 +367,10 @@ def _sampled(
     n, m = given.B.shape
     size = n + order * m
     ask("entries", size**2 * (given.n + 1), "the matrix exponential")
-    rows = [given.A.row_join(given.B).row_join(ImmutableMatrix.zeros(n, size - n - m))]
+    rows = [given.A.row_join(given.B).row_join(zero_matrix(n, size - n - m))]
     if order == 2:
-        rows.append(ImmutableMatrix.zeros(m, n + m).row_join(sympy.eye(m)))
-    rows.append(ImmutableMatrix.zeros(m, size))
+        rows.append(zero_matrix(m, n + m).row_join(identity_matrix(m)))
+    rows.append(zero_matrix(m, size))
     M = ImmutableMatrix.vstack(*rows)
     poles = characteristic_polynomial(given.A, given.variable)
     annihilator = canonical(poles * Poly(given.variable**order, given.variable, domain=QQ))

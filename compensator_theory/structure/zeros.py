@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sympy
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.structure.coprime_fractions import coprime_fractions
 from compensator_theory.structure.zero_directions import Zeros, zeros_of
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
@@ -141,7 +141,7 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
 
 
 def _pencil(plant: Realisation) -> ImmutableMatrix:
-    return plant.variable * ImmutableMatrix(sympy.eye(plant.n)) - plant.A
+    return plant.variable * identity_matrix(plant.n) - plant.A
 
 
 def _decoupling_zeros(

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import sympy
 from sympy import ImmutableMatrix, Matrix, Symbol
 
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.invariant_subspaces import PrimaryComponent, joined, kernel
 from compensator_theory.matrices.linear_algebra import rank
 
@@ -63,7 +64,7 @@ def subspace_family(
         cyclic = krylov(matrix, v, size)
         if rank(cyclic) < size:
             continue
-        for functional in _combinations(ImmutableMatrix(sympy.eye(matrix.rows))):
+        for functional in _combinations(identity_matrix(matrix.rows)):
             translates = krylov(matrix.T, functional, size).T
             if rank(translates * cyclic) == size:
                 complement = whole * kernel(translates * whole)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from sympy import ImmutableMatrix, Symbol
+from sympy import Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import of_rows
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, time_of
@@ -132,10 +133,9 @@ def verified_realisation(
     s = G.variable
     found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
     back = found.transfer_function()
-    residual = ImmutableMatrix([
-        [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]
-    ])  # fmt: skip
-    identity = f"C adj({s}I - A) B + D det({s}I - A) = N, det({s}I - A) = D"
+    left = back.numerator - G.numerator, back.denominator - G.denominator
+    residual = of_rows([[p.as_expr() if p else 0 for p in left]], (1, 2))
+    identity = f"C adj({s.name}I - A) B + D det({s.name}I - A) = N, det({s.name}I - A) = D"
     certificate = Certificate(identity, residual)
     if not certificate.holds:
         raise InputError(f"{certificate}: these matrices do not realise {G}")

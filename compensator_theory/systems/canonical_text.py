@@ -18,6 +18,7 @@ from compensator_theory.polynomials.reading import is_list, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.printing import text
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -74,7 +75,8 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
 
 def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
     """Write it once; and whether as it stands, since it is no system, or too large a one."""
-    if isinstance(obj, TransferFunction | TransferMatrix | Realisation | tuple) or is_foreign(obj):
+    systems = TransferFunction | TransferMatrix | Realisation | DescriptorSystem
+    if isinstance(obj, systems | tuple) or is_foreign(obj):
         return str(transfer_function(obj, variable)), False
     if isinstance(obj, Poly) or is_list(obj):
         return format_polynomial(polynomial(obj, variable)), False

@@ -13,15 +13,16 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix, read_in_flint
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import from_flint, rational_in_flint, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    multiplied,
     rank,
-    solve,
 )
 from compensator_theory.polynomials.generic_answers import generic_answer_of
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.poly import canonical, exact_quotient
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 
 PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independent
@@ -65,7 +66,9 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     _require_pair(A.shape, B.shape)
     require_one_symbol_a_name(A.free_symbols | B.free_symbols)
     if not A.rows:
-        return ImmutableMatrix.zeros(0, 0)
+        return zero_matrix(0, 0)
+    if (pair := rational_pair(A, B)) is not None:
+        return from_flint(_krylov(*pair).transpose())
     a, block = DomainMatrix.from_Matrix(A).unify(DomainMatrix.from_Matrix(B), fmt="dense")
     blocks = [block]
     for _ in range(A.rows - 1):
@@ -82,7 +85,7 @@ def rational_pair(A: MatrixLike, B: MatrixLike) -> tuple[flint.fmpq_mat, flint.f
     >>> rational_pair([["a"]], [[1]]) is None
     True
     """
-    a, b = read_in_flint(A, "A"), read_in_flint(B, "B")
+    a, b = (rational_in_flint(exact_matrix(M, name)) for M, name in ((A, "A"), (B, "B")))
     if a is None or b is None or not a.nrows():
         return None
     _require_pair((a.nrows(), a.ncols()), (b.nrows(), b.ncols()))
@@ -139,18 +142,20 @@ def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
     """Tell whether [B AB ...] has full rank: it does where it does modulo a prime."""
     n = int(A.nrows())
     whole = A.numer_denom()[0], B.numer_denom()[0]
-
-    def krylov(a: Any, block: Any) -> list[list[Any]]:
-        rows: list[list[Any]] = block.transpose().tolist()
-        for _ in range(n - 1):
-            block = a * block
-            rows += block.transpose().tolist()
-        return rows
-
-    reduced = (flint.nmod_mat(m, PRIME) for m in whole)
-    if flint.nmod_mat(krylov(*reduced), PRIME).rank() == n:
+    if _krylov(*(flint.nmod_mat(m, PRIME) for m in whole)).rank() == n:
         return True
-    return bool(flint.fmpz_mat(krylov(*whole)).rank() == n)
+    return bool(_krylov(*whole).rank() == n)
+
+
+def _krylov(A: Any, B: Any) -> Any:
+    """Return the transpose of [B AB ...], in whichever ring of python-flint."""
+    block, entries = B, B.transpose().entries()
+    for _ in range(int(A.nrows()) - 1):
+        block = A * block
+        entries += block.transpose().entries()
+    height = len(entries) // int(A.nrows())
+    modulus = [A.modulus()] if isinstance(A, flint.nmod_mat) else []
+    return type(A)(height, int(A.nrows()), entries, *modulus)
 
 
 @generic_answer_of(is_controllable)
@@ -224,15 +229,13 @@ def uncontrollable_polynomial(
     Poly(s + 1, s, domain='QQ')
     """
     A, B, s = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
-    kalman = controllability_matrix(A, B)
-    whole = characteristic_polynomial(A, s)
-    size = rank(kalman)
+    found = echelon(controllability_matrix(A, B).T)
+    whole, size = characteristic_polynomial(A, s), len(found.pivots)
     if size in (0, A.rows):
         return whole if size == 0 else canonical(Poly(1, s))
-    basis = _independent_columns(kalman, size)
-    gram = basis.T * basis  # A basis = basis X has the solution X of the normal equations
-    reached = characteristic_polynomial(solve(gram, basis.T * A * basis), s)
-    return canonical(whole.exquo(reached))
+    # The rows are a basis V' that is the identity in its pivots: A V = V X shows X there.
+    moved = multiplied(A[list(found.pivots), :], found.matrix.T)
+    return exact_quotient(whole, characteristic_polynomial(moved, s))
 
 
 @generic_answer_of(uncontrollable_polynomial)
@@ -242,14 +245,3 @@ def _generic_polynomial(
     kalman = controllability_matrix(A, B)
     found = uncontrollable_polynomial(A, B, variable=variable)
     return found, [echelon(kalman).divided_by, *_denominators(kalman)]
-
-
-def _independent_columns(matrix: ImmutableMatrix, size: int) -> ImmutableMatrix:
-    chosen = sympy.zeros(matrix.rows, 0)
-    for column in range(matrix.cols):
-        candidate = chosen.row_join(matrix[:, column])
-        if rank(candidate) > chosen.cols:
-            chosen = candidate
-        if chosen.cols == size:
-            break
-    return ImmutableMatrix(chosen)

@@ -16,7 +16,12 @@ from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import scaled, sides_in
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
-from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
+from compensator_theory.polynomials.reading import (
+    PolynomialLike,
+    in_one_variable,
+    is_list,
+    polynomial,
+)
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.variables import (
     as_symbol,
@@ -73,7 +78,8 @@ def transfer_function(
     ----------
     obj : TransferFunction, Realisation, DescriptorSystem, text, Expr, pair, matrices, mapping, ...
         A pair is (numerator, denominator), each of which :func:`polynomial` reads; matrices are
-        (A, B, C) or (A, B, C, D), and need the variable. A mapping has
+        (A, B, C) or (A, B, C, D), and need the variable. A list of one row of one entry is that
+        entry. A mapping has
         the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions, state
         spaces and connections of python-control, SciPy and SymPy. Floats are read by their shortest
         decimal.
@@ -129,6 +135,8 @@ def transfer_function(
         return _from_quotient(read_text(obj), variable)
     if isinstance(obj, Poly):
         return TransferFunction(polynomial(obj, variable), polynomial(1, obj.gen))
+    if isinstance(obj, tuple | list) and len(obj) == 1 and is_list(obj[0]) and len(obj[0]) == 1:
+        return transfer_function(obj[0][0], variable)  # a transfer matrix of one entry, by rows
     if isinstance(obj, tuple | list) and len(obj) == 2:
         return TransferFunction(*in_one_variable(obj[0], obj[1], variable=variable))
     if is_foreign(obj):

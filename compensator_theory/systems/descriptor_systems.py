@@ -21,7 +21,7 @@ from compensator_theory.matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )
-from compensator_theory.matrices.flint_matrices import symbols_in
+from compensator_theory.matrices.flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices.invariant_subspaces import joined
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
@@ -226,7 +226,7 @@ class DescriptorSystem(ExactValue):
         E, A, B = self.E, self.A, self.B
         if any(map(symbols_in, (E, A, B))):
             return None
-        above = E.row_join(ImmutableMatrix.zeros(self.n, self.n + B.cols))
+        above = E.row_join(zero_matrix(self.n, self.n + B.cols))
         return bool(rank(above.col_join(A.row_join(E).row_join(B))) == self.n + rank(E))
 
     @property
@@ -259,7 +259,7 @@ class DescriptorSystem(ExactValue):
         """
         point, length = self._point(), self._longest_chain()
         self._ask_for_terms(length)
-        one = sympy.eye(self.n)
+        one = identity_matrix(self.n)
         if not length:  # E is nonsingular
             n_1, P, Q = self.n, solve(self.E, one), one
             divisors = [determinant(self.E)]
@@ -271,19 +271,23 @@ class DescriptorSystem(ExactValue):
             n_1 = len(found.pivots)
             Q = joined(self.n, [image.matrix.T, found.kernel()])
             inside = solve(Q, multiplied(M, Q))
-            slow, other = inside[:n_1, :n_1], sympy.eye(self.n - n_1)
-            inverse = solve(slow, sympy.eye(n_1)) if n_1 else slow
+            slow, other = inside[:n_1, :n_1], identity_matrix(self.n - n_1)
+            inverse = solve(slow, identity_matrix(n_1)) if n_1 else slow
             scale = sympy.diag(inverse, solve(point * inside[n_1:, n_1:] - other, other))
             P = multiplied(scale, solve(Q, solve(pencil, one)))
             divisors = [determinant(pencil), found.divided_by, image.divided_by, determinant(Q)]
         E, A = (multiplied(P, X, Q) for X in (self.E, self.A))
         J, N = A[:n_1, :n_1], E[n_1:, n_1:]
-        index, nilpotent = 0, sympy.eye(N.rows)
+        index, nilpotent = 0, identity_matrix(N.rows)
         while not nilpotent.is_zero_matrix and index <= N.rows:
             nilpotent, index = multiplied(nilpotent, N), index + 1
         divisors += denominators_of((P, Q, J, N))
         singular = sympy.Integer(rank(P) < self.n or rank(Q) < self.n)
-        left = [E - sympy.diag(sympy.eye(n_1), N), A - sympy.diag(J, sympy.eye(N.rows)), nilpotent]
+        left = [
+            E - sympy.diag(identity_matrix(n_1), N),
+            A - sympy.diag(J, identity_matrix(N.rows)),
+            nilpotent,
+        ]
         left.append([singular])
         certificate = certificate_of(IDENTITY, left, "Weierstrass form")
         P, Q, J, N = map(ImmutableMatrix, (P, Q, J, N))
@@ -323,7 +327,7 @@ class DescriptorSystem(ExactValue):
         parts = []
         if n_1:
             zero = sympy.zeros(n_1, B.cols)
-            slow = transfer_matrix_of_realisation(form.J, B[:n_1, :], sympy.eye(n_1), zero, s)
+            slow = transfer_matrix_of_realisation(form.J, B[:n_1, :], identity_matrix(n_1), zero, s)
             parts.append(form.Q[:, :n_1] @ slow)
         if form.N.rows:
             powers = [-B[n_1:, :]]

@@ -9,6 +9,7 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.polynomials.budget import ask, integer, listed
 from compensator_theory.polynomials.variables import as_symbol
 
@@ -72,7 +73,7 @@ def compensator_polynomials(
             f"matrices of shapes {sorted(shapes)} do not fit l_u = {l_u} and l_y = {l_y}, as the "
             "first Q shows"
         )
-    D_c = q**n_c * sympy.eye(l_u)
+    D_c = q**n_c * identity_matrix(l_u)
     for i, p in enumerate(P_exact, start=1):
         D_c -= q ** (n_c - i) * p
     N_c = sympy.zeros(l_u, l_y)

@@ -85,7 +85,8 @@ def transfer_matrix(
     if not entries or not entries[0] or len({len(row) for row in entries}) != 1:
         raise InputError(
             "a transfer matrix needs rows of one and the same nonzero length, as in "
-            "[['1/s', 0], [0, '1/(s + 1)']]"
+            "[['1/s', 0], [0, '1/(s + 1)']]; give numerator and denominator as lists of "
+            "coefficients to transfer_function"
         )
     symbol = _variable(entries, variable)
     read = [[transfer_function(entry, symbol) for entry in row] for row in entries]

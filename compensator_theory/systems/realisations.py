@@ -6,15 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import sympy
 from sympy import ImmutableMatrix, MatrixBase, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import symbols_in
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
+from compensator_theory.matrices.flint_matrices import identity_matrix, symbols_in, zero_matrix
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    in_lowest_terms,
+    solve,
+)
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.values import ExactValue
@@ -53,7 +56,11 @@ def in_parallel(first: Matrices, second: Matrices) -> Matrices:
     [ 0, -2]])
     """
     (A, B, C, D), (A_2, B_2, C_2, D_2) = first, second
-    return ImmutableMatrix(sympy.diag(A, A_2)), B.col_join(B_2), C.row_join(C_2), D + D_2
+    above, below = (
+        A.row_join(zero_matrix(A.rows, A_2.cols)),
+        zero_matrix(A_2.rows, A.cols).row_join(A_2),
+    )
+    return above.col_join(below), B.col_join(B_2), C.row_join(C_2), D + D_2
 
 
 def in_series(last: Matrices, before: Matrices) -> Matrices:
@@ -71,7 +78,7 @@ def in_series(last: Matrices, before: Matrices) -> Matrices:
     """
     (A, B, C, D), (A_2, B_2, C_2, D_2) = last, before
     above = A.row_join(B * C_2)
-    below = ImmutableMatrix.zeros(A_2.rows, A.rows).row_join(A_2)
+    below = zero_matrix(A_2.rows, A.rows).row_join(A_2)
     return above.col_join(below), (B * D_2).col_join(B_2), C.row_join(D * C_2), D * D_2
 
 
@@ -93,7 +100,7 @@ def in_feedback(plant: Matrices, other: Matrices, feedback: int) -> Matrices:
     p, m = int(D_1.rows), int(D_1.cols)
     K_C, K_D = feedback * C_2, feedback * D_2
     try:  # y = E (C x + D K_C x_k + D v)
-        E = solve(ImmutableMatrix(sympy.eye(p) - D_1 * K_D), sympy.eye(p))
+        E = solve(identity_matrix(p) - D_1 * K_D, identity_matrix(p))
     except NoSolutionError as error:
         raise ImproperError(
             "the loop is not well posed: det(I - f D D_k) = 0 for the direct terms; use a "
@@ -101,12 +108,12 @@ def in_feedback(plant: Matrices, other: Matrices, feedback: int) -> Matrices:
         ) from error
     C = E * C_1.row_join(D_1 * K_C)
     D = E * D_1
-    u = (K_D * C) + ImmutableMatrix.zeros(m, n).row_join(K_C)
-    u_v = sympy.eye(m) + K_D * D
-    below = ImmutableMatrix.zeros(n_2, n).row_join(A_2) + B_2 * C
-    above = A_1.row_join(ImmutableMatrix.zeros(n, n_2)) + B_1 * u
+    u = (K_D * C) + zero_matrix(m, n).row_join(K_C)
+    u_v = identity_matrix(m) + K_D * D
+    below = zero_matrix(n_2, n).row_join(A_2) + B_2 * C
+    above = A_1.row_join(zero_matrix(n, n_2)) + B_1 * u
     A, B = above.col_join(below), (B_1 * u_v).col_join(B_2 * D)
-    a, b, c, d = (ImmutableMatrix(x.applyfunc(sympy.cancel)) for x in (A, B, C, D))
+    a, b, c, d = map(in_lowest_terms, (A, B, C, D))
     return a, b, c, d
 
 
@@ -175,7 +182,7 @@ class Realisation(ExactValue):
         object.__setattr__(self, "feedback", feedback)
         object.__setattr__(self, "sample_time", sample_time)
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
-        d = ImmutableMatrix.zeros(c.rows, b.cols) if D is None else exact_matrix(D, "D")
+        d = zero_matrix(c.rows, b.cols) if D is None else exact_matrix(D, "D")
         needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
         needed["D"] = (c.rows, b.cols)
         for name, matrix in zip("ABCD", (a, b, c, d), strict=True):

@@ -10,7 +10,7 @@ from sympy import ImmutableMatrix, Poly, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import symbols_in
+from compensator_theory.matrices.flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
@@ -134,7 +134,7 @@ class StandardProblem(ExactValue):
         sizes = {size: exact[name].shape[axis] for size, (name, axis) in _DIMENSIONS.items()}
         for name, symbolic in _SHAPES.items():
             shape = (sizes[symbolic[0]], sizes[symbolic[1]])
-            matrix = exact.setdefault(name, ImmutableMatrix.zeros(*shape))
+            matrix = exact.setdefault(name, zero_matrix(*shape))
             if matrix.shape != shape:
                 raise InputError(
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]} "
@@ -375,7 +375,7 @@ def servo_problem(
     matrices = {k: exact_matrix(v, k) for k, v in given.items() if v is not None}
     matrices.setdefault("D_1", matrices["B"])
     l_y, l_u = matrices["C"].rows, matrices["B"].cols
-    matrices.setdefault("D_0", ImmutableMatrix.zeros(l_y, l_u))
+    matrices.setdefault("D_0", zero_matrix(l_y, l_u))
     symbol = "q" if variable is None else variable
     return _servo(matrices, performance, symbol, sample_time)
 
@@ -390,7 +390,7 @@ def _servo(
     l_y, l_d = C.rows, D_1.cols
     if D_1.rows != A.rows:
         raise InputError(f"D_1 has {D_1.rows} rows but the plant has {A.rows} states")
-    identity, no_command = sympy.eye(l_y), sympy.zeros(A.rows, l_y)
+    identity, no_command = identity_matrix(l_y), sympy.zeros(A.rows, l_y)
     no_disturbance = sympy.zeros(l_y, l_d)
     measured = sympy.Matrix.hstack(identity, no_disturbance, -identity)
     true = sympy.Matrix.hstack(identity, no_disturbance, sympy.zeros(l_y, l_y))

@@ -10,7 +10,12 @@ from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices.certificates import Certificate, proven
-from compensator_theory.matrices.flint_matrices import from_flint, rational_in_flint
+from compensator_theory.matrices.flint_matrices import (
+    from_flint,
+    of_rows,
+    rational_in_flint,
+    zero_matrix,
+)
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
@@ -68,7 +73,7 @@ def transfer_matrix_of_realisation(
     """
     found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
     entries, denominator, residual = found
-    certificate = proven(Certificate(IDENTITY.format(variable), residual), "conversion")
+    certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
     return TransferMatrix(entries, denominator, certificate, sample_time)
 
 
@@ -111,7 +116,7 @@ def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> F
     for power in range(1, A.rows + 1):
         coefficients[power] += (c * v).to_Matrix()
         v = a * v + b * scalars[power]
-    residual = ImmutableMatrix(v.to_Matrix()) if A.rows else ImmutableMatrix.zeros(0, B.cols)
+    residual = ImmutableMatrix(v.to_Matrix()) if A.rows else zero_matrix(0, B.cols)
     rows = tuple(
         tuple(
             from_coefficients([matrix[row, column] for matrix in coefficients], variable)
@@ -154,18 +159,17 @@ def controllable_canonical_form(
     [0, -2]])
     """
     require_proper(G, "plant")
-    order = G.order
-    direct = sympy.sympify(G.numerator.coeff_monomial(G.variable**order))
-    remainder = G.numerator - scaled(G.denominator, direct) if direct != 0 else G.numerator
-    ascending = [
-        [sympy.sympify(p.coeff_monomial(G.variable**k)) for k in range(order)]
-        for p in (G.denominator, canonical(remainder))
-    ]
-    A = sympy.zeros(order, order)
-    for row in range(order - 1):
-        A[row, row + 1] = 1
-    for column in range(order):
-        A[order - 1, column] = -ascending[0][column]
-    B = Matrix(order, 1, [int(row == order - 1) for row in range(order)])
-    C = Matrix(1, order, ascending[1])
-    return ImmutableMatrix(A), ImmutableMatrix(B), ImmutableMatrix(C), ImmutableMatrix([[direct]])
+    n = G.order
+    bottom = G.denominator.all_coeffs()
+    top = G.numerator.all_coeffs()
+    direct = top[0] if len(top) > n else sympy.Integer(0)
+    if direct != 0:
+        top = canonical(G.numerator - scaled(G.denominator, direct)).all_coeffs()
+    shift = [[int(column == row + 1) for column in range(n)] for row in range(n - 1)]
+    last = [-c for c in reversed(bottom[1:])]
+    return (
+        of_rows([*shift, last] if n else [], (n, n)),
+        of_rows([[int(row == n - 1)] for row in range(n)], (n, 1)),
+        of_rows([[*reversed(top), *[0] * (n - len(top))][:n]], (1, n)),
+        of_rows([[direct]], (1, 1)),
+    )

@@ -11,6 +11,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     in_lowest_terms,
@@ -135,13 +136,13 @@ def doubly_coprime_fractions(
         bottoms = [sympy.fraction(sympy.cancel(e))[1] for e in (*K, *F)]
         exceptional = exceptional_factors([*exceptional, *bottoms])
     else:
-        K, F = ImmutableMatrix.zeros(B.cols, 0), ImmutableMatrix.zeros(0, C.rows)
+        K, F = zero_matrix(B.cols, 0), zero_matrix(0, C.rows)
     m, p = B.cols, C.rows
     right = in_lowest_terms(A + B * K)
     left = in_lowest_terms(A - F * C)
     for closed, name in ((right, "regulator"), (left, "observer")):
         require_stable(closed, s, name)
-    eye_m, eye_p = sympy.eye(m), sympy.eye(p)
+    eye_m, eye_p = identity_matrix(m), identity_matrix(p)
     first = transfer_matrix_of_realisation(
         right,
         B.row_join(F),
@@ -159,7 +160,9 @@ def doubly_coprime_fractions(
     M_r, U_r, N_r, V_r = _blocks(first, m)
     V_l, minus_U_l, minus_N_l, M_l = _blocks(second, m)
     residual = [
-        entry.as_expr() for row in (second @ first - sympy.eye(m + p)).numerators for entry in row
+        entry.as_expr()
+        for row in (second @ first - identity_matrix(m + p)).numerators
+        for entry in row
     ]
     certificate = proven(
         Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual)), "pair of fractions"

@@ -11,6 +11,7 @@ from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     in_lowest_terms,
@@ -118,9 +119,9 @@ class StabilisingCompensators(ExactValue):
         """
         q, plant = self._parameter(Q), self.plant
         K, F, D = self.fractions.K, self.fractions.F, plant.D
-        direct = sympy.eye(plant.C.rows) + D * q.D
+        direct = identity_matrix(plant.C.rows) + D * q.D
         try:
-            R = solve(direct, sympy.eye(direct.rows))
+            R = solve(direct, identity_matrix(direct.rows))
         except NoSolutionError as error:
             raise ImproperError(
                 "det(I + D Q(oo)) = 0: the loop of this parameter is not well posed, and its "
@@ -173,7 +174,7 @@ class StabilisingCompensators(ExactValue):
         )
         central = TransferMatrix(f.V_r.numerators + f.U_r.numerators, f.V_r.denominator)
         to_signals = TransferMatrix(f.N_r.numerators + f.M_r.numerators, f.N_r.denominator)
-        constant = sympy.diag(sympy.zeros(p, p), sympy.eye(m))
+        constant = sympy.diag(sympy.zeros(p, p), identity_matrix(m))
         return AffineMap(
             (central @ from_signals + constant).reduced(),
             to_signals.reduced(),

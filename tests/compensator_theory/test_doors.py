@@ -380,6 +380,36 @@ def test_more_raw_errors():
         exact.place_poles("(s + 1)/((s + 1)*(s + 2))", ["-3", "-4", "-5"], feedback=-1)
 
 
+SYSTEM = exact.Realisation([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+KINDS = {
+    "text": "1/(s**2 + 3*s + 2)",
+    "rows of texts": [["1/(s**2 + 3*s + 2)"]],
+    "matrices": (SYSTEM.A, SYSTEM.B, SYSTEM.C),
+    "expression": SYSTEM.transfer_function().as_expr(),
+    "our matrix": SYSTEM.transfer_matrix(),
+    "descriptor": exact.DescriptorSystem([[1, 0], [0, 1]], SYSTEM.A, SYSTEM.B, SYSTEM.C),
+    "python-control": SYSTEM.to_control(),
+    "SciPy": scipy.signal.StateSpace([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]], [[0]]),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_system_of_any_kind_is_read_where_one_is_asked_for(kind):
+    system, s = KINDS[kind], sympy.Symbol("s")
+    symbol = "s" if kind == "matrices" else None
+    G = SYSTEM.transfer_function()
+    assert exact.transfer_function(system, symbol) == G
+    assert exact.realisation(system, symbol).transfer_function() == G
+    assert exact.transfer_matrix(system, symbol)[0, 0] == G
+    if kind != "rows of texts":  # a list is coefficients there
+        assert exact.canonical(system, symbol) == str(G)
+    for loop in (
+        exact.closed_loop_matrix(system, "1/(s + 4)", variable=symbol),
+        exact.closed_loop_matrix("1/(s + 4)", system, variable=symbol),
+    ):
+        assert loop.charpoly(s).as_expr() == sympy.expand((s**2 + 3 * s + 2) * (s + 4) - 1)
+
+
 # ---- conversions certify themselves
 @pytest.mark.parametrize("text", ["(s + 3)/(s**2 + 2*s)", "(s**2 + a)/((s + 1)*(s + b))", "2/3"])
 @pytest.mark.parametrize("form", ["controllable", "observable"])

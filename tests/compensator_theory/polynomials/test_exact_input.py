@@ -179,7 +179,7 @@ def test_any_collection_holds_roots(collect):
         lambda: reciprocal_polynomial([1, 2]),
         lambda: parse_expression(5),
         lambda: lqg_poles(None),
-        lambda: closed_loop_matrix("1/s", "1/s"),
+        lambda: closed_loop_matrix("1/s", None),
         lambda: intercalated_transfer_function(None, 1, "q"),
         lambda: target_characteristic_polynomial(None, 1, "1/q"),
         lambda: sylvester_m("s + 1", "1", "a", 1),
