@@ -39,12 +39,6 @@ def read_case_table(case: str) -> tuple[Raw, str]:
 def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
     """The tables with other values; verdicts of record, which belong to the old ones, are left out.
 
-    Parameters
-    ----------
-    table : mapping
-    values : sequence of str
-        Each KEY=VALUE, the key with dots, the value as TOML writes it.
-
     Examples
     --------
     >>> from rcac_numeric.cli.cases import with_values

@@ -17,20 +17,7 @@ FREQUENCIES = 4097  # at which the size of G_f is summed
 
 
 def prior_weight(prior: PriorSamples, structure: Structure, target: TargetModel) -> Array:
-    """R_theta = samples * mean(Phi_f' Phi_f), of a record or of white signals of these sizes.
-
-    Parameters
-    ----------
-    prior : PriorSamples
-    structure : Structure
-    target : TargetModel
-
-    Raises
-    ------
-    InputError
-        Where a signal has another number of components than the structure reads, or a record is
-        to go through a target model whose D_f is no multiple of the identity.
-    """
+    """R_theta = samples * mean(Phi_f' Phi_f), of a record or of white signals of these sizes."""
     widths = structure.l_u, structure.l_y, structure.l_r
     for name, signal, width in zip("uyr", (prior.u, prior.y, prior.r), widths, strict=True):
         if signal is None:

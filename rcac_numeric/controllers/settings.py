@@ -274,14 +274,7 @@ class ControllerSettings(Value):
 
 
 def require_learnable(learning: DataDriven, structure: Structure, l_z: int) -> None:
-    """Raise where a target model cannot be learnt for a controller of this structure.
-
-    Examples
-    --------
-    >>> from rcac_numeric import DataDriven, iir
-    >>> from rcac_numeric.controllers.settings import require_learnable
-    >>> require_learnable(DataDriven(order=20, input="frozen u~", n=3), iir(n_c=15), 1)
-    """
+    """Raise where a target model cannot be learnt for a controller of this structure."""
     instance_of(learning, "learning", DataDriven)
     widths = structure.l_u, l_z
     if widths != (1, 1):

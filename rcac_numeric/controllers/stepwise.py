@@ -63,12 +63,7 @@ class StepwiseController(Value, ABC):
         """The controller at step 0."""
 
     def compensator_of(self, theta: ArrayLike) -> NoReturn:
-        """Refused: its gains depend on more than theta.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refused: its gains depend on more than theta."""
         raise InputError(
             f"a {type(self).__name__} is no compensator of its theta alone: its gains come from "
             "Riccati matrices that have a state. Look at u, z and theta of the run."

@@ -156,22 +156,7 @@ def digest_of(experiment: Experiment) -> str:
 
 @dataclass(frozen=True, eq=False)
 class KeptCases(Value):
-    """A folder with one file for each case, replaced whole or not at all.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.dissertation.reproduction import KeptCases
-    >>> kept, example = KeptCases(tempfile.mkdtemp()), load_example("B.1")
-    >>> kept.find(example) is None
-    True
-    >>> kept.keep(example, case_of(verify(example)))
-    >>> kept.find(example).id
-    'B.1'
-    """
+    """A folder with one file for each case, replaced whole or not at all."""
 
     folder: Path | str
 

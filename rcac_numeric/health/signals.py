@@ -60,15 +60,7 @@ class SignalHealth:
 
 
 def signal_health(values: Array, start: int) -> SignalHealth:
-    """The sizes of a signal whose control begins at row `start`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.health.signals import signal_health
-    >>> print(signal_health(np.array([[1.0], [0.0], [0.5], [0.5]]), 1))
-    peak 1, rms 1 before control; peak 0.5, rms 0.408 under control; rms 0.5 at the end
-    """
+    """The sizes of a signal whose control begins at row `start`."""
     start = min(max(start, 0), len(values))
     last = values[start:][-max(len(values) // 10, 1) :]
     return SignalHealth(

@@ -57,23 +57,7 @@ class NextDisturbance:
 
 
 def next_disturbance(run: Run) -> NextDisturbance | None:
-    """What the next disturbance does to a run that goes on; None where that cannot be tried.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric import (
-    ...     UD, ControllerSettings, fir_target, iir, simulate, standard_plant)
-    >>> from rcac_numeric.health.trials import next_disturbance
-    >>> plant = standard_plant("(q - 1.3)/((q - 0.8)*(q - 0.9))")
-    >>> w = np.concatenate([np.random.default_rng(1).standard_normal(500), np.zeros(5000)])
-    >>> settings = lambda lambda_: ControllerSettings(
-    ...     structure=iir(4), target=fir_target(plant), update=UD(1.0, lambda_=lambda_))
-    >>> next_disturbance(simulate(plant, settings(0.99), w[:, None])).ratio > 100
-    True
-    >>> next_disturbance(simulate(plant, settings(1.0), w[:, None])).ratio < 2
-    True
-    """
+    """What the next disturbance does to a run that goes on; None where that cannot be tried."""
     if (
         type(run.plant) not in (Plant, PlantSchedule)
         or run.state is None

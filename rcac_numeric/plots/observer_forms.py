@@ -12,15 +12,7 @@ MANY = 40  # forms that have a row each
 
 
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:
-    """Left the roots, those of the best conditioned regulator circled; right cond(T) of each form.
-
-    Examples
-    --------
-    >>> from rcac_numeric import numeric_observer_forms
-    >>> forms = numeric_observer_forms("1/s**2", "-(6*s + 1)/(s**2 + 4*s + 6)")
-    >>> len(forms.plot().axes)
-    2
-    """
+    """Left the roots, those of the best conditioned regulator circled; right each cond(T)."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     roots, worth = figure.subplots(1, 2)
     everything = np.unique(np.round(np.concatenate(

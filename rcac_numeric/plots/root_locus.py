@@ -29,15 +29,7 @@ CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 def plot_root_locus(
     locus: RootLocus, *, ax: Axes | Sequence[Axes] | None = None, width: float = 6.0
 ) -> Figure:
-    """Draw the branches for positive gains, as `RootLocus.plot` says.
-
-    Examples
-    --------
-    >>> from compensator_theory import root_locus
-    >>> from rcac_numeric.plots.root_locus import plot_root_locus
-    >>> plot_root_locus(root_locus("1/(s*(s + 1))", feedback=-1)).axes[0].get_xlabel()
-    'real'
-    """
+    """Draw the branches for positive gains, as `RootLocus.plot` says."""
     if ax is not None:
         (axis,) = axes_given(ax, 1)
         _draw(axis, locus)

@@ -151,17 +151,7 @@ def comparison_section(c: ExactComparison) -> Section:
 
 
 def comparison_sheet(c: ExactComparison) -> Sheet:
-    """A compensator beside the exact prediction: is the loop stable, what is missed, the numbers.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator, compare_exactly, fir_target, standard_plant
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
-    >>> lines = compare_exactly(plant, compensator, fir_target(plant)).report().splitlines()
-    >>> lines[1].strip()
-    'The closed loop is stable, spectral radius 0.'
-    """
+    """A compensator beside the exact prediction: stability, missed poles, the numbers."""
     radius = float(np.abs(c.poles).max(initial=0.0))
     is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
     health = (stability_line(is_stable, radius), *missed_poles(c))
@@ -171,17 +161,7 @@ def comparison_sheet(c: ExactComparison) -> Sheet:
 
 
 def analysis_sheet(found: LoopAnalysis) -> Sheet:
-    """A run's last controller, or a plant and a compensator, beside theory.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator, LoopAnalysis, fir_target, standard_plant
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
-    >>> analysis = LoopAnalysis((plant, compensator), fir_target(plant))
-    >>> print(analysis.report().splitlines()[1].strip())
-    The closed loop is stable, spectral radius 0.
-    """
+    """A run's last controller, or a plant and a compensator, beside theory."""
     if isinstance(found.of, Run):
         remark = f": {found.of.outcome} after {found.of.steps} steps"
         missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)

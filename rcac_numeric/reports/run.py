@@ -9,14 +9,6 @@ from rcac_numeric.reports.sheets.sheet import Sheet
 
 
 def run_sheet(run: Run) -> Sheet:
-    """How it ended, and the health of its loop.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.run import run_sheet
-    >>> run_sheet(load_example("4.7").main_run.execute().first.run).remark
-    ': completed after 100 steps'
-    """
+    """How it ended, and the health of its loop."""
     remark = f": {run.outcome} after {run.steps} steps"
     return Sheet("Run", remark, health_lines(loop_health(run)))

@@ -123,17 +123,7 @@ def _claims(verification: Verification) -> Section:
 
 
 def claim_record(v: Verdict) -> dict[str, Any]:
-    """A claim, what was measured and its verdict, as JSON can hold them.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.verification import claim_record
-    >>> record = claim_record(verify(load_example("B.5")).verdicts[0])
-    >>> record["whose"], record["verdict"]
-    ('the text', 'reproduced')
-    """
+    """A claim, what was measured and its verdict, as JSON can hold them."""
     claim = v.claim
     return {
         "whose": claim.whose,

@@ -51,22 +51,7 @@ def compiled_controller(
     supervision: Supervision | None = None,
     limits: ControlLimits | None = None,
 ) -> _kernel.Controller:
-    """A compiled controller at step 0.
-
-    Parameters
-    ----------
-    controller : ControllerSettings or FixedController
-    l_z : int
-        Number of the loop's performance variables.
-    failures : Failures
-        Keeps the exceptions of weights that are functions.
-    instructions : str
-        One of `_kernel.instruction_sets()` for UD; that of the process by default.
-    supervision : Supervision, optional
-        The mildest by default.
-    limits : ControlLimits, optional
-        That the controller keeps u to.
-    """
+    """A compiled controller at step 0."""
     require_instruction_set()
     arguments = kernel_arguments(controller, l_z, failures)
     if isinstance(controller, ControllerSettings):
@@ -167,14 +152,7 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
 
 
 def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:
-    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-    kernel : compiled controller
-        Made of them.
-    """
+    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates."""
     if not isinstance(settings.update, JointUD):
         return None
     return np.concatenate([[1.0], kernel.also_fitted])

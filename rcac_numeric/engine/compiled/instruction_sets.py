@@ -16,12 +16,6 @@ def require_instruction_set() -> None:
     The environment variable RCAC_INSTRUCTION_SET forces one of `_kernel.instruction_sets()` on
     everything that is made from then on; without it the kernel takes the first. They round in
     different orders: theta differs by about 1e-15 from one to the next.
-
-    Examples
-    --------
-    >>> from rcac_numeric.engine import _kernel
-    >>> _kernel.instruction_sets()[-1]
-    'plain'
     """
     name, known = os.environ.get(VARIABLE, ""), _kernel.instruction_sets()
     if name and name not in known:

@@ -268,14 +268,7 @@ def refined_matrices(settings: RCMR, theta: Array) -> tuple[Array, Array]:
 
 
 def require_observable(settings: RCMR, C: Array) -> None:
-    """Raise where an observer of the model with theta_0 could not correct some mode.
-
-    Parameters
-    ----------
-    settings : RCMR
-    C : array, shape (1, n)
-        What is measured.
-    """
+    """Raise where an observer of the model with theta_0 could not correct some mode."""
     A, _ = refined_matrices(settings, settings.theta_0)
     rows = [C]
     for _ in range(settings.n - 1):

@@ -286,16 +286,7 @@ def is_estimation(table: Raw) -> bool:
 
 
 def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
-    """The experiment of an estimation example: studies and claims.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> verification = verify(load_example("8.3").reduced(1))
-    >>> verification.verdicts[0].verdict
-    'not reproduced'
-    """
+    """The experiment of an estimation example: studies and claims."""
     read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
     raw: dict[str, dict[str, Any]] = {}
     studies: dict[str, EstimationStudy] = {}

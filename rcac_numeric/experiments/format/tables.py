@@ -57,18 +57,7 @@ FORMS: dict[Any, Form] = {
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table, and the parameter that it stands for.
-
-    Attributes
-    ----------
-    name, parameter : str
-        In the file and in Python, where lambda is written `lambda_`.
-    form : Form
-    is_required : bool
-    default : object
-    doc : str
-        What the docstring says of the parameter.
-    """
+    """A key of a table, and the parameter that it stands for."""
 
     name: str
     parameter: str
@@ -82,14 +71,6 @@ def keys_of(
     make: Any, forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
 ) -> tuple[Key, ...]:
     """The keys of the fields of an attrs class, or of the parameters of a function, in order.
-
-    Parameters
-    ----------
-    make : class or callable
-    forms : mapping from fields
-        What their annotations do not say.
-    given : collection of str
-        Fields that do not stand in the file.
 
     Examples
     --------
@@ -244,20 +225,6 @@ class Table(Form, Generic[T]):
     -----
     A field whose form is a `Kinds` is spread over the table: its key names the kind, and the keys
     of that kind stand beside it.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Step
-    >>> from rcac_numeric.experiments.format.places import Place
-    >>> from rcac_numeric.experiments.format.tables import Table
-    >>> place = Place("case.toml", "signals.r")
-    >>> Table(Step).read({"height": 2}, place)
-    Step(height=2.0, start=0)
-    >>> Table(Step).read({"hight": 2}, place)
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: case.toml: unknown key 'hight' in [signals.r]. Did you
-    mean 'height'? Known keys: height, start.
     """
 
     def __init__(
@@ -526,25 +493,7 @@ class Kinds(Form, Generic[T]):
 
 
 class ByKey(Form, Generic[T]):
-    """A table in which one key names the kind, its value being the first field.
-
-    Parameters
-    ----------
-    what : str
-        What it is, with its article.
-    number : class
-        What a number alone stands for.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Pulse, Step
-    >>> from rcac_numeric.experiments.format.places import Place
-    >>> from rcac_numeric.experiments.format.tables import ByKey
-    >>> signal = ByKey("a signal", number=Step)
-    >>> signal.register("pulse", Pulse)
-    >>> signal.read({"pulse": 2, "length": 5}, Place("case.toml", "signals", "r"))
-    Pulse(height=2.0, start=0, length=5)
-    """
+    """A table in which one key names the kind, its value being the first field."""
 
     def __init__(self, what: str, *, number: Callable[[float], T]) -> None:
         self.what, self.number = what, number

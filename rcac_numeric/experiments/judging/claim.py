@@ -105,19 +105,7 @@ class Refused(Value):
 
 @dataclass(frozen=True, eq=False)
 class OpenItem(Value):
-    """Something that a source leaves open.
-
-    Attributes
-    ----------
-    what : str
-        Its name: ``"k_w"``.
-    chosen : str
-        What the runs have.
-    reason : str
-        What the source says of it, and why this was chosen.
-    completions : tuple of str
-        Names of the other members of the set that a reader would try.
-    """
+    """Something that a source leaves open."""
 
     what: str
     chosen: str
@@ -127,42 +115,7 @@ class OpenItem(Value):
 
 @dataclass(frozen=True, eq=False)
 class Claim(Value):
-    """Something said of an experiment, with the checks that decide whether it holds.
-
-    Attributes
-    ----------
-    text : str
-        What the checks decide, in our words.
-    checks : tuple of checks
-        It holds where all of them do.
-    quote, place : str
-        The words of the source, and where they stand; without them the claim is ours.
-    reading : str
-        How words that leave room are read.
-    misprint : str
-        The slip of the print that is mended for the checks to be the right ones.
-    completion : str
-        What was chosen where the source is silent.
-    recorded : str
-        The verdict of record, of an own claim its outcome; a run that gives another has changed.
-    run : str
-        The variant that the claim is judged on; empty where its checks are of several.
-    reason : str
-        Why it does not hold as it is said, or what it depends on, from what was measured.
-    over : mapping from names to outcomes
-        The completions that it is judged over beside its run, with the outcomes of record.
-    open : tuple of str
-        The open items that those complete.
-    control : str
-        A run on which the same checks must succeed.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> claim = next(c for c in load_example("5.6").claims if "0.31" in c.quote)
-    >>> claim.whose, claim.quote, claim.place
-    ('a reading', 'using RCAC is 0.31 steps, as shown by Table 5.2', 'Example 5.6')
-    """
+    """Something said of an experiment, with the checks that decide whether it holds."""
 
     text: str
     checks: tuple[AnyCheck, ...]

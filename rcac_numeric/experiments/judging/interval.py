@@ -19,27 +19,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True, eq=False)
 class Check(Value):
-    """A measure of one run and the interval in which it must lie.
-
-    Attributes
-    ----------
-    measure, arguments
-        A name of `measures.MEASURES`, or of those of estimators, and its keyword arguments.
-    run, relative_to : names of runs
-        With `relative_to` the measure is divided by that of the other run, repetition by
-        repetition.
-    at_least, at_most : float
-        At least one of them is finite: a check without a bound could not fail.
-    statistic : {"each", "median"}
-        Whether every repetition must lie in the interval, or the median.
-    share : float
-        With "each": the least share of the repetitions that must lie in the interval.
-    until : int, optional
-        The step at which the run is cut off before it is measured: its controller is then theta
-        of that step, its plant that of the step before, its signals end there.
-    quoted : str
-        The number of the source, as printed, that the interval is made of.
-    """
+    """A measure of one run and the interval in which it must lie."""
 
     measure: str
     run: str

@@ -164,16 +164,7 @@ class ClaimTable(Value):
         items: OpenItems,
         standards: Mapping[str, Claim] | None = None,
     ) -> list[Claim]:
-        """What the table claims: one claim, or one for each variant that it names.
-
-        Parameters
-        ----------
-        runs : sequence of str
-            The names of the runs, the main one first; none where nothing runs.
-        items : OpenItems
-        standards : mapping from names, optional
-            Claims whose checks name no run.
-        """
+        """What the table claims: one claim, or one for each variant that it names."""
         text, checks = self._words_and_checks(standards or {})
         if self.verdicts is not None and (self.run or self.verdict):
             raise InputError(
@@ -269,16 +260,7 @@ class ClaimTable(Value):
 def claim_table(
     check: Table[Any], standards: Sequence[str] = (), *, runs: bool = True
 ) -> Table[ClaimTable]:
-    """The table of a claim, whose checks are of this table.
-
-    Parameters
-    ----------
-    check : Table
-    standards : sequence of str
-        Names of claims that need no words and checks of their own.
-    runs : bool
-        Whether there are runs that it could be judged on.
-    """
+    """The table of a claim, whose checks are of this table."""
     given = () if standards else ("standard",)
     if not runs:
         given = (*given, "run", "verdicts", "open", "over", "control")

@@ -84,14 +84,7 @@ def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: Figu
 
 
 def plot_zero_path(path: ZeroPath) -> Figure:
-    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5.
-
-    Examples
-    --------
-    >>> from rcac_numeric.gallery import aircraft_transition, zero_path
-    >>> len(zero_path(aircraft_transition(), [2500, 2550, 2600]).plot().axes)
-    2
-    """
+    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     plane, moduli = figure.subplots(1, 2)
     _plane(plane, list(path.zeros))
@@ -100,20 +93,7 @@ def plot_zero_path(path: ZeroPath) -> Figure:
 
 
 def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> Figure:
-    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant.
-
-    Parameters
-    ----------
-    plant : ContinuousPlant
-    periods : sequence of float
-        Sampling periods in s, for the moduli of the zeros of the sampled plant.
-
-    Examples
-    --------
-    >>> from rcac_numeric.gallery import rohrs_plant
-    >>> len(rohrs_plant().plot([0.05, 0.1, 0.2]).axes)
-    3
-    """
+    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant."""
     figure = Figure(figsize=(12, 4), layout="constrained")
     plane, response, sampled = figure.subplots(1, 3)
     poles, zeros = plant.poles(), plant.zeros()

@@ -204,16 +204,7 @@ NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matpl
 
 
 def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **more: Any) -> str:
-    """The page of one case.
-
-    Parameters
-    ----------
-    case : Case
-    template, home : str
-        A template that extends ``case.html``, and the package whose it is.
-    **more
-        What that template says besides.
-    """
+    """The page of one case."""
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."
     values: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}

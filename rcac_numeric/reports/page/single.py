@@ -15,16 +15,7 @@ WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 
 
 
 def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
-    """The response, the coefficients, the poles and zeros, and the intercalated match.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.single import single_figures
-    >>> list(single_figures(load_example("4.7").main_run.execute().first))
-    ['Performance z and control u', 'Controller coefficients', 'Closed-loop poles and zeros', \
-'Target model and what was reached']
-    """
+    """The response, the coefficients, the poles and zeros, and the intercalated match."""
     found = {
         "Performance z and control u": _response(repetition),
         "Controller coefficients": _coefficients(repetition),

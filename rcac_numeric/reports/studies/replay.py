@@ -12,22 +12,7 @@ from rcac_numeric.sweeps.results.replay import ReplayedRun
 
 
 def replay_sheet(replayed: ReplayedRun) -> Sheet:
-    """Whether every bit came out again, and what the run is.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from rcac_numeric.sweeps import Kept, Study, replay_run, run_study
-    >>> from rcac_numeric.reports.studies.replay import replay_sheet
-    >>> base = {
-    ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},
-    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
-    ...     "run": {"steps": 50}}
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
-    >>> _ = run_study(Study(base, [], [Kept("rms")]), store, workers=0)
-    >>> replay_sheet(replay_run(store, 0)).record["is_identical"]
-    True
-    """
+    """Whether every bit came out again, and what the run is."""
     run = replayed.analysed.run
     said = [Text("Bit for bit the run that is stored.", "good")]
     if not replayed.is_identical:

@@ -10,15 +10,7 @@ MOST_FAULTS = 20  # that a reader looks through
 
 
 def store_sheet(check: StoreCheck) -> Sheet:
-    """Whether a store is whole, what is wrong with it, and what became of that.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.studies.store import store_sheet
-    >>> from rcac_numeric.sweeps.store.care import StoreCheck
-    >>> store_sheet(StoreCheck("study.sqlite", 8, 8, 0, (), ())).record["is_whole"]
-    True
-    """
+    """Whether a store is whole, what is wrong with it, and what became of that."""
     lost = sum(last - first + 1 for first, last in check.damaged)
     said = [Text("Everything in it is what was stored.", "good")]
     if not check.is_whole:

@@ -16,22 +16,7 @@ LONGEST_TABLE, MOST_ERRORS = 40, 5
 
 
 def sweep_sheet(overview: SweepOverview) -> Sheet:
-    """What a store holds.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from rcac_numeric.sweeps import Kept, Study, run_study, sweep_overview
-    >>> from rcac_numeric.reports.studies.sweep import sweep_sheet
-    >>> base = {
-    ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},
-    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
-    ...     "run": {"steps": 50}}
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
-    >>> _ = run_study(Study(base, [], [Kept("steps")]), store, workers=0)
-    >>> sweep_sheet(sweep_overview(store)).record["outcomes"]
-    {'completed': 1}
-    """
+    """What a store holds."""
     return Sheet(
         title=overview.title or overview.path,
         health=_health(overview),
