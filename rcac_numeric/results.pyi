@@ -25,7 +25,7 @@ from .estimation.estimates import StateEstimates as StateEstimates
 from .estimation.identifiability import NoiseInformation as NoiseInformation
 from .estimation.local_observability import Observability as Observability
 from .estimation.noises import FittedNoises as FittedNoises
-from .estimation.refinement.evidence import Evidence as Evidence
+from .estimation.refinement.refinement import Evidence as Evidence
 from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates

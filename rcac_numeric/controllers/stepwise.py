@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import NoReturn, Protocol
 
 from numpy.typing import ArrayLike
@@ -34,7 +33,6 @@ class Stepper(Protocol):
         """Go on from what `save` gave; ValueError where that is something else."""
 
 
-@dataclass(frozen=True, eq=False)
 class StepwiseController(Value, ABC):
     """A controller as data that is not compiled; `simulate` runs it, one step of Python each."""
 

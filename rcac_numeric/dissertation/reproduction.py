@@ -5,12 +5,18 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import multiprocessing as mp
+import os
 import pickle
 import re
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Executor, as_completed
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -185,3 +191,41 @@ class KeptCases(Value):
     def _file(self, experiment: Experiment) -> Path:
         name = re.sub(r"[^A-Za-z0-9.-]+", "-", experiment.id)[:60] or "case"
         return Path(self.folder) / f"{name}.json"
+
+
+INTERRUPTED = 130
+PATIENCE = 0.2  # seconds between two looks at whether we are still wanted
+
+
+@contextmanager
+def case_workers(count: int) -> Iterator[Executor | None]:
+    """An executor with so many processes; None for one, which is this process itself.
+
+    Whatever ends the block ends the processes with what they are at, and so does the death of
+    this process.
+    """
+    if count <= 1:
+        yield None
+        return
+    context = mp.get_context("spawn")
+    stop = context.Event()
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_watch, initargs=(stop,))
+    try:
+        yield executor
+    finally:
+        stop.set()
+        executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _watch(stop: Any) -> None:
+    """Leave Ctrl-C to the parent, and end when it is done or gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = mp.parent_process()
+
+    def look() -> None:
+        while not stop.wait(PATIENCE):
+            if parent is not None and not parent.is_alive():
+                break
+        os._exit(INTERRUPTED)
+
+    threading.Thread(target=look, daemon=True).start()

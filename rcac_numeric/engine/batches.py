@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
+import attrs
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
@@ -20,7 +20,7 @@ from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign import as_plant
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class SimulationCase(Value):
     """The arguments of one `simulate`.
 
@@ -42,22 +42,13 @@ class SimulationCase(Value):
     0.01
     """
 
-    plant: AnyPlant
+    plant: AnyPlant = attrs.field(converter=as_plant)
     settings: AnyController
     w: ArrayLike
-    options: Mapping[str, Any]
+    options: Mapping[str, Any] = attrs.field(factory=dict)
 
-    def __init__(
-        self,
-        plant: AnyPlant,
-        settings: AnyController,
-        w: ArrayLike,
-        options: Mapping[str, Any] | None = None,
-    ) -> None:
-        object.__setattr__(self, "plant", as_plant(plant))
-        object.__setattr__(self, "settings", settings)
-        object.__setattr__(self, "w", w)
-        object.__setattr__(self, "options", {} if options is None else options)
+    def __attrs_post_init__(self) -> None:
+        object.__setattr__(self, "options", self.options or {})
 
 
 def simulate_many(

@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 
-from numpy.typing import ArrayLike
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, items, matrix, real_array
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    items,
+    matrix,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.linear import Plant
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, kw_only=True, field_transformer=with_checks)
 class PlantChange(Value):
     """What the plant is from step `start` on.
 
@@ -40,27 +48,16 @@ class PlantChange(Value):
     False
     """
 
-    start: int
+    start: int = attrs.field(metadata=reads(integer))
     plant: Plant
-    ramp: bool = False
-    state_map: Array | None = None
-    delay: int = 0
+    ramp: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
+    state_map: Array | None = attrs.field(
+        default=None, converter=optional_array_like, metadata=reads(real_array, optional=True)
+    )
+    delay: int = attrs.field(default=0, metadata=reads(integer, at_most=100_000))
 
-    def __init__(
-        self,
-        *,
-        start: int,
-        plant: Plant,
-        ramp: bool = False,
-        state_map: ArrayLike | None = None,
-        delay: int = 0,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("start", integer(start, "start"))
-        set_("plant", instance_of(plant, "the plant of a change", Plant))
-        set_("ramp", instance_of(ramp, "ramp", bool))
-        set_("state_map", None if state_map is None else real_array(state_map, "state_map"))
-        set_("delay", integer(delay, "delay", at_most=100_000))
+    def __attrs_post_init__(self) -> None:
+        instance_of(self.plant, "the plant of a change", Plant)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
+    CIRCLE,
     INK,
     NARROW,
     REACHED,
@@ -28,7 +29,6 @@ from rcac_numeric.plots.style import (
 POINTS = 3000
 FAR = 50.0  # abs(L) beyond which a Nyquist curve has left the picture
 VIEWS = {"nyquist": 1, "bode": 2, "disk": 1, "all": 3}
-CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,26 +63,14 @@ class LoopCurve:
     disk: float | None
 
 
-def plot_stability_margins(
-    margins: StabilityMargins,
-    view: str = "all",
-    *,
-    ax: Axes | Sequence[Axes] | None = None,
-    width: float = 11.0,
-) -> Figure:
+def plot_stability_margins(margins: StabilityMargins, view: str = "all", **options: Any) -> Figure:
     """Draw a loop with its exact margins, as `StabilityMargins.plot` says."""
-    return plot_loop(_exact_curve(margins), view, ax=ax, width=width)
+    return plot_loop(_exact_curve(margins), view, **options)
 
 
-def plot_margins(
-    margins: Margins,
-    view: str = "all",
-    *,
-    ax: Axes | Sequence[Axes] | None = None,
-    width: float = 11.0,
-) -> Figure:
+def plot_margins(margins: Margins, view: str = "all", **options: Any) -> Figure:
     """The picture that `Margins.plot` describes."""
-    return plot_loop(loop_curve(margins), view, ax=ax, width=width)
+    return plot_loop(loop_curve(margins), view, **options)
 
 
 def plot_disk_margin(

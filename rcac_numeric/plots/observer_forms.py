@@ -6,7 +6,7 @@ import numpy as np
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
 from rcac_numeric.plots.library import Figure
-from rcac_numeric.plots.style import INK, line_style
+from rcac_numeric.plots.style import INK, draw_circle, line_style
 
 MANY = 40  # forms that have a row each
 
@@ -18,8 +18,7 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
     everything = np.unique(np.round(np.concatenate(
         [forms.regulator_roots.ravel(), forms.observer_roots.ravel()]), 9))  # fmt: skip
     if forms.plant.variable.name in ("z", "q"):
-        circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-        roots.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+        draw_circle(roots)
         roots.set_aspect("equal")
     else:
         roots.axvline(0, color=INK, linewidth=0.7)

@@ -17,13 +17,13 @@ from rcac_numeric.plots.style import (
     WANTED,
     axes_given,
     checked_width,
+    draw_circle,
     figure_of,
     tidy,
 )
 
 ROOM = 1.25  # of what is shown to what is marked
 NEAR = np.geomspace(1e-8, 1, 150)  # shares of a gain
-CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 
 
 def plot_root_locus(
@@ -66,7 +66,7 @@ def _draw(axis: Axes, locus: RootLocus) -> None:
     shown = np.concatenate([poles, zeros, places, [0.0]])
     _limit(axis, shown, discrete)
     if discrete:
-        axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.7)
+        draw_circle(axis)
     else:
         axis.axvline(0, color=INK, linewidth=0.7)
     _draw_asymptotes(axis, locus)

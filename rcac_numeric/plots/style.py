@@ -17,6 +17,7 @@ INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 QUIET = "#7f7f7f"
 NARROW = 6.0  # inches: below, panels stand one above the other and letters are smaller
 NARROWEST = 3.0
+CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 # Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
@@ -50,6 +51,11 @@ def label_words(name: str) -> str:
     R = 5 \$ a
     """
     return in_a_line(name).replace("$", r"\$")
+
+
+def draw_circle(axis: Axes) -> None:
+    """The unit circle."""
+    axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.7)
 
 
 def draw_title(figure: Figure, title: str) -> None:

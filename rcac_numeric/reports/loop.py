@@ -231,3 +231,9 @@ def poles_section(found: LoopAnalysis, obstacle: str) -> Section:
         zeros = {channel: complex_list(values) for channel, values in found.zeros.items()}
         blocks += zeros_facts(zeros)
     return Section(blocks=tuple(blocks), record={"obstacle": obstacle, "poles": poles})
+
+
+def run_sheet(run: Run) -> Sheet:
+    """How it ended, and the health of its loop."""
+    remark = f": {run.outcome} after {run.steps} steps"
+    return Sheet("Run", remark, health_lines(loop_health(run)))

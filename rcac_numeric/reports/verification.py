@@ -54,7 +54,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     if verification.estimates:
         return estimation_health(verification)
     if health is None:
-        return _health_of_exact(verification)
+        return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
     main = verification.main
     said = []
     if main.diverged:
@@ -71,8 +71,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
         said += missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
     said.append(first)
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
+    said += _changed(verification)
     said += [
         Text(f"Run {name!r} did not end as it is known to.", "bad")
         for name in verification.surprising
@@ -91,10 +90,10 @@ def _of_runs(verification: Verification) -> tuple[Section, ...]:
     return _runs(verification), loop_section(main.first, "The controller", remark)
 
 
-def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        return (Text(f"{changed} of the verdicts of record changed.", "bad"),)
-    return (Text("Decided exactly: no run, no tolerance."),)
+def _changed(verification: Verification) -> tuple[Text, ...]:
+    """That verdicts of record have changed, where some have."""
+    count = sum(verdict.has_changed for verdict in verification.verdicts)
+    return (Text(f"{count} of the verdicts of record changed.", "bad"),) if count else ()
 
 
 def _problem(verification: Verification, health: LoopHealth | None) -> Section:
@@ -266,8 +265,7 @@ def estimation_health(verification: Verification) -> tuple[Text, ...]:
     ]
     if not said:
         said = [Text("Estimates of a parameter whose true value is known.")]
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
+    said += _changed(verification)
     return tuple(said)
 
 

@@ -18,7 +18,7 @@ from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.library import Axes, Figure
-from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, line_style
+from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle, line_style
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found
 FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
@@ -48,7 +48,7 @@ def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
         np.ravel(figure.subplots(1, len(runs), squeeze=False)), runs.items(), strict=True
     ):
         zeros = plant_zeros(plant_at(run.plant, 0))
-        _circle(axis)
+        draw_circle(axis)
         near = zeros[np.abs(zeros) <= FARTHEST]
         axis.plot(near.real, near.imag, "o", mfc="none", mec=WANTED, ms=7, label="zeros")
         axis.set(xlabel="real", ylabel="imaginary")
@@ -140,7 +140,7 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
 
 def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
     """Zeros in the plane, the first ones as rings and the last ones filled."""
-    _circle(axis)
+    draw_circle(axis)
     every = np.concatenate([np.zeros(0), *found])
     near = every[np.abs(every) <= FARTHEST]
     axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
@@ -159,11 +159,6 @@ def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
                       (0.02, 0.03), xycoords="axes fraction", fontsize=8)  # fmt: skip
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8)
-
-
-def _circle(axis: Axes) -> None:
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
 
 
 def _moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:
