@@ -24,8 +24,8 @@ from rcac_numeric.cli.output import (
 )
 from rcac_numeric.dissertation.pages import example_page
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.experiments.verdicts import verify as verified
+from rcac_numeric.experiments.experiment import Verification
+from rcac_numeric.experiments.experiment import verify as verified
 from rcac_numeric.plots.formats import save
 from rcac_numeric.reports.page.cases import case_of, case_page
 from rcac_numeric.reports.page.rendering import write_page

@@ -26,8 +26,7 @@ from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.dissertation.pages import gallery_page
-from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.verdicts import verify
+from rcac_numeric.experiments.experiment import Experiment, verify
 from rcac_numeric.reports.page.cases import Case, case_of
 from rcac_numeric.reports.page.rendering import rendered, write_page
 

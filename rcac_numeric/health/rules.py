@@ -21,8 +21,8 @@ from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors
 from rcac_numeric.health.trials import MISSED, what_places_them
 from rcac_numeric.identification.online.arx import WHITE, RecursiveARX
 from rcac_numeric.margins.classical import Margins
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import plant_at
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.direction_checks import check_directions
 from rcac_numeric.targets.model import TargetModel

@@ -22,9 +22,8 @@ from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.h2.loop_costs import loop_costs
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 
 KICKS, KICKED = (0.05, 0.2), 300  # of the size of w, white, and for so many steps
 ROUNDING = 1e-12  # of its peak: no more than that, a constant w has by the rounding of its mean

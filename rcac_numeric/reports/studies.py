@@ -9,7 +9,7 @@ import numpy as np
 
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.reports.health import health_lines, health_record
+from rcac_numeric.reports.loop import health_lines, health_record
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 from rcac_numeric.sweeps.results.overview import SweepOverview
 from rcac_numeric.sweeps.results.replay import ReplayedRun

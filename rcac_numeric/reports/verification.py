@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.experiments.estimation.studies import StudyResult
-from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.experiment import RunResult, Verification
 from rcac_numeric.experiments.judging.claim import (
     DEPENDS,
     FAILS,
@@ -19,11 +19,11 @@ from rcac_numeric.experiments.judging.claim import (
     Verdict,
     outcome_of,
 )
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import (
+    health_lines,
+    health_record,
     joined,
     loop_section,
     missed_poles,

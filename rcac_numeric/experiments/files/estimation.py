@@ -185,11 +185,6 @@ class EstimationFile(Heading):
 ESTIMATION_FILE = Table(EstimationFile)
 
 
-def is_estimation(table: Raw) -> bool:
-    """Whether the tables of a file are those of an estimation example."""
-    return "estimation" in table
-
-
 def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     """The experiment of an estimation example: studies and claims."""
     read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))

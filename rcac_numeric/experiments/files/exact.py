@@ -54,11 +54,6 @@ class ExactFile(Heading):
 EXACT_FILE = Table(ExactFile)
 
 
-def is_exact(table: Mapping[str, Any]) -> bool:
-    """Whether the tables of a file are those of an exact example."""
-    return "exact" in table
-
-
 def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     """The experiment of an exact example: claims without runs."""
     read: ExactFile = EXACT_FILE.read(table, Place(file))

@@ -16,8 +16,15 @@ from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import brief, did_you_mean
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Form, Integer, ListOf, MapOf, Text
-from rcac_numeric.experiments.judging.claim import OUTCOMES, RECORDS, AnyCheck, Claim, OpenItem
-from rcac_numeric.experiments.judging.interval import Check, quoted_interval
+from rcac_numeric.experiments.judging.claim import (
+    OUTCOMES,
+    RECORDS,
+    AnyCheck,
+    Check,
+    Claim,
+    OpenItem,
+    quoted_interval,
+)
 
 REST = "the rest"
 MOST = 200  # completions of one file

@@ -11,12 +11,11 @@ from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.plant_measures import windows_of
-from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.experiments.measures.measures import windows_of
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle, line_style
 

@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.experiments.estimation.studies import StudyResult
-from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.experiment import RunResult, Verification
 from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.figures.distributions import draw_distribution, draw_study_distribution
 from rcac_numeric.plots.figures.frequency_responses import draw_disturbance_response, draw_matches
 from rcac_numeric.plots.figures.histories import (

@@ -12,8 +12,8 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import in_a_line, shortened
+from rcac_numeric.experiments.experiment import Verification
 from rcac_numeric.experiments.judging.claim import HOLDS, MISPRINT, REPRODUCED, Verdict
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.displays import small_pictures_of
 from rcac_numeric.reports.page.rendering import HOME, sheet_html, whole_page
 from rcac_numeric.reports.page.svg import svg_of

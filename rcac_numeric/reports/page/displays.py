@@ -42,7 +42,7 @@ PICTURES = {
     "rcac_numeric.estimation.estimates:ModeEstimates": (
         "rcac_numeric.plots.figures.histories:plot_modes"
     ),
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.plots.figures.requested:plot_verification"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
@@ -67,11 +67,11 @@ SHEETS = {
     "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.reports.loop:analysis_sheet",
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.loop:run_sheet",
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.reports.verification:verification_sheet"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
-    "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.health:health_sheet",
+    "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.loop:health_sheet",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.check:margins_sheet",
     "rcac_numeric.sweeps.results.overview:SweepOverview": (
         "rcac_numeric.reports.studies:sweep_sheet"
@@ -83,7 +83,7 @@ SHEETS = {
 
 # From a type to the function that draws it as several small pictures for a page.
 SMALL_PICTURES = {
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.reports.page.single:page_figures"
     ),
 }

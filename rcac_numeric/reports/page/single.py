@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.experiments.experiment import Verification
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero, legend_below
 from rcac_numeric.plots.coefficients import draw_theta
 from rcac_numeric.plots.figures.requested import plot_verification

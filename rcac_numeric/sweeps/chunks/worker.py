@@ -17,11 +17,10 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.engine.batches import SimulationCase
-from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
+from rcac_numeric.engine.batches import SimulationCase, simulate_stream
+from rcac_numeric.engine.compiled.controllers import VARIABLE, instruction_set
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.engine.streams import simulate_stream
 from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
 from rcac_numeric.sweeps.chunks.chunk import (
     FAILED,

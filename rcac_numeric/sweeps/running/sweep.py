@@ -14,7 +14,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
-from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
+from rcac_numeric.engine.compiled.controllers import VARIABLE, instruction_set
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask
 from rcac_numeric.sweeps.chunks.worker import KeyWatch, run_chunk

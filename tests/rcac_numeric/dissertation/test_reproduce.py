@@ -27,7 +27,7 @@ from rcac_numeric.dissertation.reproduction import (
     made,
     reduced,
 )
-from rcac_numeric.experiments.judging.interval import Check
+from rcac_numeric.experiments.judging.claim import Check
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
 
