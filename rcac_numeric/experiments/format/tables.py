@@ -432,27 +432,18 @@ class Kind(Generic[T]):
 
 
 class Kinds(Form, Generic[T]):
-    """A choice by name: the kinds of something, each registered in one line.
-
-    Parameters
-    ----------
-    kinds : mapping from names to classes, functions, tables or kinds
-    default : str, optional
-        The kind where the file names none.
-    given : sequence of str
-        The parameters of functions that do not stand in the file.
-    """
+    """A choice by name; the kind `default`, if any, where the file names none."""
 
     def __init__(
         self,
-        kinds: Mapping[str, Callable[..., T] | Table[T] | Kind[T]],
+        kinds: Mapping[str, type[T] | Table[T] | Kind[T]],
         *,
         default: str | None = None,
-        given: Sequence[str] = (),
     ) -> None:
-        self.default, self.kinds = default, {n: _kind(kind, given) for n, kind in kinds.items()}
-        for name, kind in self.kinds.items():
-            kind.name = name
+        self.default, self.kinds = default, dict[str, Kind[T]]()
+        for name, kind in kinds.items():
+            self.kinds[name] = kind if isinstance(kind, Kind) else Kind(Variant(kind))
+            self.kinds[name].name = name
 
     @property
     def words(self) -> str:
@@ -501,10 +492,8 @@ class ByKey(Form, Generic[T]):
 
     def register(self, name: str, make: Callable[..., Any], **options: Any) -> None:
         """Let a key name this kind; its value is the first field of `make`."""
-        table = Table(make, **options)
-        table._names = {table.keys[0].parameter: name}
-        del table.keys
-        self.kinds[name] = table
+        first = Table(make, **options).keys[0].parameter
+        self.kinds[name] = Table(make, names={first: name}, **options)
 
     @property
     def words(self) -> str:
@@ -649,14 +638,3 @@ def _require_form(forms: Iterable[Form], value: object, place: Place) -> None:
 
 def _is_class(make: Any) -> bool:
     return isinstance(make, type) and attrs.has(make)
-
-
-def _kind(kind: Callable[..., T] | Table[T] | Kind[T], given: Sequence[str]) -> Kind[T]:
-    if isinstance(kind, Kind):
-        return kind
-    if isinstance(kind, Table):
-        return Kind(Variant(kind))
-    if _is_class(kind):
-        return Kind(Variant(Table(kind)))
-    parameters = inspect.signature(kind).parameters
-    return Kind(Variant(Table(kind, given=[name for name in given if name in parameters])))
