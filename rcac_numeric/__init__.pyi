@@ -11,9 +11,9 @@ from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.loop_analysis import LoopAnalysis as LoopAnalysis
 from .analysis.loop_analysis import compare_exactly as compare_exactly
 from .analysis.match import intercalated_match as intercalated_match
+from .analysis.match import split_residual as split_residual
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
-from .analysis.residual_split import split_residual as split_residual
 from .checks.case_files import check_arguments as check_arguments
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
@@ -58,8 +58,9 @@ from .controllers.updates.sliding_window import SlidingWindow as SlidingWindow
 from .controllers.weights import SignalWeight as SignalWeight
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
+from .engine.batches import simulate_stream as simulate_stream
 from .engine.controller import Controller as Controller
-from .engine.interruption import RunInterrupted as RunInterrupted
+from .engine.jobs import RunInterrupted as RunInterrupted
 from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.recorder import Recorder as Recorder
 from .engine.reference.run import simulate_reference as simulate_reference
@@ -69,14 +70,13 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
-from .engine.streams import simulate_stream as simulate_stream
 from .engine.target_learner import TargetLearner as TargetLearner
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
+from .experiments.experiment import verify as verify
 from .experiments.figure_requests import FigureRequest as FigureRequest
 from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
-from .experiments.verdicts import verify as verify
 from .explorer.display import explore as explore
 from .export.fmu import export_fmu as export_fmu
 from .export.folder import export_controller as export_controller

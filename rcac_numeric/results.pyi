@@ -1,8 +1,8 @@
 from .analysis.exact_comparison import ExactComparison as ExactComparison
 from .analysis.match import IntercalatedMatch as IntercalatedMatch
+from .analysis.match import ResidualSplit as ResidualSplit
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
-from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .checks.check import ControllerCheck as ControllerCheck
 from .checks.plant_residual import PlantResidual as PlantResidual
 from .checks.replays import ControlReplay as ControlReplay
@@ -14,9 +14,9 @@ from .dissertation.errata.checking import Checked as Checked
 from .dissertation.errata.entries import Erratum as Erratum
 from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
 from .dissertation.reproduction import Reproduction as Reproduction
+from .engine.batches import CaseResult as CaseResult
 from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
-from .engine.streams import CaseResult as CaseResult
 from .engine.target_learner import LearnedTarget as LearnedTarget
 from .estimation.consistency import Consistency as Consistency
 from .estimation.estimates import AdaptedEstimates as AdaptedEstimates
@@ -25,11 +25,11 @@ from .estimation.estimates import StateEstimates as StateEstimates
 from .estimation.identifiability import NoiseInformation as NoiseInformation
 from .estimation.local_observability import Observability as Observability
 from .estimation.noises import FittedNoises as FittedNoises
-from .estimation.refinement.evidence import Evidence as Evidence
+from .estimation.refinement.refinement import Evidence as Evidence
 from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates
-from .experiments.verdicts import Verification as Verification
+from .experiments.experiment import Verification as Verification
 from .explorer.display import ExplorerPage as ExplorerPage
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement

@@ -18,8 +18,8 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator, compensator_of
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign import linear_plant
-from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import measuring_command, plant_at
 
 FEW = 1000  # steps of a linear recursion that are taken one by one
 

@@ -19,11 +19,6 @@ def stein_solution(A: Array, Q: Array) -> Array:
     keeps a positive semidefinite X so, and the relative accuracy of badly scaled entries; where
     the sum leaves float64 its entries are infinite or NaN, for the caller to refuse.
 
-    Parameters
-    ----------
-    A, Q : arrays of shape (n, n)
-        Q symmetric.
-
     Notes
     -----
     Source: (4.23); R. A. Smith, SIAM J. Appl. Math. 16 (1968) 198-201.

@@ -14,8 +14,12 @@ from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison, comparison_of
-from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
-from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
+from rcac_numeric.analysis.match import (
+    IntercalatedMatch,
+    ResidualSplit,
+    intercalated_match,
+    split_residual,
+)
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer
@@ -27,9 +31,8 @@ from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign import linear_plant
-from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, measuring_command, plant_at
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.model import TargetModel
 
@@ -263,16 +266,7 @@ class LoopAnalysis(Value):
 
 
 def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensator]) -> ClosedLoop:
-    """The closed loop of a run with its last controller, or of a plant and a compensator.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator
-    >>> from rcac_numeric.analysis.loop_analysis import closed_loop
-    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
-    >>> closed_loop(("1/(q - 2)", compensator)).is_stable
-    True
-    """
+    """The closed loop of a run with its last controller, or of a plant and a compensator."""
     if isinstance(of, ClosedLoop):
         return of
     if isinstance(of, LoopAnalysis):

@@ -34,11 +34,6 @@ _NAME = re.compile(r"[^\W\d]\w{0,30}")
 class Records:
     """Writes data of the classes that it names as a tree of JSON and named arrays, and reads it.
 
-    Parameters
-    ----------
-    classes : classes
-        Classes of fields whose constructors take these. Nothing else is ever constructed.
-
     Examples
     --------
     >>> import numpy as np

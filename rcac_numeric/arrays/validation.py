@@ -43,9 +43,19 @@ def array_like(value: ArrayLike) -> Array:
     return cast(Array, value)
 
 
-def optional_array_like(value: ArrayLike | None) -> Array | None:
-    """The same of a field that may be None."""
+def optional_array_like(value: ArrayLike | None) -> Array:
+    """The same of a field that may be None, to stay so or until its default is known."""
     return cast(Array, value)
+
+
+def optional_number(value: float | None) -> float:
+    """The same of a number."""
+    return cast(float, value)
+
+
+def optional_integer(value: int | None) -> int:
+    """The same of an integer."""
+    return cast(int, value)
 
 
 def real_array(value: ArrayLike, name: str) -> Array:

@@ -67,14 +67,7 @@ def check_arguments(path: str | Path) -> CheckArguments:
 
 
 def plant_and_tables(path: str | Path) -> tuple[Plant, Raw]:
-    """The plant of an experiment file, and its tables.
-
-    Examples
-    --------
-    >>> from rcac_numeric.checks.case_files import plant_and_tables
-    >>> plant_and_tables("examples/octave/example_4_7.toml")[0].n
-    3
-    """
+    """The plant of an experiment file, and its tables."""
     table, file = read_file(path)
     try:
         FILE.require_known(table, Place(file))

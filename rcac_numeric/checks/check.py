@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any, TypedDict
 
 import numpy as np
@@ -15,8 +14,7 @@ from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
-from rcac_numeric.analysis.match import IntercalatedMatch
-from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.analysis.match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, number
@@ -34,12 +32,12 @@ from rcac_numeric.engine.compatibility import command_position, controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
-from rcac_numeric.margins.classical import Margins, stability_margins
+from rcac_numeric.margins.classical import Margins, channel_margins
 from rcac_numeric.margins.disk import DiskMargin, multivariable_disk_margin
 from rcac_numeric.plants.foreign import linear_plant
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import plant_at
 from rcac_numeric.targets.model import TargetModel
 
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
@@ -440,24 +438,3 @@ def require_widths(log: ControllerLog, plant: Plant) -> None:
                 f"{log.source}: {name} has {signal.shape[1]} components; the plant has l_{name} = "
                 f"{width}."
             )
-
-
-def channel_margins(
-    loop: ClosedLoop, sample_time: float | None = None, *, disk: bool = True
-) -> tuple[dict[str, Margins], dict[str, str]]:
-    """The margins at each component of u, and why there are none at the others.
-
-    Of time the plant's own sample time is taken where none is given.
-    """
-    sample_time = loop.plant.sample_time if sample_time is None else sample_time
-    found, reasons = {}, {}
-    for i in range(loop.plant.l_u):
-        name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
-        margins, reason = attempted(
-            partial(stability_margins, loop, channel=i, sample_time=sample_time, disk=disk)
-        )
-        if margins is None:
-            reasons[f"margins at {name}"] = reason
-        else:
-            found[name] = margins
-    return found, reasons

@@ -89,12 +89,6 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     since a disturbance may be like that. Two problems differ where the better leaves a third of the
     other's error, or where over 20 blocks the mean logarithm of the ratio of their mean squares is
     4 standard errors from zero.
-
-    Parameters
-    ----------
-    log : ControllerLog
-    plants : mapping from names to Plant
-        Two or more, with the l_u and l_y of the log.
     """
     if len(plants) < 2:
         raise InputError("one plant is no choice; give two or more.")

@@ -145,15 +145,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
 
 
 def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
-    """B and D of u and of what is known of w, and the latter over time.
-
-    Examples
-    --------
-    >>> from rcac_numeric import ControllerLog, standard_plant
-    >>> from rcac_numeric.checks.plant_residual import inputs
-    >>> inputs(ControllerLog([0.0, 1.0], [0.0, 0.0]), standard_plant("1/(q - 0.5)"))[0].shape
-    (1, 1)
-    """
+    """B and D of u and of what is known of w, and the latter over time."""
     if log.w is not None and log.w.shape[1] == plant.l_w:
         columns, known = np.arange(plant.l_w), log.w
     elif log.r is not None and plant.blocks.get("r") == log.r.shape[1]:

@@ -14,9 +14,19 @@ from click.shell_completion import CompletionItem
 
 from compensator_theory.errors import InputError
 from rcac_numeric.dissertation.examples import example_ids, example_titles, read_example
+from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.files.builder import build, load_experiment
 from rcac_numeric.experiments.files.documents import Raw, read_file
 from rcac_numeric.experiments.files.schema import json_schema
-from rcac_numeric.sweeps.study.paths import with_value
+from rcac_numeric.sweeps.study.study import with_value
+
+values_option = click.option(
+    "--set", "values", multiple=True, metavar="KEY=VALUE",
+    shell_complete=lambda context, parameter, incomplete: complete_key(incomplete),
+    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
+)  # fmt: skip
 
 
 def is_file(case: str) -> bool:
@@ -36,14 +46,16 @@ def read_case_table(case: str) -> tuple[Raw, str]:
     return read_file(case) if is_file(case) else read_example(case)
 
 
+def case_experiment(case: str, values: Sequence[str], budget: Budget) -> Experiment:
+    """The experiment of a case, with other values where some are given."""
+    if values:
+        table, file = read_case_table(case)
+        return build(with_values(table, values), file, budget)
+    return load_experiment(case, budget) if is_file(case) else load_example(case, budget)
+
+
 def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
     """The tables with other values; verdicts of record, which belong to the old ones, are left out.
-
-    Parameters
-    ----------
-    table : mapping
-    values : sequence of str
-        Each KEY=VALUE, the key with dots, the value as TOML writes it.
 
     Examples
     --------
@@ -111,9 +123,7 @@ def complete_case(
     return found or [CompletionItem(incomplete, type="file")]
 
 
-def complete_key(
-    context: click.Context, parameter: click.Parameter, incomplete: str
-) -> list[CompletionItem]:
+def complete_key(incomplete: str) -> list[CompletionItem]:
     """The keys that an experiment file can have, each with what it means."""
     return [
         CompletionItem(f"{key}=", help=words)

@@ -288,16 +288,7 @@ def parse_noise(text: str) -> dict[str, float] | None:
 
 
 def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
-    """The plant that --plant means, and the tables of its file where it is an experiment file.
-
-    Parameters
-    ----------
-    plant : str or None
-        The path of a .toml file with [plant]; of a .mat or .npz file with the matrices A, B, D_1,
-        C, ...; or a transfer function in q.
-    problem : {"standard", "servo"}
-        What a transfer function is the plant of.
-    """
+    """The plant that --plant means, and the tables of its file where it is an experiment file."""
     if plant is None:
         return None, {}
     suffix = Path(plant).suffix.lower()

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from rcac_numeric.cli.cases import complete_case, complete_key, read_case_table, with_values
+from rcac_numeric.cli.cases import complete_case, read_case_table, values_option, with_values
 from rcac_numeric.cli.output import as_json_option, budget_option, show, writable_page
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.explorer.case import case_of
@@ -22,10 +22,7 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
               type=click.Path(dir_okay=False, path_type=Path),
               help="The page that is written.")  # fmt: skip
 @click.option("--run", "name", help="Which run of CASE; default: the first.")
-@click.option(
-    "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
-    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
-)  # fmt: skip
+@values_option
 @budget_option(of_runs=True)
 @as_json_option
 def explore(

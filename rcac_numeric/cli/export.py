@@ -9,21 +9,12 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import replaced
-from rcac_numeric.cli.cases import (
-    complete_case,
-    complete_key,
-    is_file,
-    read_case_table,
-    with_values,
-)
+from rcac_numeric.cli.cases import case_experiment, complete_case, values_option
 from rcac_numeric.cli.output import as_json_option, budget_option, show
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.supervision import Supervision
-from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.files.builder import build, load_experiment
 from rcac_numeric.export.fmu import VERSIONS, export_fmu
 from rcac_numeric.export.folder import LAYOUTS, Export, export_controller
 from rcac_numeric.export.header import REALS
@@ -51,10 +42,7 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
               help="Let the target model be replaced on the board, up to this order.")  # fmt: skip
 @click.option("--supervised", is_flag=True,
               help="Go on where samples are missed or numbers overflow, and note it.")  # fmt: skip
-@click.option(
-    "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
-    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
-)  # fmt: skip
+@values_option
 @budget_option(of_runs=True)
 @as_json_option
 def export(
@@ -142,7 +130,7 @@ def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, w
         if values or name:
             raise InputError(f"{case} is one run as it was; --set and --run belong to a TOML file.")
         return load_run(case)
-    experiment = _experiment(case, values, budget)
+    experiment = case_experiment(case, values, budget)
     if name is not None and name not in experiment.runs:
         raise InputError(f"--run {name}: the runs are {', '.join(map(repr, experiment.runs))}.")
     chosen = experiment.main_run if name is None else experiment.runs[name]
@@ -150,13 +138,6 @@ def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, w
         raise InputError("this run is made in ball arithmetic; choose another with --run.")
     steps = chosen.steps if whole else min(chosen.steps, STEPS)
     return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
-
-
-def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:
-    if values:
-        table, file = read_case_table(case)
-        return build(with_values(table, values), file, budget)
-    return load_experiment(case, budget) if is_file(case) else load_example(case, budget)
 
 
 def _sheet(found: Export) -> Sheet:

@@ -18,7 +18,7 @@ COMMANDS = {
     "check": ("rcac_numeric.cli.check:check", "Check the controller that a log ended with."),
     "design": ("rcac_numeric.cli.design:design", "From a plant to a controller with reasons."),
     "errata": (
-        "rcac_numeric.cli.dissertation.errata:errata",
+        "rcac_numeric.cli.dissertation:errata",
         "List what is wrong in the dissertation's text.",
     ),
     "explore": ("rcac_numeric.cli.explore:explore", "Write a page on which a loop runs live."),
@@ -27,20 +27,20 @@ COMMANDS = {
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),
     "reproduce": (
-        "rcac_numeric.cli.dissertation.reproduce:reproduce_command",
+        "rcac_numeric.cli.dissertation:reproduce_command",
         "Verify all examples; one page.",
     ),
     "replay": (
-        "rcac_numeric.cli.studies.replay:replay",
+        "rcac_numeric.cli.studies:replay",
         "Run one run of a study again, bit for bit.",
     ),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
     "show": (
-        "rcac_numeric.cli.studies.show:show_store",
+        "rcac_numeric.cli.studies:show_store",
         "Show an example's file, or what a study came to.",
     ),
-    "store": ("rcac_numeric.cli.studies.store:store", "Check the store of a study; repair it."),
-    "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
+    "store": ("rcac_numeric.cli.studies:store", "Check the store of a study; repair it."),
+    "sweep": ("rcac_numeric.cli.studies:sweep", "Run a study: many runs of one experiment."),
     "tune": ("rcac_numeric.cli.design:tune_command", "rcac design, with settings found by trying."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }

@@ -113,11 +113,22 @@ def show(
         click.echo("".join(f"\n{line}\n" for line in lines), nl=False)
 
 
-def writable_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
-    """A page that is to be written, refused before anything long is run."""
-    name = option.opts[-1]
-    if value is not None and value.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{name} {value}: the name must end in .html.")
-    if value is not None and not value.parent.is_dir():
-        raise InputError(f"{name} {value}: there is no folder {value.parent}.")
-    return value
+def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Any]:
+    """The callback of an option whose file is refused before anything long is run."""
+
+    def checked(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+        name = option.opts[-1]
+        if value is not None and value.suffix.lower() not in suffixes:
+            raise InputError(f"{name} {value}: the name must end in {suffixes[0]}.")
+        if value is not None and not value.parent.is_dir():
+            raise InputError(f"{name} {value}: there is no folder {value.parent}.")
+        return value
+
+    return checked
+
+
+writable_page = writable(".html", ".htm")
+
+
+def silence(*progress: object) -> None:
+    """Say nothing of how far it is."""

@@ -12,27 +12,20 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
-from rcac_numeric.cli.cases import (
-    complete_case,
-    complete_key,
-    is_file,
-    read_case_table,
-    with_values,
-)
+from rcac_numeric.cli.cases import case_experiment, complete_case, is_file, values_option
 from rcac_numeric.cli.output import (
     as_json_option,
     budget_option,
     picture_option,
     show,
+    silence,
+    writable,
     writable_page,
 )
-from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.dissertation.pages import example_page
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.files.builder import build, load_experiment
-from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.experiments.verdicts import verify as verified
+from rcac_numeric.experiments.experiment import Verification
+from rcac_numeric.experiments.experiment import verify as verified
 from rcac_numeric.plots.formats import save
 from rcac_numeric.reports.page.cases import case_of, case_page
 from rcac_numeric.reports.page.rendering import write_page
@@ -44,15 +37,6 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
     if value is not None:
         require_library("matplotlib")
     return writable_page(context, option, value)
-
-
-def _checked_run(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
-    """The option --save, whose file is refused before anything long is run."""
-    if value is not None and value.suffix.lower() != ".npz":
-        raise InputError(f"--save {value}: the name must end in .npz.")
-    if value is not None and not value.parent.is_dir():
-        raise InputError(f"--save {value}: there is no folder {value.parent}.")
-    return value
 
 
 def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
@@ -77,11 +61,8 @@ def _made_folder(context: click.Context, option: click.Parameter, value: Path | 
               callback=_checked_page)  # fmt: skip
 @click.option("--save", "kept", type=click.Path(dir_okay=False, path_type=Path),
               help="Keep the main run in this .npz file, for load_run and `rcac check`.",
-              callback=_checked_run)  # fmt: skip
-@click.option(
-    "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
-    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
-)  # fmt: skip
+              callback=writable(".npz"))  # fmt: skip
+@values_option
 @click.option("--completions", is_flag=True,
               help="Run also the other values of what the source leaves open.")  # fmt: skip
 @click.option("--seeds", "group", type=click.IntRange(0), metavar="GROUP",
@@ -106,12 +87,12 @@ def verify(
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
     """
     with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
-        experiment = _experiment(case, values, budget)
+        experiment = case_experiment(case, values, budget)
         if group is not None or not is_file(case):
             experiment = experiment.held_out(group or 0)
         if completions:
             experiment = experiment.completed()
-        found = verified(experiment, _progress if sys.stderr.isatty() else _silence)
+        found = verified(experiment, _progress if sys.stderr.isatty() else silence)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
         write = partial(_written, found, folder, kept, page, is_file(case))
@@ -144,16 +125,5 @@ def _written(
     return written
 
 
-def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:
-    if values:
-        table, file = read_case_table(case)
-        return build(with_values(table, values), file, budget)
-    return load_experiment(case, budget) if is_file(case) else load_example(case, budget)
-
-
 def _progress(name: str) -> None:
     click.echo(f"\rrunning {name} ...\033[K", err=True, nl=False)
-
-
-def _silence(name: str) -> None:
-    """Say nothing of what runs."""

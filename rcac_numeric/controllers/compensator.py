@@ -160,27 +160,7 @@ class Compensator(Value):
 
 
 def compensator_of(system: Any, name: str = "compensator") -> Compensator:
-    """The compensator u = G_c y of a transfer function in q; a Compensator as it is.
-
-    Parameters
-    ----------
-    system : Compensator, str, TransferFunction, or one of python-control, SciPy or SymPy
-        Scalar and in discrete time. Its exact coefficients are rounded once.
-
-    Raises
-    ------
-    InputError
-        Where it is in continuous time, not scalar, or has symbols or irrational coefficients.
-    ImproperError
-        Where it would use future values of y.
-
-    Examples
-    --------
-    >>> from rcac_numeric.controllers.compensator import compensator_of
-    >>> pi = compensator_of("-(0.5*q - 0.4)/(q - 1)")
-    >>> pi.denominator, pi.numerator
-    (array([ 1., -1.]), array([-0.5,  0.4]))
-    """
+    """The compensator u = G_c y of a transfer function in q; a Compensator as it is."""
     if isinstance(system, Compensator):
         return system
     if not (isinstance(system, str | exact.TransferFunction) or is_foreign(system)):
@@ -203,13 +183,7 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
 
 
 def parallel(a: Compensator, b: Compensator) -> Compensator:
-    """The sum of two compensators with one output, N_a / D_a + N_b / D_b.
-
-    Parameters
-    ----------
-    a, b : Compensator
-        With the same inputs, and l_u = 1 (any l_u where neither reads past u).
-    """
+    """The sum of two compensators with one output, N_a / D_a + N_b / D_b."""
     if a.l_u > 1:
         if a.past_u.any() or b.past_u.any():
             raise InputError("one difference equation for the sum is formed for l_u = 1 only.")

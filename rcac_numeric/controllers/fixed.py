@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
-
+import attrs
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import integer, reads, real_array, with_checks
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator, compensator_of
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class FixedController(Value):
     """A compensator as a controller that `simulate` runs.
 
@@ -42,19 +40,15 @@ class FixedController(Value):
     ('completed', True)
     """
 
-    compensator: Compensator
-    l_r: int
-    k_w: int
+    compensator: Compensator = attrs.field(converter=compensator_of)
+    l_r: int = attrs.field(default=0, metadata=reads(integer))
+    k_w: int = attrs.field(default=0, metadata=reads(integer))
 
-    def __init__(self, compensator: Compensator, l_r: int = 0, k_w: int = 0) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("compensator", compensator_of(compensator))
-        set_("l_r", integer(l_r, "l_r"))
-        set_("k_w", integer(k_w, "k_w"))
-        if l_r > self.compensator.l_y:
+    def __attrs_post_init__(self) -> None:
+        if self.l_r > self.compensator.l_y:
             raise InputError(
-                f"the compensator has {self.compensator.l_y} inputs; l_r = {l_r} of them cannot be "
-                "commands."
+                f"the compensator has {self.compensator.l_y} inputs; l_r = {self.l_r} of them "
+                "cannot be commands."
             )
 
     @property

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
-
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.validation import optional_array_like, with_checks
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.saturation import BOUND
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class ControlLimits(Value):
     """Bounds of u and of its change in one step, up and down, kept in the compiled step.
 
@@ -41,23 +39,13 @@ class ControlLimits(Value):
     (array([0.]), array([1.]), array([0.1]), array([inf]))
     """
 
-    low: Array | None
-    high: Array | None
-    rise: Array | None
-    fall: Array | None
+    low: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
+    high: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
+    rise: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
+    fall: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
 
-    def __init__(
-        self,
-        low: ArrayLike | None = None,
-        high: ArrayLike | None = None,
-        rise: ArrayLike | None = None,
-        fall: ArrayLike | None = None,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        given = {"low": low, "high": high, "rise": rise, "fall": fall}
-        for name, value in given.items():
-            set_(name, None if value is None else real_array(value, name).reshape(-1))
-        if all(value is None for value in given.values()):
+    def __attrs_post_init__(self) -> None:
+        if all(value is None for value in (self.low, self.high, self.rise, self.fall)):
             raise InputError("limits need low, high, rise or fall.")
         if self.low is not None and self.high is not None and np.any(self.low > self.high):
             raise InputError(f"low = {self.low} exceeds high = {self.high}.")

@@ -49,12 +49,6 @@ def has_common_filter(target: TargetModel) -> bool:
 def filtered_regressor(phi: Array, target: TargetModel) -> Array:
     """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta).
 
-    Parameters
-    ----------
-    phi : array, shape (steps, number of taps)
-    target : TargetModel
-        Whose D_f is one polynomial times the identity.
-
     Examples
     --------
     >>> import numpy as np

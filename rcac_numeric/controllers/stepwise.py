@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import NoReturn, Protocol
 
 from numpy.typing import ArrayLike
@@ -34,7 +33,6 @@ class Stepper(Protocol):
         """Go on from what `save` gave; ValueError where that is something else."""
 
 
-@dataclass(frozen=True, eq=False)
 class StepwiseController(Value, ABC):
     """A controller as data that is not compiled; `simulate` runs it, one step of Python each."""
 
@@ -63,12 +61,7 @@ class StepwiseController(Value, ABC):
         """The controller at step 0."""
 
     def compensator_of(self, theta: ArrayLike) -> NoReturn:
-        """Refused: its gains depend on more than theta.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refused: its gains depend on more than theta."""
         raise InputError(
             f"a {type(self).__name__} is no compensator of its theta alone: its gains come from "
             "Riccati matrices that have a state. Look at u, z and theta of the run."

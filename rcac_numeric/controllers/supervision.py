@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
+from rcac_numeric.arrays.validation import instance_of, integer, number, one_of, reads, with_checks
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 
@@ -25,7 +25,7 @@ class SupervisionWarning(UserWarning):
     """A controller that is driven step by step noticed a trouble for the first time."""
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Supervision(Value):
     """What watches a controller while it runs, and the policy that acts in trouble.
 
@@ -79,48 +79,34 @@ class Supervision(Value):
 fade=0.9, missed='hold')
     """
 
-    policy: str
-    growth: float
-    limit: float
-    jump: float | None
-    patience: int
-    fallback: Compensator | None
-    fade: float
-    missed: str
+    policy: str = attrs.field(default="warn", metadata=reads(one_of, choices=POLICIES))
+    growth: float = attrs.field(default=1e6, kw_only=True, metadata=reads(number))
+    limit: float = attrs.field(default=np.inf, kw_only=True)
+    jump: float | None = attrs.field(
+        default=None, kw_only=True, metadata=reads(number, optional=True)
+    )
+    patience: int = attrs.field(default=100, kw_only=True, metadata=reads(integer, at_least=1))
+    fallback: Compensator | None = attrs.field(
+        default=None, kw_only=True, metadata=reads(instance_of, kind=Compensator, optional=True)
+    )
+    fade: float = attrs.field(default=0.9, kw_only=True, metadata=reads(number))
+    missed: str = attrs.field(
+        default="hold", kw_only=True, metadata=reads(one_of, choices=WHERE_MISSED)
+    )
 
-    def __init__(
-        self,
-        policy: str = "warn",
-        *,
-        growth: float = 1e6,
-        limit: float = np.inf,
-        jump: float | None = None,
-        patience: int = 100,
-        fallback: Compensator | None = None,
-        fade: float = 0.9,
-        missed: str = "hold",
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("policy", one_of(policy, "policy", POLICIES))
-        set_("growth", number(growth, "growth"))
+    def __attrs_post_init__(self) -> None:
         if self.growth < 1:
             raise InputError(
-                f"growth = {growth} is below 1: P would be wound up before the first step."
+                f"growth = {self.growth} is below 1: P would be wound up before the first step."
             )
-        set_("limit", np.inf if limit == np.inf else number(limit, "limit"))
-        set_("jump", None if jump is None else number(jump, "jump"))
+        if self.limit != np.inf:
+            object.__setattr__(self, "limit", number(self.limit, "limit"))
         for name, value in (("limit", self.limit), ("jump", self.jump)):
             if value is not None and not value > 0:
                 raise InputError(f"{name} = {value} must be positive.")
-        set_("patience", integer(patience, "patience", at_least=1))
-        if fallback is not None:
-            instance_of(fallback, "fallback", Compensator)
-        set_("fallback", fallback)
-        set_("fade", number(fade, "fade"))
         if not 0 <= self.fade < 1:
-            raise InputError(f"fade = {fade} is not in [0, 1).")
-        set_("missed", one_of(missed, "missed", WHERE_MISSED))
-        if fallback is None and "fallback" in (self.policy, self.missed):
+            raise InputError(f"fade = {self.fade} is not in [0, 1).")
+        if self.fallback is None and "fallback" in (self.policy, self.missed):
             raise InputError("there is no fallback to switch to; give fallback = Compensator(...).")
 
     @property

@@ -50,14 +50,7 @@ def read_example(number: str) -> tuple[Raw, str]:
 
 
 def example_text(number: str) -> str:
-    """The file of one numbered example, as it was written.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation.examples import example_text
-    >>> example_text("4.7").splitlines()[0]
-    'id = "4.7"'
-    """
+    """The file of one numbered example, as it was written."""
     if number not in example_ids():
         raise InputError(
             f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "

@@ -85,15 +85,7 @@ def gallery_page(
     *,
     is_quick: bool = False,
 ) -> str:
-    """The page of several examples, chapters folded, with a table of all claims.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    title : str
-    is_quick : bool
-        Whether runs were repeated less often than the verdicts of record are made of.
-    """
+    """The page of several examples, chapters folded, with a table of all claims."""
     wrong = _errata_at(cases)
     cases = [_set(case) for case in cases]
     return whole_page(

@@ -5,12 +5,18 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import multiprocessing as mp
+import os
 import pickle
 import re
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Executor, as_completed
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +26,7 @@ from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.dissertation.pages import gallery_page
-from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.verdicts import verify
+from rcac_numeric.experiments.experiment import Experiment, verify
 from rcac_numeric.reports.page.cases import Case, case_of
 from rcac_numeric.reports.page.rendering import rendered, write_page
 
@@ -156,22 +161,7 @@ def digest_of(experiment: Experiment) -> str:
 
 @dataclass(frozen=True, eq=False)
 class KeptCases(Value):
-    """A folder with one file for each case, replaced whole or not at all.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.dissertation.reproduction import KeptCases
-    >>> kept, example = KeptCases(tempfile.mkdtemp()), load_example("B.1")
-    >>> kept.find(example) is None
-    True
-    >>> kept.keep(example, case_of(verify(example)))
-    >>> kept.find(example).id
-    'B.1'
-    """
+    """A folder with one file for each case, replaced whole or not at all."""
 
     folder: Path | str
 
@@ -200,3 +190,41 @@ class KeptCases(Value):
     def _file(self, experiment: Experiment) -> Path:
         name = re.sub(r"[^A-Za-z0-9.-]+", "-", experiment.id)[:60] or "case"
         return Path(self.folder) / f"{name}.json"
+
+
+INTERRUPTED = 130
+PATIENCE = 0.2  # seconds between two looks at whether we are still wanted
+
+
+@contextmanager
+def case_workers(count: int) -> Iterator[Executor | None]:
+    """An executor with so many processes; None for one, which is this process itself.
+
+    Whatever ends the block ends the processes with what they are at, and so does the death of
+    this process.
+    """
+    if count <= 1:
+        yield None
+        return
+    context = mp.get_context("spawn")
+    stop = context.Event()
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_watch, initargs=(stop,))
+    try:
+        yield executor
+    finally:
+        stop.set()
+        executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _watch(stop: Any) -> None:
+    """Leave Ctrl-C to the parent, and end when it is done or gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = mp.parent_process()
+
+    def look() -> None:
+        while not stop.wait(PATIENCE):
+            if parent is not None and not parent.is_alive():
+                break
+        os._exit(INTERRUPTED)
+
+    threading.Thread(target=look, daemon=True).start()

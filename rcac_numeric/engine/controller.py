@@ -503,17 +503,7 @@ StepArguments = tuple[Array, Array, Array | None, Array | None]
 def step_arguments(
     settings: ControllerSettings, y: Any, z: Any, r: Any, u_applied: Any, *, gaps: bool = False
 ) -> StepArguments:
-    """The arguments of a step as arrays.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-        That say how wide they are.
-    y, z : arrays or numbers
-    r, u_applied : arrays, numbers, or None
-    gaps : bool
-        Whether entries of y, z and r may be no finite numbers.
-    """
+    """The arguments of a step as arrays."""
     structure = settings.structure
     if (r is None) != (structure.l_r == 0):
         raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
@@ -546,14 +536,7 @@ def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike)
 
 
 def failed_step(k: int, cause: BaseException | None) -> tuple[str, CompensatorError]:
-    """What a controller whose step k failed says from then on, and the error of that step.
-
-    Parameters
-    ----------
-    k : int
-    cause : exception, optional
-        Of a weight that is a function.
-    """
+    """What a controller whose step k failed says from then on, and the error of that step."""
     if cause is not None:
         words = f"a weight that is a function failed at step {k}: {cause}"
         return "a weight of this controller has failed; start a new one.", FunctionFailedError(

@@ -24,8 +24,13 @@ from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.engine.compatibility import AnyController, command_position, require_stepwise_fits
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant, initial_state
-from rcac_numeric.engine.interruption import RunInterrupted, run_to_end
-from rcac_numeric.engine.jobs import PreparedRun, divergence_limit_of, scale_of
+from rcac_numeric.engine.jobs import (
+    PreparedRun,
+    RunInterrupted,
+    divergence_limit_of,
+    run_to_end,
+    scale_of,
+)
 from rcac_numeric.engine.live.changes import ControllerChange
 from rcac_numeric.engine.live.device_learner import require_not_learnt
 from rcac_numeric.engine.runs import Run

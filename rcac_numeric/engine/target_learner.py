@@ -14,7 +14,7 @@ from rcac_numeric.engine.live.changes import COVARIANCES, ControllerChange
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.identification.data_targets import DataTarget, target_from_data
 from rcac_numeric.plants.any_plant import block_start
-from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.plants.schedules import plant_at
 
 # Rounding of a residual, relative to the signal.
 ROUNDING = 1e-12

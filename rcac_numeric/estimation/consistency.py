@@ -52,15 +52,6 @@ class Consistency(Value):
 def chi_square_interval(degrees: float, samples: int, confidence: float) -> tuple[float, float]:
     """Where the mean of independent chi-square numbers lies.
 
-    Parameters
-    ----------
-    degrees : int or float
-        Degrees of freedom of each, on average.
-    samples : int
-        How many.
-    confidence : float
-        In (0, 1).
-
     Examples
     --------
     >>> from rcac_numeric.estimation.consistency import chi_square_interval

@@ -48,17 +48,7 @@ class Resumable(ABC, Generic[S]):
         return SavedState.taken(self.kind, self.k, self.save(), fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
-        """Go back, or forward, to a saved state of an object with the same settings.
-
-        Parameters
-        ----------
-        state : SavedState
-
-        Raises
-        ------
-        InputError
-            Where the state belongs to other settings or is damaged; nothing has moved.
-        """
+        """Go back, or forward, to a saved state of an object with the same settings."""
         saved_state(state, "state").restored(
             self.kind, fingerprint(self.settings),
             save=self.save, restore=self.take_up, steps=lambda: self.k,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from functools import partial
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,45 +13,43 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
 from rcac_numeric.arrays.validation import (
+    array_like,
     instance_of,
     integer,
     items,
     matrix,
     number,
     one_of,
+    optional_array_like,
+    optional_number,
+    reads,
     vector,
+    with_checks,
 )
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.models.any_model import AnyModel, any_model
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class KalmanSettings(Value):
     """What the filters have in common: the model, what is believed at first, and the noises."""
 
     model: AnyModel
-    Q: Array
-    R: Array
-    x_0: Array
-    P_0: Array
+    Q: Array = attrs.field(converter=array_like)
+    R: Array = attrs.field(converter=array_like)
+    x_0: Array = attrs.field(default=None, converter=optional_array_like)
+    P_0: Array = attrs.field(default=1.0, converter=array_like)
 
-    def _read(
-        self,
-        model: AnyModel,
-        Q: ArrayLike,
-        R: ArrayLike,
-        x_0: ArrayLike | None,
-        P_0: ArrayLike,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        set_("model", any_model(model))
-        set_("Q", constant_weight(Q, "Q", model.n, definite=False))
-        set_("R", constant_weight(R, "R", model.l_y, definite=False))
-        set_("x_0", vector(np.zeros(model.n) if x_0 is None else x_0, "x_0", model.n))
-        set_("P_0", constant_weight(P_0, "P_0", model.n, definite=False))
+        model = any_model(self.model)
+        set_("Q", constant_weight(self.Q, "Q", model.n, definite=False))
+        set_("R", constant_weight(self.R, "R", model.l_y, definite=False))
+        set_("x_0", vector(np.zeros(model.n) if self.x_0 is None else self.x_0, "x_0", model.n))
+        set_("P_0", constant_weight(self.P_0, "P_0", model.n, definite=False))
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class EKF(KalmanSettings):
     r"""The extended Kalman filter (8.5)-(8.8), corrected.
 
@@ -86,22 +84,14 @@ class EKF(KalmanSettings):
     array([2.])
     """
 
-    form: str
+    form: str = "square root"
 
-    def __init__(
-        self,
-        model: AnyModel,
-        Q: ArrayLike,
-        R: ArrayLike,
-        x_0: ArrayLike | None = None,
-        P_0: ArrayLike = 1.0,
-        form: str = "square root",
-    ) -> None:
-        self._read(model, Q, R, x_0, P_0)
-        object.__setattr__(self, "form", one_of(form, "form", ("square root", "joseph")))
+    def __attrs_post_init__(self) -> None:
+        super().__attrs_post_init__()
+        one_of(self.form, "form", ("square root", "joseph"))
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class UKF(KalmanSettings):
     """The unscented Kalman filter (8.9)-(8.24), corrected.
 
@@ -141,30 +131,22 @@ class UKF(KalmanSettings):
     array([2.])
     """
 
-    alpha: float
-    beta: float
+    alpha: float = attrs.field(default=None, converter=optional_number)
+    beta: float = 0.0
 
-    def __init__(
-        self,
-        model: AnyModel,
-        Q: ArrayLike,
-        R: ArrayLike,
-        x_0: ArrayLike | None = None,
-        P_0: ArrayLike = 1.0,
-        alpha: float | None = None,
-        beta: float = 0.0,
-    ) -> None:
-        self._read(model, Q, R, x_0, P_0)
-        spread = max(self.model.n, 3) if alpha is None else number(alpha, "alpha")
+    def __attrs_post_init__(self) -> None:
+        super().__attrs_post_init__()
+        n = self.model.n
+        spread = max(n, 3) if self.alpha is None else number(self.alpha, "alpha")
         if spread <= 0:
-            raise InputError(f"alpha = {spread:.6g} must be positive; n = {self.model.n} is safe.")
+            raise InputError(f"alpha = {spread:.6g} must be positive; n = {n} is safe.")
         object.__setattr__(self, "alpha", float(spread))
-        object.__setattr__(self, "beta", number(beta, "beta"))
+        object.__setattr__(self, "beta", number(self.beta, "beta"))
         if self.beta < 0:
             raise InputError(f"beta = {self.beta:.6g} must not be negative; 0 and 2 are usual.")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class IMM(Value):
     r"""The interacting multiple model filter, for a plant that jumps between modes.
 
@@ -206,18 +188,13 @@ class IMM(Value):
     array([0, 0, 0, 0, 1, 0, 0, 0])
     """
 
-    filters: tuple[EKF | UKF, ...]
-    transitions: Array
-    probabilities: Array
+    filters: Sequence[EKF | UKF]
+    transitions: Array = attrs.field(converter=array_like)
+    probabilities: Array = attrs.field(default=None, converter=optional_array_like)
 
-    def __init__(
-        self,
-        filters: Iterable[EKF | UKF],
-        transitions: ArrayLike,
-        probabilities: ArrayLike | None = None,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        set_("filters", items(filters, "filters", EKF | UKF))  # type: ignore[arg-type]
+        set_("filters", items(self.filters, "filters", EKF | UKF))  # type: ignore[arg-type]
         modes = len(self.filters)
         if modes == 0:
             raise InputError("filters is empty: give one EKF or UKF for each mode.")
@@ -230,9 +207,9 @@ class IMM(Value):
                     f"the model of filter {j} has (n, l_u, l_y) = {sizes[j]}, that of filter 0 "
                     f"{sizes[0]}; add to the smaller one states that stay zero."
                 )
-        set_("transitions", matrix(transitions, "transitions", (modes, modes)))
-        even = np.full(modes, 1 / modes)
-        first = even if probabilities is None else vector(probabilities, "probabilities", modes)
+        set_("transitions", matrix(self.transitions, "transitions", (modes, modes)))
+        given = np.full(modes, 1 / modes) if self.probabilities is None else self.probabilities
+        first = vector(given, "probabilities", modes)
         set_("probabilities", _distribution(first, "probabilities"))
         for i, row in enumerate(self.transitions):
             _distribution(row, f"row {i} of transitions")
@@ -251,7 +228,7 @@ def _distribution(values: Array, name: str) -> Array:
     return values
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class AdaptiveNoises(Value):
     r"""An extended Kalman filter that learns Q and R from its measurements as it runs.
 
@@ -298,26 +275,14 @@ class AdaptiveNoises(Value):
     array([1. , 8.8, 9.4])
     """
 
-    filter: EKF
-    window: int
-    iterations: int
-    learn: tuple[str, ...]
-    diagonal: bool
+    filter: EKF = attrs.field(metadata=reads(instance_of, kind=EKF))
+    window: int = attrs.field(default=200, metadata=reads(integer, at_least=2))
+    iterations: int = attrs.field(default=10, metadata=reads(integer, at_least=1, at_most=10_000))
+    learn: Sequence[str] = ("Q", "R")
+    diagonal: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
 
-    def __init__(
-        self,
-        filter: EKF,  # its name in the field
-        window: int = 200,
-        iterations: int = 10,
-        learn: Iterable[str] = ("Q", "R"),
-        diagonal: bool = False,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("filter", instance_of(filter, "filter", EKF))
-        set_("window", integer(window, "window", at_least=2))
-        set_("iterations", integer(iterations, "iterations", at_least=1, at_most=10_000))
-        set_("learn", learned_noises(self.filter, learn))
-        set_("diagonal", instance_of(diagonal, "diagonal", bool))
+    def __attrs_post_init__(self) -> None:
+        object.__setattr__(self, "learn", learned_noises(self.filter, self.learn))
 
     @property
     def model(self) -> AnyModel:

@@ -113,14 +113,7 @@ STANDARD_FIGURES = (
 
 
 def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureRequest:
-    """The request itself, where the runs and the measure that it names are there.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
-    >>> require_drawable(FigureRequest("poles", "Where they are.", runs=["a"]), {"a"}).kind
-    'poles'
-    """
+    """The request itself, where the runs and the measure that it names are there."""
     for name in request.runs:
         if name not in runs:
             raise InputError(

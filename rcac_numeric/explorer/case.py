@@ -34,23 +34,7 @@ SCENES = ("tame", "untold", "unstable", "unasked", "servo")
 def case_of(
     table: Mapping[str, Any], file: str, run: str | None = None, budget: Budget | None = None
 ) -> dict[str, Any]:
-    """The dials of one run of an experiment's tables.
-
-    Parameters
-    ----------
-    table : mapping
-        The tables of the file.
-    file : str
-        Its name, for errors.
-    run : str, optional
-        Which run; the main one by default.
-    budget : Budget, optional
-
-    Raises
-    ------
-    InputError
-        Where the page or the core under it lacks something of the run, by name.
-    """
+    """The dials of one run of an experiment's tables."""
     experiment = build(dict(table), file, budget)
     chosen = _chosen(experiment, run)
     settings, plant = chosen.settings, chosen.plant

@@ -25,20 +25,7 @@ SCRIPTS = (
 
 
 def explorer_page(case: Mapping[str, Any] | None = None, orders: Iterable[int] = ORDERS) -> str:
-    """The text of the page.
-
-    Parameters
-    ----------
-    case : mapping, optional
-        Made by `case_of`, which the page then opens with.
-    orders : iterable of int
-        The n_c that can be chosen, beside those of its cases.
-
-    Raises
-    ------
-    InputError
-        Where clang or wasm-ld, which build the core as WebAssembly, are not here.
-    """
+    """The text of the page."""
     cases = [*([] if case is None else [case]), *scenes()]
     longest = max(LONGEST_SCENE, *(one["steps"] for one in cases))
     orders = {*orders, *(one["n_c"] for one in cases)}

@@ -44,15 +44,7 @@ def run_program(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
 
 
 def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
-    """Whether the recorded vector of a folder is replayed, and what the test says.
-
-    Parameters
-    ----------
-    source, test : path
-        The folders of the core and of its test.
-    name : str
-        What the files are called.
-    """
+    """Whether the recorded vector of a folder is replayed, and what the test says."""
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(
             [source / f"{name}.c", test / "replay.c"],

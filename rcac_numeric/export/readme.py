@@ -17,20 +17,7 @@ def readme(
     warnings: Sequence[str],
     sample_time: float | None = None,
 ) -> str:
-    """Sizes, operations, units, and how the folder is used.
-
-    Parameters
-    ----------
-    tables : CoreTables
-    recording : Recording
-    real : {"float64", "float32"}
-    layouts : tuple of str
-    agreement : str
-        Of float32 with float64.
-    warnings : sequence of str
-    sample_time : float, optional
-        In seconds.
-    """
+    """Sizes, operations, units, and how the folder is used."""
     t = tables
     period = "one sample of them" if sample_time is None else f"one sample, {sample_time:g} s"
     state, constants = t.sizes(real)

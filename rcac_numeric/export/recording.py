@@ -163,17 +163,7 @@ def recorded(
 
 
 def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps: int) -> Recording:
-    """What the compiled core in float32 makes of the same loop, closed around it.
-
-    Parameters
-    ----------
-    program : path
-        Of driver.c and the core.
-    tables : CoreTables
-    run : Run, optional
-    steps : int
-        At most.
-    """
+    """What the compiled core in float32 makes of the same loop, closed around it."""
     t, run = tables, usable(run)
     signals = _StandIn(t) if run is None else _Loop(run, t.l_r)
     rows: Rows = []

@@ -232,15 +232,6 @@ def difference_equations(
     Whatever W is, the poles of P are those of A and zeros. Which outputs W'u the observer reads,
     and which singular values count as zero, float64 cannot decide by itself: every choice is
     given, for the caller to judge by its response.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.h2.conversion import difference_equations
-    >>> parts = np.diag([0.5, 0.2]), np.ones((2, 1)), np.eye(2), np.zeros((2, 1))
-    >>> (P, Q), kept = next(difference_equations(*parts))
-    >>> P.shape, np.linalg.eigvals(P[0]).real.round(6).tolist()
-    ((1, 2, 2), [0.5, 0.2])
     """
     for W in _readings(C):
         for tolerance in TOLERANCES:

@@ -249,15 +249,7 @@ def _verified(design: LQG) -> LQG:
 
 
 def weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
-    """(R_1, R_12, R_2) = (E_1'E_1, E_1'E_2, E_2'E_2), or those of the noise from transposes.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.h2.lqg import weights
-    >>> weights(np.array([[3.0]]), np.array([[2.0]]))
-    (array([[9.]]), array([[6.]]), array([[4.]]))
-    """
+    """(R_1, R_12, R_2) = (E_1'E_1, E_1'E_2, E_2'E_2), or those of the noise from transposes."""
     with np.errstate(over="ignore", invalid="ignore"):
         weights = E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
     if not all(np.isfinite(weight).all() for weight in weights):

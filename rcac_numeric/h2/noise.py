@@ -39,16 +39,7 @@ class NoiseInputs(Value):
 
 
 def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseInputs:
-    """Read intensities by name of a block or of a channel of w.
-
-    Parameters
-    ----------
-    plant : Plant
-    noise : mapping, optional
-        From blocks (``"d"``) or channels (``"d2"``) to intensities: a variance, or a covariance
-        matrix for a block. What it leaves out is no noise. By default every channel has
-        intensity 1, as (A.3) says.
-    """
+    """Read intensities by name of a block or of a channel of w."""
     if noise is None:
         noise = dict.fromkeys(plant.channels, 1.0)
     if not isinstance(noise, Mapping):

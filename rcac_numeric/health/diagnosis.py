@@ -11,17 +11,22 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.checks.check import ControllerCheck, channel_margins
+from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.controller import Controller
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.health.excitation import excitation_of
-from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.experiments.experiment import Verification
+from rcac_numeric.health.health import (
+    LoopHealth,
+    SignalSize,
+    excitation_of,
+    signal_health,
+    without_control,
+)
 from rcac_numeric.health.rules import warnings_of_check, warnings_of_controller, warnings_of_run
-from rcac_numeric.health.signals import SignalSize, signal_health, without_control
 from rcac_numeric.health.trials import cost_over_lqg, missed_poles, next_disturbance
+from rcac_numeric.margins.classical import channel_margins
 
 
 def loop_health(

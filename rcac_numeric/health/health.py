@@ -5,13 +5,165 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, sheet_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.regressor import (
+    filtered_regressor,
+    has_common_filter,
+    regressor_of,
+)
+from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import SupervisionRecord
-from rcac_numeric.health.excitation import Excitation
-from rcac_numeric.health.signals import SignalHealth, SignalSize
+from rcac_numeric.engine.compatibility import command_position
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.health.trials import NextDisturbance
 from rcac_numeric.margins.classical import Margins
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import PlantSchedule
+
+
+@dataclass(frozen=True)
+class SignalSize:
+    """The largest entry and the root mean square of a signal over some steps."""
+
+    peak: float
+    rms: float
+
+    @classmethod
+    def of(cls, values: Array) -> SignalSize | None:
+        """The size of these rows; None where there are none."""
+        if not len(values):
+            return None
+        with np.errstate(over="ignore"):
+            power = np.sqrt(np.mean(np.sum(values**2, axis=1)))
+        return cls(float(np.abs(values).max(initial=0.0)), float(power))
+
+
+@dataclass(frozen=True)
+class SignalHealth:
+    """A signal before and after step k_w, at which the control begins.
+
+    Attributes
+    ----------
+    before, after : SignalSize or None
+        None where there is no such step.
+    late : SignalSize or None
+        Over the last tenth of the run.
+    """
+
+    before: SignalSize | None
+    after: SignalSize | None
+    late: SignalSize | None
+
+    def __str__(self) -> str:
+        said = []
+        if self.before is not None and self.before.peak:
+            said.append(f"peak {self.before.peak:.3g}, rms {self.before.rms:.3g} before control")
+        if self.after is not None:
+            said.append(f"peak {self.after.peak:.3g}, rms {self.after.rms:.3g} under control")
+        if self.late is not None:
+            said.append(f"rms {self.late.rms:.3g} at the end")
+        return "; ".join(said) or "no step"
+
+
+def signal_health(values: Array, start: int) -> SignalHealth:
+    """The sizes of a signal whose control begins at row `start`."""
+    start = min(max(start, 0), len(values))
+    last = values[start:][-max(len(values) // 10, 1) :]
+    return SignalHealth(
+        SignalSize.of(values[:start]), SignalSize.of(values[start:]), SignalSize.of(last)
+    )
+
+
+def without_control(run: Run) -> Array | None:
+    """The z of the same run with u = 0; None where it is unbounded, or takes a user's code."""
+    if type(run.plant) not in (Plant, PlantSchedule) or run.first_step or not run.steps:
+        return None
+
+    plant = run.plant
+    idle = Compensator(np.zeros((0, plant.l_u, plant.l_u)), np.zeros((1, plant.l_u, plant.l_y)))
+    free = simulate(plant, FixedController(idle), run.w, x_0=run.x_0)
+    return free.z if free.outcome == "completed" else None
+
+
+ROWS = 20_000  # steps that are looked at: the first ones from k_w on
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """How much the data of a run say of theta.
+
+    Attributes
+    ----------
+    l_theta : int
+        Number of coefficients.
+    outweighed : int
+        Number of directions of theta in which sum Phi_f' R_z Phi_f exceeds R_theta: there the data
+        move theta, in the others theta stays near theta(0).
+    excited : int
+        Number of directions that the data excite by more than rounding.
+    """
+
+    l_theta: int
+    outweighed: int
+    excited: int
+
+    def __str__(self) -> str:
+        words = f"the data outweigh R_theta in {self.outweighed} of {self.l_theta} directions"
+        if self.excited < self.l_theta:
+            words += f", and excite {self.excited} of them by more than rounding"
+        return words
+
+
+def excitation_of(run: Run) -> Excitation | None:
+    """The excitation of a run with recursive least squares and constant weights; else None.
+
+    None too with a fixed compensator in parallel, whose part of u the run does not tell apart.
+    """
+    settings = run.settings
+    if not isinstance(settings, ControllerSettings) or not run.steps:
+        return None
+    R_theta, R_z = getattr(settings.update, "R_theta", None), settings.R_z
+    structure, target = settings.structure, settings.target
+    if settings.learning is not None:
+        told = [one.change.target for one in run.changes if one.change.target is not None]
+        if not told:
+            return None
+        target = told[-1]
+    if R_theta is None or not isinstance(R_z, np.ndarray) or not has_common_filter(target):
+        return None
+    if settings.fixed is not None:
+        return None
+    start = max(settings.k_update - run.first_step, 0)
+    rows = slice(0, start + ROWS)
+    r = None
+    if structure.l_r:
+        at = command_position(run.plant, structure.l_r)
+        r = run.w[rows, at : at + structure.l_r]
+    phi = regressor_of(structure, {"u": run.u_applied[rows], "y": run.y[rows], "r": r}, np.asarray)
+    size = structure.l_theta
+    information = np.zeros((size, size))
+    with np.errstate(all="ignore"):
+        root = np.linalg.cholesky(R_z)
+        Phi_f = np.einsum("zs,ksj->kzj", root.T, filtered_regressor(phi, target)[start:])
+        for block in np.array_split(Phi_f.reshape(-1, size), max(len(Phi_f) // 1000, 1)):
+            information += block.T @ block
+        if not np.isfinite(information).all():
+            return None
+        scale = np.eye(size) * R_theta if np.ndim(R_theta) == 0 else np.asarray(R_theta)
+        inverse = np.linalg.inv(np.linalg.cholesky(scale))
+        outweighed = np.linalg.eigvalsh(inverse @ information @ inverse.T) > 1
+        spread = np.sqrt(np.diag(information))
+        spread[spread == 0] = 1.0
+        values = np.linalg.eigvalsh(information / np.outer(spread, spread))
+    return Excitation(size, int(outweighed.sum()), int((values > 1e-13 * size).sum()))
+
 
 HELD = 0.1  # share of the steps in which bounds moved theta
 

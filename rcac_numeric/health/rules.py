@@ -21,8 +21,8 @@ from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors
 from rcac_numeric.health.trials import MISSED, what_places_them
 from rcac_numeric.identification.online.arx import WHITE, RecursiveARX
 from rcac_numeric.margins.classical import Margins
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import plant_at
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.direction_checks import check_directions
 from rcac_numeric.targets.model import TargetModel
@@ -111,16 +111,7 @@ def _with_road(warnings: list[HealthWarning], found: LoopAnalysis) -> list[Healt
 
 
 def what_to_expect(plant: Plant, target: TargetModel) -> str:
-    """What an FIR target model asks of a plant that oscillates or answers late; else nothing.
-
-    Examples
-    --------
-    >>> from rcac_numeric import fir_target, standard_plant
-    >>> from rcac_numeric.health.rules import what_to_expect
-    >>> plant = standard_plant("1/(q**2 - 1.9*q + 0.98)")
-    >>> what_to_expect(plant, fir_target(plant)).partition(",")[0]
-    'G_f is FIR: it asks for a loop that is at rest within 2 steps'
-    """
+    """What an FIR target model asks of a plant that oscillates or answers late; else nothing."""
     if target.denominator[1:].any():
         return ""
     poles = np.linalg.eigvals(plant.A).astype(np.complex128)

@@ -22,9 +22,8 @@ from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.h2.loop_costs import loop_costs
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 
 KICKS, KICKED = (0.05, 0.2), 300  # of the size of w, white, and for so many steps
 ROUNDING = 1e-12  # of its peak: no more than that, a constant w has by the rounding of its mean
@@ -57,23 +56,7 @@ class NextDisturbance:
 
 
 def next_disturbance(run: Run) -> NextDisturbance | None:
-    """What the next disturbance does to a run that goes on; None where that cannot be tried.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric import (
-    ...     UD, ControllerSettings, fir_target, iir, simulate, standard_plant)
-    >>> from rcac_numeric.health.trials import next_disturbance
-    >>> plant = standard_plant("(q - 1.3)/((q - 0.8)*(q - 0.9))")
-    >>> w = np.concatenate([np.random.default_rng(1).standard_normal(500), np.zeros(5000)])
-    >>> settings = lambda lambda_: ControllerSettings(
-    ...     structure=iir(4), target=fir_target(plant), update=UD(1.0, lambda_=lambda_))
-    >>> next_disturbance(simulate(plant, settings(0.99), w[:, None])).ratio > 100
-    True
-    >>> next_disturbance(simulate(plant, settings(1.0), w[:, None])).ratio < 2
-    True
-    """
+    """What the next disturbance does to a run that goes on; None where that cannot be tried."""
     if (
         type(run.plant) not in (Plant, PlantSchedule)
         or run.state is None

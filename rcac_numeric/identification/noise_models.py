@@ -56,19 +56,7 @@ class NeweyWest:
 def coefficient_covariance(
     regressors: Array, inverse: Array, residual: Array, freedom: int, noise: NeweyWest | None
 ) -> Array:
-    """Covariance of theta in Y = Phi theta + E, shape (p, l_y, p, l_y).
-
-    Parameters
-    ----------
-    regressors : array, shape (rows, p)
-    inverse : array, shape (p, p)
-        Of Phi' Phi.
-    residual : array, shape (rows, l_y)
-    freedom : int
-        Equations less coefficients, at least 1.
-    noise : NeweyWest, optional
-        None takes the residual as white.
-    """
+    """Covariance of theta in Y = Phi theta + E, shape (p, l_y, p, l_y)."""
     rows, p = regressors.shape
     l_y = residual.shape[1]
     if noise is None:
@@ -86,15 +74,6 @@ def coefficient_covariance(
 
 def degrees_of_freedom(rows: int, freedom: int, noise: NeweyWest | None) -> float:
     """How many independent squares the covariance is worth.
-
-    Parameters
-    ----------
-    rows : int
-        Number of equations.
-    freedom : int
-        Equations less coefficients, at least 1.
-    noise : NeweyWest, optional
-        None takes the residual as white.
 
     Examples
     --------

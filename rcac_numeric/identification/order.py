@@ -31,13 +31,6 @@ def order_from_singular_values(
 
     n = number of singular values above the Frobenius norm of the matrix of standard errors
 
-    Parameters
-    ----------
-    H, error : arrays, shape (number of parameters, l_y, l_u)
-        H_0 first, and their standard errors; at least rounding is assumed.
-    order : int, optional
-        What to take in place of it; then only whether the matrix can carry it is asked.
-
     Examples
     --------
     >>> import numpy as np

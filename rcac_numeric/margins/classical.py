@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import attempted
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, picture_of
 from rcac_numeric.arrays.validation import number
@@ -17,9 +20,10 @@ from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,
     gain_boundary,
+    gain_crossovers,
     phase_boundary,
+    phase_crossovers,
 )
-from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
 from rcac_numeric.margins.disk import DiskMargin, disk_margin_of
 from rcac_numeric.margins.opened_loop import OpenedLoop, broken_loop
 
@@ -228,3 +232,24 @@ def stability_margins(
 
 def _at(boundary: StabilityBoundary) -> str:
     return f" at {boundary.omega:.6g} rad/sample" if np.isfinite(boundary.omega) else ""
+
+
+def channel_margins(
+    loop: ClosedLoop, sample_time: float | None = None, *, disk: bool = True
+) -> tuple[dict[str, Margins], dict[str, str]]:
+    """The margins at each component of u, and why there are none at the others.
+
+    Of time the plant's own sample time is taken where none is given.
+    """
+    sample_time = loop.plant.sample_time if sample_time is None else sample_time
+    found, reasons = {}, {}
+    for i in range(loop.plant.l_u):
+        name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
+        margins, reason = attempted(
+            partial(stability_margins, loop, channel=i, sample_time=sample_time, disk=disk)
+        )
+        if margins is None:
+            reasons[f"margins at {name}"] = reason
+        else:
+            found[name] = margins
+    return found, reasons

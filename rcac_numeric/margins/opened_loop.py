@@ -22,13 +22,7 @@ from rcac_numeric.engine.runs import Run
 
 @dataclass(frozen=True, eq=False)
 class OpenedLoop(Value):
-    """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0.
-
-    Parameters
-    ----------
-    A, B, C, D : arrays of shape (n, n), (n, 1), (1, n), (1, 1)
-        A realisation whose eigenvalues are all the modes of the opened loop, hidden ones included.
-    """
+    """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0."""
 
     A: Array
     B: Array

@@ -99,12 +99,6 @@ def as_plant(system: Any) -> Any:
     """A plant as it is; a text or a system, ours or foreign, read by `plant_of`.
 
     What is neither is handed back, for the caller to refuse by its own name.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plants.foreign import as_plant
-    >>> as_plant("(q - 0.5)/(q*(q - 0.9))")
-    Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
     ours = str, exact.TransferFunction, exact.TransferMatrix, exact.Realisation
     return plant_of(system) if isinstance(system, ours) or is_foreign(system) else system

@@ -4,19 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
-from numpy.typing import ArrayLike
+import attrs
+import numpy as np
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, items, matrix, real_array
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    items,
+    matrix,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.any_plant import AnyPlant, block_start
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import from_problem
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, kw_only=True, field_transformer=with_checks)
 class PlantChange(Value):
     """What the plant is from step `start` on.
 
@@ -40,27 +54,16 @@ class PlantChange(Value):
     False
     """
 
-    start: int
+    start: int = attrs.field(metadata=reads(integer))
     plant: Plant
-    ramp: bool = False
-    state_map: Array | None = None
-    delay: int = 0
+    ramp: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
+    state_map: Array | None = attrs.field(
+        default=None, converter=optional_array_like, metadata=reads(real_array, optional=True)
+    )
+    delay: int = attrs.field(default=0, metadata=reads(integer, at_most=100_000))
 
-    def __init__(
-        self,
-        *,
-        start: int,
-        plant: Plant,
-        ramp: bool = False,
-        state_map: ArrayLike | None = None,
-        delay: int = 0,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("start", integer(start, "start"))
-        set_("plant", instance_of(plant, "the plant of a change", Plant))
-        set_("ramp", instance_of(ramp, "ramp", bool))
-        set_("state_map", None if state_map is None else real_array(state_map, "state_map"))
-        set_("delay", integer(delay, "delay", at_most=100_000))
+    def __attrs_post_init__(self) -> None:
+        instance_of(self.plant, "the plant of a change", Plant)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,3 +179,77 @@ class PlantSchedule(Value):
 
 def _sizes(plant: Plant) -> tuple[int, int, int, int, int]:
     return plant.n, plant.l_u, plant.l_w, plant.l_y, plant.l_z
+
+
+def plant_at(plant: AnyPlant, k: int) -> Plant:
+    """The plant at step k; a delay of its input is written out as states."""
+    if isinstance(plant, Plant):
+        return plant
+    if not isinstance(plant, PlantSchedule):
+        raise InputError(f"{plant!r} is not linear, so it has no fixed loop at a step.")
+    change = plant.at(k)
+    return _delayed(_moved(plant, change, k), change.delay)
+
+
+def measuring_command(plant: Plant) -> Plant:
+    """The plant with y and the command r as its measurement, for a controller that reads both."""
+    l_r = plant.blocks.get("r", 0)
+    start = block_start(plant, "r") if l_r else 0
+    reads = np.zeros((l_r, plant.l_w))
+    reads[:, start : start + l_r] = np.eye(l_r)
+    return Plant(
+        **{
+            **{name: getattr(plant, name) for name in MATRICES},
+            "C": np.vstack([plant.C, np.zeros((l_r, plant.n))]),
+            "D_0": np.vstack([plant.D_0, np.zeros((l_r, plant.l_u))]),
+            "D_2": np.vstack([plant.D_2, reads]),
+        },
+        blocks=plant.blocks,
+    )
+
+
+def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
+    """The plant of a change, at step k of its ramp."""
+    if not change.ramp or k == change.start:
+        return change.plant
+    end = next(b for a, b in pairwise(plant.changes) if a is change)
+    share = (k - change.start) / (end.start - change.start)
+    matrices: dict[str, Any] = {
+        name: (1 - share) * getattr(change.plant, name) + share * getattr(end.plant, name)
+        for name in MATRICES
+    }
+    return Plant(**matrices, blocks=plant.first.blocks)
+
+
+@lru_cache(maxsize=32)  # made exactly, and asked for at every kept theta of a run
+def _delayed(plant: Plant, delay: int) -> Plant:
+    """[x; u(k-1); ...; u(k-delay)] as the state."""
+    if delay == 0:
+        return plant
+    from sympy import ImmutableMatrix, eye, zeros
+
+    p = plant.problem
+    n, l_u, chain = plant.n, plant.l_u, delay * plant.l_u
+    last = zeros(l_u, chain)
+    last[:, chain - l_u :] = eye(l_u)
+    shift = zeros(chain, chain)
+    shift[l_u:, : chain - l_u] = eye(chain - l_u)
+    first = zeros(chain, l_u)
+    first[:l_u, :] = eye(l_u)
+    A = ImmutableMatrix.vstack(
+        ImmutableMatrix.hstack(p.A, p.B * last),
+        ImmutableMatrix.hstack(zeros(chain, n), ImmutableMatrix(shift)),
+    )
+    problem = exact.StandardProblem(
+        A=A,
+        B=ImmutableMatrix.vstack(zeros(n, l_u), ImmutableMatrix(first)),
+        D_1=ImmutableMatrix.vstack(p.D_1, zeros(chain, plant.l_w)),
+        C=ImmutableMatrix.hstack(p.C, p.D_0 * last),
+        D_0=None,
+        D_2=p.D_2,
+        E_1=ImmutableMatrix.hstack(p.E_1, p.E_2 * last),
+        E_2=None,
+        E_0=p.E_0,
+        sample_time=p.sample_time,
+    )
+    return from_problem(problem, plant.blocks)

@@ -12,15 +12,7 @@ from rcac_numeric.synthesis.tuning import ROUNDS, RULE, Tuned
 
 
 def plot_design(design: Design) -> Figure:
-    """Above the error and the control of a nominal run, below the rms on held-out runs.
-
-    Examples
-    --------
-    >>> from rcac_numeric import design
-    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, seeds=1, steps=300)
-    >>> len(found.plot().axes)
-    3
-    """
+    """Above the error and the control of a nominal run, below the rms on held-out runs."""
     figure = Figure(figsize=(9, 7.5), layout="constrained")
     error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
     error.sharex(control)
@@ -61,15 +53,7 @@ def plot_design(design: Design) -> Figure:
 
 
 def plot_tuned(tuned: Tuned) -> Figure:
-    """The cost of every candidate against its robustness, those of the last round filled.
-
-    Examples
-    --------
-    >>> from rcac_numeric import design, tune
-    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, seeds=1, steps=300)
-    >>> len(tune(found, budget=2, held_out=1, seeds=1).plot().axes)
-    1
-    """
+    """The cost of every candidate against its robustness, those of the last round filled."""
     figure = Figure(figsize=(7, 4.5), layout="constrained")
     axis = figure.subplots()
     lost = [one for one in tuned.candidates if not np.isfinite(one.Ms + one.beside.ratio)]

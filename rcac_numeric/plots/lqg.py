@@ -19,14 +19,7 @@ BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circl
 
 
 def plot_lqg(found: LQG) -> Figure:
-    """Left the poles of regulator and estimator, right gain and phase of the controller.
-
-    Examples
-    --------
-    >>> from rcac_numeric import lqg, standard_plant
-    >>> len(lqg(standard_plant("1/(q - 1.2)")).plot().axes)
-    3
-    """
+    """Left the poles of regulator and estimator, right gain and phase of the controller."""
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
     poles, gain = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])

@@ -14,6 +14,7 @@ from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
+    CIRCLE,
     INK,
     NARROW,
     REACHED,
@@ -28,7 +29,6 @@ from rcac_numeric.plots.style import (
 POINTS = 3000
 FAR = 50.0  # abs(L) beyond which a Nyquist curve has left the picture
 VIEWS = {"nyquist": 1, "bode": 2, "disk": 1, "all": 3}
-CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,59 +63,20 @@ class LoopCurve:
     disk: float | None
 
 
-def plot_stability_margins(
-    margins: StabilityMargins,
-    view: str = "all",
-    *,
-    ax: Axes | Sequence[Axes] | None = None,
-    width: float = 11.0,
-) -> Figure:
-    """Draw a loop with its exact margins, as `StabilityMargins.plot` says.
-
-    Examples
-    --------
-    >>> from compensator_theory import stability_margins
-    >>> from rcac_numeric.plots.margins import plot_stability_margins
-    >>> margins = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1)
-    >>> plot_stability_margins(margins, "bode").axes[0].get_title()
-    'gain margin 3 at 2.24'
-    """
-    return plot_loop(_exact_curve(margins), view, ax=ax, width=width)
+def plot_stability_margins(margins: StabilityMargins, view: str = "all", **options: Any) -> Figure:
+    """Draw a loop with its exact margins, as `StabilityMargins.plot` says."""
+    return plot_loop(_exact_curve(margins), view, **options)
 
 
-def plot_margins(
-    margins: Margins,
-    view: str = "all",
-    *,
-    ax: Axes | Sequence[Axes] | None = None,
-    width: float = 11.0,
-) -> Figure:
-    """The picture that `Margins.plot` describes.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric import stability_margins
-    >>> L = control.tf([0.3], [1.0, -1.0], True)
-    >>> len(stability_margins(L, feedback=-1).plot().axes)
-    3
-    """
-    return plot_loop(loop_curve(margins), view, ax=ax, width=width)
+def plot_margins(margins: Margins, view: str = "all", **options: Any) -> Figure:
+    """The picture that `Margins.plot` describes."""
+    return plot_loop(loop_curve(margins), view, **options)
 
 
 def plot_disk_margin(
     margin: DiskMargin, *, ax: Axes | Sequence[Axes] | None = None, width: float = 5.0
 ) -> Figure:
-    """The picture that `DiskMargin.plot` describes.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric import stability_margins
-    >>> margins = stability_margins(control.tf([0.3], [1.0, -1.0], True), feedback=-1)
-    >>> margins.disk.plot().axes[0].get_xlabel()
-    'factor of the gain'
-    """
+    """The picture that `DiskMargin.plot` describes."""
     if not np.isfinite(margin.alpha):
         raise InputError("no factor makes the loop unstable: the disk margin is infinite.")
     if ax is not None:
@@ -132,22 +93,7 @@ def plot_disk_margin(
 def plot_loop(
     curve: LoopCurve, view: str, *, ax: Axes | Sequence[Axes] | None = None, width: float = 11.0
 ) -> Figure:
-    """Draw one view of a loop, or Nyquist's curve beside Bode's plot.
-
-    Raises
-    ------
-    InputError
-        Where the view is none, the axes are not as many as it has, or the figure is too narrow.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.margins import LoopCurve, plot_loop
-    >>> lag = LoopCurve(lambda w: 2 / (1 + 1j * w), 0.1, 10, "rad/s", (3**0.5,), (), (), None, None)
-    >>> plot_loop(lag, "nichols")
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: view = 'nichols' is none of nyquist, bode, disk, all.
-    """
+    """Draw one view of a loop, or Nyquist's curve beside Bode's plot."""
     if view not in VIEWS:
         raise InputError(f"view = {view!r} is none of {', '.join(VIEWS)}.")
     if ax is not None:
@@ -182,18 +128,7 @@ def _draw(axes: list[Axes], view: str, curve: LoopCurve) -> None:
 
 
 def draw_nyquist(axis: Axes, curve: LoopCurve) -> None:
-    """Draw Nyquist's curve around -1, its crossovers, and the disk that it does not enter.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.margins import LoopCurve, draw_nyquist
-    >>> from matplotlib.figure import Figure
-    >>> axis = Figure(figsize=(4, 4)).subplots()
-    >>> lag = LoopCurve(lambda w: 2 / (1 + 1j * w), 0.1, 10, "rad/s", (3**0.5,), (), (), None, None)
-    >>> draw_nyquist(axis, lag)
-    >>> axis.get_xlabel()
-    'real'
-    """
+    """Draw Nyquist's curve around -1, its crossovers, and the disk that it does not enter."""
     omega = _frequencies(curve)
     with np.errstate(all="ignore"):
         L = curve.response(omega)
@@ -226,19 +161,7 @@ def draw_nyquist(axis: Axes, curve: LoopCurve) -> None:
 
 
 def draw_bode(gain: Axes, phase: Axes, curve: LoopCurve) -> None:
-    """Draw gain and phase of L, with a line for each margin from the curve to where it ends.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.margins import LoopCurve, draw_bode
-    >>> from matplotlib.figure import Figure
-    >>> upper, lower = Figure(figsize=(4, 4)).subplots(2, 1)
-    >>> lag = LoopCurve(
-    ...     lambda w: 2 / (1 + 1j * w), 0.1, 10, "rad/s", (3**0.5,), (), (), (3**0.5, 120.0), None)
-    >>> draw_bode(upper, lower, lag)
-    >>> lower.get_title()
-    'phase margin 120 degrees at 1.73'
-    """
+    """Draw gain and phase of L, with a line for each margin from the curve to where it ends."""
     omega = _frequencies(curve)
     with np.errstate(all="ignore"):
         L = curve.response(omega)
@@ -291,18 +214,7 @@ def _show_half_turns(phase: Axes, degrees: Any) -> None:
 
 
 def draw_disk(axis: Axes, curve: LoopCurve) -> None:
-    """Draw the gains and turns that together leave the loop stable, by its disk margin.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.margins import LoopCurve, draw_disk
-    >>> from matplotlib.figure import Figure
-    >>> axis = Figure(figsize=(4, 4)).subplots()
-    >>> half = LoopCurve(lambda w: 0.5 + 0 * w, 0.1, 10, "rad/s", (), (), (), None, 0.5)
-    >>> draw_disk(axis, half)
-    >>> axis.get_xlabel()
-    'factor of the gain'
-    """
+    """Draw the gains and turns that together leave the loop stable, by its disk margin."""
     if curve.disk is None:
         raise InputError("there is no disk margin: the loop is unstable, or none was asked for.")
     draw_disk_region(axis, curve.disk)
@@ -316,17 +228,7 @@ def draw_disk(axis: Axes, curve: LoopCurve) -> None:
 
 
 def draw_disk_region(axis: Axes, alpha: float) -> None:
-    r"""Draw the factors :math:`(1 + d/2)/(1 - d/2)`, abs(d) < alpha, by gain and turn.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.margins import draw_disk_region
-    >>> from matplotlib.figure import Figure
-    >>> axis = Figure(figsize=(4, 4)).subplots()
-    >>> draw_disk_region(axis, 0.5)
-    >>> [round(float(x), 3) for x in axis.get_xlim()]
-    [0.48, 2.083]
-    """
+    r"""Draw the factors :math:`(1 + d/2)/(1 - d/2)`, abs(d) < alpha, by gain and turn."""
     d = min(alpha, 1.98) * CIRCLE[: len(CIRCLE) // 2 + 1]
     factor = (1 + d / 2) / (1 - d / 2)
     gain, turn = np.abs(factor), np.degrees(np.angle(factor))
@@ -391,17 +293,7 @@ def _exact_curve(margins: StabilityMargins) -> LoopCurve:
 
 
 def loop_curve(margins: Margins) -> LoopCurve:
-    """What is drawn of a loop and its margins.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric import stability_margins
-    >>> from rcac_numeric.plots.margins import loop_curve
-    >>> curve = loop_curve(stability_margins(control.tf([0.5], [1, -1], True), feedback=-1))
-    >>> curve.gains                                  # (frequency, factor): stable up to 4
-    ((3.14..., 4.0...),)
-    """
+    """What is drawn of a loop and its margins."""
     crossovers = (*margins.gain_crossovers, *margins.phase_crossovers)
     low = min([1e-2, *(float(w) / 10 for w in crossovers if w > 0)])
     ends = [b for b in (margins.gain_down, margins.gain_up) if b is not None]

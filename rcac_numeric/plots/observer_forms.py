@@ -6,28 +6,19 @@ import numpy as np
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
 from rcac_numeric.plots.library import Figure
-from rcac_numeric.plots.style import INK, line_style
+from rcac_numeric.plots.style import INK, draw_circle, line_style
 
 MANY = 40  # forms that have a row each
 
 
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:
-    """Left the roots, those of the best conditioned regulator circled; right cond(T) of each form.
-
-    Examples
-    --------
-    >>> from rcac_numeric import numeric_observer_forms
-    >>> forms = numeric_observer_forms("1/s**2", "-(6*s + 1)/(s**2 + 4*s + 6)")
-    >>> len(forms.plot().axes)
-    2
-    """
+    """Left the roots, those of the best conditioned regulator circled; right each cond(T)."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     roots, worth = figure.subplots(1, 2)
     everything = np.unique(np.round(np.concatenate(
         [forms.regulator_roots.ravel(), forms.observer_roots.ravel()]), 9))  # fmt: skip
     if forms.plant.variable.name in ("z", "q"):
-        circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-        roots.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+        draw_circle(roots)
         roots.set_aspect("equal")
     else:
         roots.axvline(0, color=INK, linewidth=0.7)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from textwrap import fill
 from typing import NamedTuple
 
 import numpy as np
 
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import ComplexArray
-from rcac_numeric.plots.library import Axes
-from rcac_numeric.plots.style import INK
+from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.plots.library import Axes, Figure
+from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle
 
 REACH = 1.3  # half the width of a map: what lies further out would make the unit circle a dot
 ROOM = 1.4  # where words stand at the rim
@@ -33,8 +39,7 @@ class Kind(NamedTuple):
 def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
     r"""Points near the unit circle, and arrows at the rim towards those beyond."""
     far = _far(kinds, reach)
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    draw_circle(axis)
     for kind in kinds:
         values = kind.values[np.abs(kind.values) <= reach]
         axis.plot(values.real, values.imag, kind.marker, mfc="none", mec=kind.colour, ms=kind.size,
@@ -97,3 +102,56 @@ def _draw_arrow(axis: Axes, angle: float, words: list[str], colour: str, reach: 
     note = axis.annotate(text, at, offset, textcoords="offset points", fontsize=7, color=INK,
                          ha=places[0], va=places[1], linespacing=1.0)  # fmt: skip
     note.set_in_layout(False)  # long words over a narrow map would leave it no room
+
+
+NARROWEST = 2.2  # inches of a map in which its words have room
+LETTERS = 11  # of a title, for each inch
+
+
+def draw_pole_maps(
+    figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
+) -> None:
+    """A map for each run; what was asked for is drawn where the loop is scalar."""
+    del request
+    runs = {name: result.first for name, result in results.items()}
+    width = figure.get_figwidth()
+    columns = min(int(width // NARROWEST), len(runs))
+    rows = -(-len(runs) // columns)
+    figure.set_figheight(min(width / columns, 4.4) * rows + 0.5)
+    axes = np.ravel(figure.subplots(rows, columns, squeeze=False))
+    for axis, (name, analysed) in zip(axes, runs.items(), strict=False):
+        _draw(axis, analysed)
+        if len(runs) > 1:
+            letters = int(LETTERS * min(width / columns, 4.4))
+            axis.set_title(fill(shortened(name, 60), letters), fontsize=9)
+    for axis in axes[len(runs) :]:
+        axis.set_visible(False)
+    handles, labels = axes[0].get_legend_handles_labels()
+    if handles:
+        figure.legend(handles, labels, fontsize=8, loc="outside lower center", ncols=3)
+
+
+def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
+    kinds: dict[str, ComplexArray] = {}
+    try:
+        if not analysed.obstacle:
+            comparison = analysed.comparison
+            kinds["asked for"] = comparison.asked_poles
+            kinds["zeros"] = largest_counts(comparison.zeros.values())
+            kinds["poles"] = comparison.poles
+        else:
+            kinds["poles"] = analysed.loop.poles()
+    except CompensatorError as error:
+        axis.annotate(shortened(str(error), 70), (0.5, 0.5), xycoords="axes fraction",
+                      ha="center", fontsize=7, wrap=True)  # fmt: skip
+    nothing = np.zeros(0, dtype=np.complex128)
+    drawn = [
+        Kind(name, word, values[np.isfinite(values)], marker, colour, size)
+        for name, word, marker, colour, size in (
+            ("asked for", "asked for", "s", WANTED, 10.0),
+            ("zeros", "zero", "o", SECOND, 7.0),
+            ("poles", "pole", "x", REACHED, 7.0),
+        )
+        for values in [kinds.get(name, nothing)]
+    ]
+    draw_plane(axis, drawn)

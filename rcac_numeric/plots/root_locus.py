@@ -17,27 +17,19 @@ from rcac_numeric.plots.style import (
     WANTED,
     axes_given,
     checked_width,
+    draw_circle,
     figure_of,
     tidy,
 )
 
 ROOM = 1.25  # of what is shown to what is marked
 NEAR = np.geomspace(1e-8, 1, 150)  # shares of a gain
-CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 
 
 def plot_root_locus(
     locus: RootLocus, *, ax: Axes | Sequence[Axes] | None = None, width: float = 6.0
 ) -> Figure:
-    """Draw the branches for positive gains, as `RootLocus.plot` says.
-
-    Examples
-    --------
-    >>> from compensator_theory import root_locus
-    >>> from rcac_numeric.plots.root_locus import plot_root_locus
-    >>> plot_root_locus(root_locus("1/(s*(s + 1))", feedback=-1)).axes[0].get_xlabel()
-    'real'
-    """
+    """Draw the branches for positive gains, as `RootLocus.plot` says."""
     if ax is not None:
         (axis,) = axes_given(ax, 1)
         _draw(axis, locus)
@@ -74,7 +66,7 @@ def _draw(axis: Axes, locus: RootLocus) -> None:
     shown = np.concatenate([poles, zeros, places, [0.0]])
     _limit(axis, shown, discrete)
     if discrete:
-        axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.7)
+        draw_circle(axis)
     else:
         axis.axvline(0, color=INK, linewidth=0.7)
     _draw_asymptotes(axis, locus)

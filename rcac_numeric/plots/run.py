@@ -102,15 +102,7 @@ def _draw_match(above: Axes, below: Axes, analysis: LoopAnalysis) -> None:
 
 
 def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figure:
-    """Where the poles are beside where the exact prediction has them.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> comparison = load_example("4.7").main_run.execute().first.comparison
-    >>> [line.get_label() for line in comparison.plot().axes[0].lines[1:]]
-    ['asked for', 'zeros from w to z', 'poles reached']
-    """
+    """Where the poles are beside where the exact prediction has them."""
     inches = checked_width(width)
     figure = Figure(figsize=(inches, 1.08 * inches), layout="constrained")
     axis = figure.subplots()
@@ -122,15 +114,7 @@ def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figur
 
 
 def plot_match(match: IntercalatedMatch) -> Figure:
-    """Gain and phase of G_f and of the intercalated transfer function, one above the other.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> match = load_example("4.7").main_run.execute().first.match
-    >>> [axis.get_ylabel() for axis in match.plot().axes]
-    ['magnitude', 'phase, rad']
-    """
+    """Gain and phase of G_f and of the intercalated transfer function, one above the other."""
     figure = Figure(figsize=(7, 5), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True)
     draw_magnitude(above, match)

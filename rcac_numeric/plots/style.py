@@ -17,6 +17,7 @@ INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 QUIET = "#7f7f7f"
 NARROW = 6.0  # inches: below, panels stand one above the other and letters are smaller
 NARROWEST = 3.0
+CIRCLE = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
 # Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
@@ -50,6 +51,11 @@ def label_words(name: str) -> str:
     R = 5 \$ a
     """
     return in_a_line(name).replace("$", r"\$")
+
+
+def draw_circle(axis: Axes) -> None:
+    """The unit circle."""
+    axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.7)
 
 
 def draw_title(figure: Figure, title: str) -> None:
@@ -167,16 +173,7 @@ def widen(axis: Axes, factor: float) -> None:
 
 
 def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
-    """Return the axes that somebody gave to be drawn in, as many as are drawn.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.style import axes_given
-    >>> axes_given([], 2)
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: ax has 0 axes; 2 are drawn, one for each.
-    """
+    """Return the axes that somebody gave to be drawn in, as many as are drawn."""
     given = list(np.ravel(np.array(ax, dtype=object)))
     if len(given) != count:
         raise InputError(f"ax has {len(given)} axes; {count} are drawn, one for each.")
@@ -184,16 +181,7 @@ def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
 
 
 def figure_of(axis: Axes) -> Figure:
-    """The whole figure that axes stand in, of which they may be in a part.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from rcac_numeric.plots.style import figure_of
-    >>> figure = Figure()
-    >>> figure_of(figure.subfigures(1, 2)[0].subplots()) is figure
-    True
-    """
+    """The whole figure that axes stand in, of which they may be in a part."""
     part = axis.figure
     assert part is not None
     whole: Figure = part.figure  # of the root, itself
@@ -202,11 +190,6 @@ def figure_of(axis: Axes) -> Figure:
 
 def checked_width(width: float) -> float:
     """Return the width of a figure in inches.
-
-    Raises
-    ------
-    InputError
-        If it is no finite number, or too small.
 
     Examples
     --------
@@ -226,18 +209,7 @@ def checked_width(width: float) -> float:
 
 
 def tidy(figure: Figure) -> None:
-    """Draw faint grids and, where the figure is narrow, smaller letters.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from rcac_numeric.plots.style import tidy
-    >>> figure = Figure(figsize=(3.5, 3))
-    >>> axis = figure.subplots()
-    >>> tidy(figure)
-    >>> axis.xaxis.label.get_size()
-    8.0
-    """
+    """Draw faint grids and, where the figure is narrow, smaller letters."""
     for axis in figure.axes:
         axis.grid(alpha=0.25)
         axis.spines[["top", "right"]].set_visible(False)

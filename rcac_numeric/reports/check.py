@@ -13,8 +13,9 @@ from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
-from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import (
+    health_lines,
+    health_record,
     joined,
     match_section,
     missed_poles,

@@ -1,22 +1,25 @@
-"""What is said of a loop: its match, the split residual, the exact prediction beside it."""
+"""What is said of a loop: its health, match and split residual, the exact prediction beside it."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 import compensator_theory as exact
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
-from rcac_numeric.analysis.match import IntercalatedMatch
-from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.analysis.match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.reports.health import health_lines, stability_line
+from rcac_numeric.health.health import LoopHealth, SignalHealth, SignalSize
+from rcac_numeric.margins.classical import Margins
 from rcac_numeric.reports.sheets.sheet import (
     Block,
     Fact,
+    Level,
     Section,
     Sheet,
     Table,
@@ -28,6 +31,143 @@ from rcac_numeric.reports.sheets.sheet import (
     power_text,
     rounded,
 )
+
+
+def health_lines(health: LoopHealth) -> tuple[Text, ...]:
+    """Stability, every warning with its mend, then sizes of signals, margins and excitation."""
+    lines = [_stability(health)]
+    for warning in health.warnings:
+        level: Level = "bad" if warning.is_grave else "warning"
+        lines.append(Text(f"Warning ({warning.code}): {warning}", level))
+    for name, signal in health.signals.items():
+        words = f"{name}: {signal}"
+        if name == "z" and health.free is not None:
+            words += f" ({health.free.rms:.3g} with u = 0)"
+        lines.append(Text(words))
+    for name, margins in health.margins.items():
+        at = "" if len(health.margins) == 1 else f" at {name}"
+        if margins.is_stable:
+            lines.append(Text(f"margins{at}: {margin_words(margins)}"))
+    if health.excitation is not None:
+        guard = "no update was decided by rounding"
+        if health.guard_count:
+            guard = f"{health.guard_count} updates were decided by rounding"
+        lines.append(Text(f"adaptation: {health.excitation}; {guard}"))
+    if health.cost_ratio is not None:
+        lines.append(
+            Text(f"cost: {health.cost_ratio:.4g} times that of LQG for the noise of the run")
+        )
+    if health.supervision is not None and health.supervision.troubles:
+        lines.append(Text(f"supervision: {health.supervision}"))
+    if health.bounded:
+        steps = f"{health.bounded} of {health.steps} steps"
+        words = f"bounds: theta was moved to its bounds in {steps}"
+        if health.is_held and health.missed_by is not None:
+            words += (
+                f"; they decide where the poles are, up to {health.missed_by:.2g} from those of "
+                "the target model"
+            )
+        lines.append(Text(words))
+    return tuple(lines)
+
+
+def health_sheet(health: LoopHealth) -> Sheet:
+    """The lines of the health as a report of their own."""
+    return Sheet("Health of the loop", health=health_lines(health))
+
+
+def health_record(health: LoopHealth) -> dict[str, Any]:
+    """The entries "health" and "warnings" of a record."""
+    record = {
+        "is_stable": health.is_stable,
+        "spectral_radius": health.spectral_radius,
+        "obstacle": health.obstacle or None,
+        "outcome": health.outcome or None,
+        "steps": health.steps,
+        "k_w": health.k_w,
+        "signals": {name: _signal(signal) for name, signal in health.signals.items()},
+        "without_control": _size(health.free),
+        "margins": {name: _margins(found) for name, found in health.margins.items()},
+        "updates_decided_by_rounding": health.guard_count,
+        "updates_moved_to_bounds": health.bounded,
+        "missed_by": health.missed_by,
+        "cost_over_lqg": health.cost_ratio,
+        "next_disturbance": health.next_disturbance and {
+            "adapting": health.next_disturbance.adapting,
+            "frozen": health.next_disturbance.frozen,
+        },
+        "supervision": None if health.supervision is None else str(health.supervision),
+        "excitation": health.excitation and {
+            "l_theta": health.excitation.l_theta,
+            "outweighed": health.excitation.outweighed,
+            "excited": health.excitation.excited,
+        },
+    }  # fmt: skip
+    warnings = [
+        {"code": w.code, "sentence": w.sentence, "next_step": w.next_step, "is_grave": w.is_grave}
+        for w in health.warnings
+    ]
+    return {"health": record, "warnings": warnings}
+
+
+def _stability(health: LoopHealth) -> Text:
+    radius = health.spectral_radius
+    if health.is_stable is None:
+        return Text(f"Whether the loop is stable is not known: {health.obstacle}.", "warning")
+    assert radius is not None, "the loop is known"
+    return stability_line(health.is_stable, radius, "good" if health.is_healthy else "warning")
+
+
+def stability_line(is_stable: bool, radius: float, level: Level = "good") -> Text:
+    """Whether a loop is stable, the first line of its report."""
+    if not is_stable:
+        return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
+    return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", level)
+
+
+def _signal(signal: SignalHealth) -> dict[str, Any]:
+    return {name: _size(getattr(signal, name)) for name in ("before", "after", "late")}
+
+
+def _size(size: SignalSize | None) -> dict[str, float] | None:
+    return None if size is None else {"peak": size.peak, "rms": size.rms}
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    found = {
+        "gain_up": margins.gain_up, "gain_down": margins.gain_down, "phase": margins.phase,
+        "delay": margins.delay,
+    }  # fmt: skip
+    return {name: None if b is None else b.value for name, b in found.items()}
+
+
+def margin_words(margins: Margins) -> str:
+    """Gain, phase and delay margin in one line.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
+    >>> from rcac_numeric.reports.loop import margin_words
+    >>> loop = ClosedLoop(
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
+    >>> margin_words(stability_margins(loop))
+    'gain 0.8 to 1.2 (-1.9 to 1.6 dB), phase 8.43 deg, delay 0.242 steps'
+    """
+    if not margins.is_stable:
+        return "none: the loop is unstable"
+    assert margins.gain_up and margins.gain_down and margins.phase and margins.delay
+    low, high = margins.gain_down.value, margins.gain_up.value
+    delay = f"{margins.delay.value:.3g} steps" if np.isfinite(margins.delay.value) else "any"
+    phase = f"{margins.phase.value:.3g} deg" if np.isfinite(margins.phase.value) else "any"
+    if margins.delay_time is not None and np.isfinite(margins.delay_time):
+        delay += f" = {margins.delay_time:.3g} s"
+    gain = f"{low:.3g} to {high:.3g} ({_decibel(low)} to {_decibel(high)} dB)"
+    return f"gain {gain}, phase {phase}, delay {delay}"
+
+
+def _decibel(gain: float) -> str:
+    with np.errstate(divide="ignore"):
+        return f"{20 * np.log10(gain):.2g}".replace("inf", "infinity")
 
 
 def match_section(match: IntercalatedMatch | None, reason: str) -> Section:
@@ -151,17 +291,7 @@ def comparison_section(c: ExactComparison) -> Section:
 
 
 def comparison_sheet(c: ExactComparison) -> Sheet:
-    """A compensator beside the exact prediction: is the loop stable, what is missed, the numbers.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator, compare_exactly, fir_target, standard_plant
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
-    >>> lines = compare_exactly(plant, compensator, fir_target(plant)).report().splitlines()
-    >>> lines[1].strip()
-    'The closed loop is stable, spectral radius 0.'
-    """
+    """A compensator beside the exact prediction: stability, missed poles, the numbers."""
     radius = float(np.abs(c.poles).max(initial=0.0))
     is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
     health = (stability_line(is_stable, radius), *missed_poles(c))
@@ -171,17 +301,7 @@ def comparison_sheet(c: ExactComparison) -> Sheet:
 
 
 def analysis_sheet(found: LoopAnalysis) -> Sheet:
-    """A run's last controller, or a plant and a compensator, beside theory.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator, LoopAnalysis, fir_target, standard_plant
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
-    >>> analysis = LoopAnalysis((plant, compensator), fir_target(plant))
-    >>> print(analysis.report().splitlines()[1].strip())
-    The closed loop is stable, spectral radius 0.
-    """
+    """A run's last controller, or a plant and a compensator, beside theory."""
     if isinstance(found.of, Run):
         remark = f": {found.of.outcome} after {found.of.steps} steps"
         missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)
@@ -251,3 +371,9 @@ def poles_section(found: LoopAnalysis, obstacle: str) -> Section:
         zeros = {channel: complex_list(values) for channel, values in found.zeros.items()}
         blocks += zeros_facts(zeros)
     return Section(blocks=tuple(blocks), record={"obstacle": obstacle, "poles": poles})
+
+
+def run_sheet(run: Run) -> Sheet:
+    """How it ended, and the health of its loop."""
+    remark = f": {run.outcome} after {run.steps} steps"
+    return Sheet("Run", remark, health_lines(loop_health(run)))

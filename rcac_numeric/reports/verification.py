@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.experiments.estimation.studies import StudyResult
-from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.experiment import RunResult, Verification
 from rcac_numeric.experiments.judging.claim import (
     DEPENDS,
     FAILS,
@@ -19,11 +19,11 @@ from rcac_numeric.experiments.judging.claim import (
     Verdict,
     outcome_of,
 )
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import (
+    health_lines,
+    health_record,
     joined,
     loop_section,
     missed_poles,
@@ -54,7 +54,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     if verification.estimates:
         return estimation_health(verification)
     if health is None:
-        return _health_of_exact(verification)
+        return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
     main = verification.main
     said = []
     if main.diverged:
@@ -71,8 +71,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
         said += missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
     said.append(first)
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
+    said += _changed(verification)
     said += [
         Text(f"Run {name!r} did not end as it is known to.", "bad")
         for name in verification.surprising
@@ -91,10 +90,10 @@ def _of_runs(verification: Verification) -> tuple[Section, ...]:
     return _runs(verification), loop_section(main.first, "The controller", remark)
 
 
-def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        return (Text(f"{changed} of the verdicts of record changed.", "bad"),)
-    return (Text("Decided exactly: no run, no tolerance."),)
+def _changed(verification: Verification) -> tuple[Text, ...]:
+    """That verdicts of record have changed, where some have."""
+    count = sum(verdict.has_changed for verdict in verification.verdicts)
+    return (Text(f"{count} of the verdicts of record changed.", "bad"),) if count else ()
 
 
 def _problem(verification: Verification, health: LoopHealth | None) -> Section:
@@ -123,17 +122,7 @@ def _claims(verification: Verification) -> Section:
 
 
 def claim_record(v: Verdict) -> dict[str, Any]:
-    """A claim, what was measured and its verdict, as JSON can hold them.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.verification import claim_record
-    >>> record = claim_record(verify(load_example("B.5")).verdicts[0])
-    >>> record["whose"], record["verdict"]
-    ('the text', 'reproduced')
-    """
+    """A claim, what was measured and its verdict, as JSON can hold them."""
     claim = v.claim
     return {
         "whose": claim.whose,
@@ -276,8 +265,7 @@ def estimation_health(verification: Verification) -> tuple[Text, ...]:
     ]
     if not said:
         said = [Text("Estimates of a parameter whose true value is known.")]
-    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
-        said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
+    said += _changed(verification)
     return tuple(said)
 
 

@@ -21,15 +21,7 @@ NUMBERED = re.compile(r"(.*?[^\W\d_])[_(\[]?(\d{1,6})[)\]]?$")
 
 
 def read_variables(path: str | Path) -> dict[str, Array]:
-    r"""Every numeric variable of a file, by name.
-
-    Parameters
-    ----------
-    path : path
-        A .csv file has a row of names and then one row for each step, separated by commas,
-        semicolons or tabs; the columns u1, u2, ... are also found together as u. A .mat file is of
-        version 4, 5, 6 or 7. A .npz file holds arrays.
-    """
+    r"""Every numeric variable of a file, by name."""
     file = Path(path)
     readers: dict[str, Callable[[Path], Mapping[str, np.ndarray]]] = {
         ".csv": _columns, ".mat": read_mat, ".npz": read_npz,

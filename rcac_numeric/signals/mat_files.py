@@ -32,16 +32,7 @@ class DamagedError(ValueError):
 
 
 def read_mat(file: Path) -> dict[str, np.ndarray]:
-    """The numeric arrays of a file by name; texts, cells and structures are left out.
-
-    Examples
-    --------
-    >>> import pathlib
-    >>> from rcac_numeric.signals.mat_files import read_mat
-    >>> log = read_mat(pathlib.Path("examples/octave/rcac_loop.mat"))
-    >>> log["theta"].shape, "program" in log
-    ((300, 8), False)
-    """
+    """The numeric arrays of a file by name; texts, cells and structures are left out."""
     contents, budget = file.read_bytes(), Budget(file)
     try:
         if b"\0" in contents[:4]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,13 +12,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.files import require_readable
 from rcac_numeric.arrays.untrusted import read_npy
-from rcac_numeric.arrays.validation import instance_of, integer, real_array
+from rcac_numeric.arrays.validation import array_like, instance_of, integer, real_array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.signals.signal import Signal
 from rcac_numeric.signals.text_tables import read_table
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class Recorded(Signal):
     """A record, one value for each step from step 0 on; nothing is known beyond its end.
 
@@ -38,15 +38,14 @@ class Recorded(Signal):
     array([ 0.5, -0.5])
     """
 
-    record: Array
+    record: Array = attrs.field(converter=array_like)
     name: str = "record"
 
-    def __init__(self, record: ArrayLike, name: str = "record") -> None:
-        array = real_array(record, instance_of(name, "name", str))
+    def __attrs_post_init__(self) -> None:
+        array = real_array(self.record, instance_of(self.name, "name", str))
         if array.ndim != 1 or array.size == 0:
-            raise InputError(f"{name} has shape {array.shape}; a record needs shape (steps,).")
+            raise InputError(f"{self.name} has shape {array.shape}; a record needs shape (steps,).")
         object.__setattr__(self, "record", array)
-        object.__setattr__(self, "name", name)
 
     @property
     def description(self) -> str:

@@ -111,14 +111,7 @@ class Sum(Signal):
 
 @attrs.frozen(eq=False, slots=False)
 class Scaled(Signal):
-    """A signal times a number; what `*` makes.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Ramp
-    >>> (3 * Ramp()).samples(3)
-    array([0., 3., 6.])
-    """
+    """A signal times a number; what `*` makes."""
 
     factor: float
     signal: Signal

@@ -70,7 +70,6 @@ LAYERS = {
         "plots.figures",
         "reports.sheets",
         "reports",
-        "reports.studies",
         "reports.page",
         "export",
         "explorer",
@@ -78,7 +77,5 @@ LAYERS = {
         "dissertation.errata",
         "dissertation",
         "cli",
-        "cli.dissertation",
-        "cli.studies",
     ],
 }

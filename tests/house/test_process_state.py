@@ -20,8 +20,8 @@ ATTRIBUTES = {"prec", "dps", "environ", "rcParams", "filters", "umask"}
 ALLOWED = {
     ("compensator_theory/polynomials/ball_precision.py", "prec"),
     ("rcac_numeric/cli/__main__.py", "signal"),
-    ("rcac_numeric/dissertation/workers.py", "signal"),
-    ("rcac_numeric/sweeps/chunks/measuring.py", "signal"),  # of the main thread, while measuring
+    ("rcac_numeric/dissertation/reproduction.py", "signal"),
+    ("rcac_numeric/sweeps/chunks/worker.py", "signal"),  # of the main thread, while measuring
     ("rcac_numeric/sweeps/running/pools.py", "signal"),
     ("rcac_numeric/sweeps/running/pools.py", "environ"),
     ("rcac_numeric/sweeps/chunks/worker.py", "environ"),

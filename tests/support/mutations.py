@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.experiment import Experiment, verify
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.judging.claim import OURS
-from rcac_numeric.experiments.verdicts import verify
 
 Table = dict[str, Any]
 NUMBER = re.compile(r"(?<![\w.*])\d+\.\d+")

@@ -14,9 +14,9 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.dissertation.errata.entries import Erratum
 from rcac_numeric.dissertation.errata.evidence.tables import example_table
+from rcac_numeric.experiments.experiment import verify
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.judging.claim import DEPENDS, MISPRINT, REPRODUCED, UNDETERMINED
-from rcac_numeric.experiments.verdicts import verify
 
 EVIDENCE = "rcac_numeric.dissertation.errata.evidence"
 LEDGER = "proofs.counterexamples"

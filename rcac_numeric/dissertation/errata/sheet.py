@@ -13,23 +13,7 @@ from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Text
 def errata_sheet(
     entries: Sequence[Erratum], where: str = "", checked: Mapping[str, Checked] | None = None
 ) -> Sheet:
-    """What is said of the errata of one place, or of all.
-
-    Parameters
-    ----------
-    entries : sequence of Erratum
-    where : str
-        What was asked for.
-    checked : mapping from names to Checked, optional
-        What their checks found, where they were run.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import find_errata
-    >>> from rcac_numeric.dissertation.errata.sheet import errata_sheet
-    >>> errata_sheet(find_errata("(2.1)"), "(2.1)").remark
-    ': none known at (2.1)'
-    """
+    """What is said of the errata of one place, or of all."""
     found = checked or {}
     place = f" at {where}" if where else ""
     remark = f": {len(entries)}{place}, {_counted(entries)}" if entries else f": none known{place}"

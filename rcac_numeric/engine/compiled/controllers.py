@@ -7,6 +7,7 @@ would run it without what it adds.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from functools import singledispatch
 from typing import Any
@@ -29,7 +30,6 @@ from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight, Weight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.instruction_sets import require_instruction_set
 from rcac_numeric.engine.compiled.updates import (
     Event,
     KernelUpdate,
@@ -38,6 +38,30 @@ from rcac_numeric.engine.compiled.updates import (
 )
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
+
+VARIABLE = "RCAC_INSTRUCTION_SET"
+
+
+def require_instruction_set() -> None:
+    """Raise where the environment asks for instructions that this processor does not have.
+
+    The environment variable RCAC_INSTRUCTION_SET forces one of `_kernel.instruction_sets()` on
+    everything that is made from then on; without it the kernel takes the first. They round in
+    different orders: theta differs by about 1e-15 from one to the next.
+    """
+    name, known = os.environ.get(VARIABLE, ""), _kernel.instruction_sets()
+    if name and name not in known:
+        raise InputError(
+            f"{VARIABLE} = {name!r} is no instruction set of this processor; it runs "
+            f"{', '.join(known)}."
+        )
+
+
+def instruction_set() -> str:
+    """The instructions that everything is made with from now on; raises where there are none."""
+    require_instruction_set()
+    return os.environ.get(VARIABLE, "") or _kernel.instruction_sets()[0]
+
 
 NEVER = 2**62  # a step that no run reaches
 ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
@@ -51,22 +75,7 @@ def compiled_controller(
     supervision: Supervision | None = None,
     limits: ControlLimits | None = None,
 ) -> _kernel.Controller:
-    """A compiled controller at step 0.
-
-    Parameters
-    ----------
-    controller : ControllerSettings or FixedController
-    l_z : int
-        Number of the loop's performance variables.
-    failures : Failures
-        Keeps the exceptions of weights that are functions.
-    instructions : str
-        One of `_kernel.instruction_sets()` for UD; that of the process by default.
-    supervision : Supervision, optional
-        The mildest by default.
-    limits : ControlLimits, optional
-        That the controller keeps u to.
-    """
+    """A compiled controller at step 0."""
     require_instruction_set()
     arguments = kernel_arguments(controller, l_z, failures)
     if isinstance(controller, ControllerSettings):
@@ -167,14 +176,7 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
 
 
 def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:
-    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-    kernel : compiled controller
-        Made of them.
-    """
+    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates."""
     if not isinstance(settings.update, JointUD):
         return None
     return np.concatenate([[1.0], kernel.also_fitted])

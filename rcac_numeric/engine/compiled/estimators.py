@@ -48,15 +48,7 @@ ERRORS: dict[str, type[CompensatorError]] = {
 
 
 def estimation_failure(error: Exception, k: int) -> CompensatorError:
-    """What the kernel, or a function of the user, raised at step k, as an error of ours.
-
-    Parameters
-    ----------
-    error : Exception
-        What was raised.
-    k : int
-        The step.
-    """
+    """What the kernel, or a function of the user, raised at step k, as an error of ours."""
     if not isinstance(error, EstimationError):
         return FunctionFailedError(
             f"a function of the model failed at step {k}: {type(error).__name__}: {error}"

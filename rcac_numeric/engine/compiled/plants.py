@@ -27,16 +27,7 @@ from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 @singledispatch
 def compiled_plant(plant: object, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
-    """The plant in state x_0 for the kernel.
-
-    Parameters
-    ----------
-    plant : Plant, PlantSchedule, FunctionPlant, or another kind that is registered
-    x_0 : array, shape (n,), optional
-        Zero by default.
-    failures : Failures
-        Keeps the exceptions of a plant's Python functions.
-    """
+    """The plant in state x_0 for the kernel."""
     kinds = [kind.__name__ for kind in compiled_plant.registry if kind is not object]
     raise InputError(f"plant = {plant!r} is not a {' or '.join(kinds)}.")
 

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from typing import cast
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, one_of, real_array
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    one_of,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import printable
 from rcac_numeric.controllers.updates.forgetting import forgetting_factor
@@ -22,7 +30,12 @@ NUMBERS = ("lambda_", "R_z", "R_u", "R_u_unfiltered")
 LiveWeight = float | Array | SignalWeight
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _live_weight(value: ArrayLike | SignalWeight | None) -> LiveWeight | None:
+    """What a field takes that `_weight` reads; for type checkers."""
+    return cast(LiveWeight, value)
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class ControllerChange(Value):
     """What is to change in a running controller; whatever is None stays as it is.
 
@@ -50,35 +63,27 @@ class ControllerChange(Value):
     ControllerChange(lambda_=0.99, R_u=0.1)
     """
 
-    target: TargetModel | None
-    covariance: str
-    lambda_: float | None
-    R_z: LiveWeight | None
-    R_u: LiveWeight | None
-    R_u_unfiltered: float | Array | None
+    target: TargetModel | None = attrs.field(
+        default=None, metadata=reads(instance_of, kind=TargetModel, optional=True)
+    )
+    covariance: str = attrs.field(
+        default="blend", kw_only=True, metadata=reads(one_of, choices=COVARIANCES)
+    )
+    lambda_: float | None = attrs.field(
+        default=None, kw_only=True, metadata=reads(forgetting_factor, optional=True)
+    )
+    R_z: LiveWeight | None = attrs.field(default=None, kw_only=True, converter=_live_weight)
+    R_u: LiveWeight | None = attrs.field(default=None, kw_only=True, converter=_live_weight)
+    R_u_unfiltered: float | Array | None = attrs.field(
+        default=None, kw_only=True, converter=optional_array_like
+    )
 
-    def __init__(
-        self,
-        target: TargetModel | None = None,
-        *,
-        covariance: str = "blend",
-        lambda_: float | None = None,
-        R_z: ArrayLike | SignalWeight | None = None,
-        R_u: ArrayLike | SignalWeight | None = None,
-        R_u_unfiltered: ArrayLike | None = None,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        if target is not None:
-            instance_of(target, "target", TargetModel)
-        set_("target", target)
-        set_("covariance", one_of(covariance, "covariance", COVARIANCES))
-        set_("lambda_", None if lambda_ is None else forgetting_factor(lambda_))
-        for name, value in (("R_z", R_z), ("R_u", R_u)):
-            set_(name, _weight(value, name))
-        if isinstance(R_u_unfiltered, SignalWeight):
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.R_u_unfiltered, SignalWeight):
             raise InputError("R_u_unfiltered does not follow signals; give a number or a matrix.")
-        set_("R_u_unfiltered", _weight(R_u_unfiltered, "R_u_unfiltered"))
-        if target is None and all(getattr(self, name) is None for name in NUMBERS):
+        for name in ("R_z", "R_u", "R_u_unfiltered"):
+            object.__setattr__(self, name, _weight(getattr(self, name), name))
+        if self.target is None and all(getattr(self, name) is None for name in NUMBERS):
             raise InputError(
                 "nothing is to change: give target, lambda_, R_z, R_u or R_u_unfiltered."
             )

@@ -34,17 +34,7 @@ def apply_change(
     change: ControllerChange,
     evidence: str = "",
 ) -> AppliedChange:
-    """Make a change in a compiled controller between two steps.
-
-    Parameters
-    ----------
-    kernel : compiled controller
-    settings : ControllerSettings
-        That it was made of.
-    change : ControllerChange
-    evidence : str
-        Kept with what is returned.
-    """
+    """Make a change in a compiled controller between two steps."""
     require_kind(change, "the change", (ControllerChange,))
     if isinstance(settings.update, JointUD):
         raise InputError(
@@ -85,15 +75,7 @@ def _apply_target(
 
 
 def require_fits(target: TargetModel, settings: ControllerSettings, longest_order: int) -> None:
-    """Refuse a target model that a running controller cannot go on with.
-
-    Parameters
-    ----------
-    target : TargetModel
-    settings : ControllerSettings
-    longest_order : int
-        What the stored signals suffice for.
-    """
+    """Refuse a target model that a running controller cannot go on with."""
     require_kind(target, "target", (TargetModel,))
     was = settings.target
     if (target.l_z, target.l_u) != (was.l_z, was.l_u):

@@ -22,12 +22,6 @@ class DeviceLearner:
 
     The last step's signals wait for what the actuator made of u; before the first target model
     there is no update.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-        With `learning`.
-    kernel : compiled controller
     """
 
     def __init__(self, settings: ControllerSettings, kernel: _kernel.Controller) -> None:

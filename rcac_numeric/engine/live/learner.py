@@ -23,14 +23,7 @@ SMALLEST_ZERO, LARGEST_ZERO = 1.02, 10.0
 
 
 class DataDrivenLearner:
-    """Takes in u and z, and says before a step whether G_f is to change, and why.
-
-    Parameters
-    ----------
-    settings : DataDriven
-    structure : Structure
-        Of the controller beside which it learns.
-    """
+    """Takes in u and z, and says before a step whether G_f is to change, and why."""
 
     def __init__(self, settings: DataDriven, structure: Structure) -> None:
         self.settings = settings
@@ -170,13 +163,6 @@ class FrozenPerturbation:
 
     The loop that theta would close, driven by u~, is what (4.14) speaks of: u~ -> z has d_zu, H and
     the zeros of G_zu, and the order n + n_c.
-
-    Parameters
-    ----------
-    structure : Structure
-        With one u, and no derived signals.
-    settings : DataDriven
-        Whose window, order and forgetting the model has.
     """
 
     def __init__(self, structure: Structure, settings: DataDriven) -> None:

@@ -19,8 +19,14 @@ from rcac_numeric.engine.compatibility import AnyController, command_position, r
 from rcac_numeric.engine.compiled.controllers import require_parts
 from rcac_numeric.engine.compiled.plants import initial_state, require_linear
 from rcac_numeric.engine.compiled.updates import require_kind
-from rcac_numeric.engine.reference.ball_updates import BallData, ball_update
-from rcac_numeric.engine.reference.balls import balls, held, latest, normalized
+from rcac_numeric.engine.reference.ball_updates import (
+    BallData,
+    ball_update,
+    balls,
+    held,
+    latest,
+    normalized,
+)
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign import as_plant

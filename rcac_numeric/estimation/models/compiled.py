@@ -186,14 +186,7 @@ class Writer:
 
 
 def tape(expressions: Sequence[Any], given: Sequence[sympy.Symbol]) -> Tape:
-    """The tape that computes the expressions from the given symbols.
-
-    Parameters
-    ----------
-    expressions : sequence of SymPy expressions
-    given : sequence of symbols
-        x, u and k, in this order.
-    """
+    """The tape that computes the expressions from the given symbols."""
     real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in given}
     written = [expression.xreplace(real).doit() for expression in expressions]  # |e^x| is e^x
     writer = Writer(list(real.values()))

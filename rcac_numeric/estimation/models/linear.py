@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import matrix
+from rcac_numeric.arrays.validation import array_like, matrix, optional_array_like
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.models.any_model import places_of_angles
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class LinearModel(Value):
     """x(k+1) = A x(k) + B u(k) + noise, y(k) = C x(k) + D u(k) + noise.
 
@@ -45,29 +44,21 @@ class LinearModel(Value):
     1
     """
 
-    A: Array
-    C: Array
-    B: Array
-    D: Array
-    angles: tuple[int, ...]
+    A: Array = attrs.field(converter=array_like)
+    C: Array = attrs.field(converter=array_like)
+    B: Array = attrs.field(default=None, converter=optional_array_like)
+    D: Array = attrs.field(default=None, converter=optional_array_like)
+    angles: Sequence[int] = ()
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        C: ArrayLike,
-        B: ArrayLike | None = None,
-        D: ArrayLike | None = None,
-        angles: Iterable[int] = (),
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        read = matrix(A, "A", (None, None))
-        n = read.shape[0]
-        set_("A", matrix(A, "A", (n, n)))
-        set_("C", matrix(C, "C", (None, n)))
-        set_("B", matrix(np.zeros((n, 0)) if B is None else B, "B", (n, None)))
-        shape = (self.C.shape[0], self.B.shape[1])
-        set_("D", matrix(np.zeros(shape) if D is None else D, "D", shape))
-        set_("angles", places_of_angles(angles, self.C.shape[0]))
+        n = len(matrix(self.A, "A", (None, None)))
+        set_("A", matrix(self.A, "A", (n, n)))
+        set_("C", matrix(self.C, "C", (None, n)))
+        set_("B", matrix(np.zeros((n, 0)) if self.B is None else self.B, "B", (n, None)))
+        shape = (len(self.C), self.B.shape[1])
+        set_("D", matrix(np.zeros(shape) if self.D is None else self.D, "D", shape))
+        set_("angles", places_of_angles(self.angles, len(self.C)))
 
     @property
     def n(self) -> int:

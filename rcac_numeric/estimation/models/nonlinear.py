@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import (
+    integer,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.models.any_model import places_of_angles
 
 Function = Callable[..., ArrayLike]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _function(value: object, name: str) -> object:
+    if not callable(value):
+        raise InputError(f"{name} = {value!r} is not a function.")
+    return value
+
+
+OPTIONAL = reads(_function, optional=True)
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class NonlinearModel(Value):
     """x(k+1) = dynamics(k, x, u) + noise and y(k) = output(k, x, u) + noise, as Python functions.
 
@@ -68,57 +83,29 @@ class NonlinearModel(Value):
     0.7
     """
 
-    dynamics: Function
-    output: Function
-    n_x: int
-    l_y: int
-    l_u: int
-    l_p: int
-    dynamics_jacobian: Function | None
-    output_jacobian: Function | None
-    scale: Array
-    angles: tuple[int, ...]
-    residual: Function | None
+    dynamics: Function = attrs.field(metadata=reads(_function))
+    output: Function = attrs.field(metadata=reads(_function))
+    n_x: int = attrs.field(metadata=reads(integer, at_least=1))
+    l_y: int = attrs.field(metadata=reads(integer, at_least=1))
+    l_u: int = attrs.field(default=0, metadata=reads(integer))
+    l_p: int = attrs.field(default=0, metadata=reads(integer))
+    dynamics_jacobian: Function | None = attrs.field(default=None, metadata=OPTIONAL)
+    output_jacobian: Function | None = attrs.field(default=None, metadata=OPTIONAL)
+    scale: Array = attrs.field(default=None, converter=optional_array_like)
+    angles: Sequence[int] = ()
+    residual: Function | None = attrs.field(default=None, metadata=OPTIONAL)
 
-    def __init__(
-        self,
-        dynamics: Function,
-        output: Function,
-        n_x: int,
-        l_y: int,
-        l_u: int = 0,
-        l_p: int = 0,
-        dynamics_jacobian: Function | None = None,
-        output_jacobian: Function | None = None,
-        scale: ArrayLike | None = None,
-        angles: Iterable[int] = (),
-        residual: Function | None = None,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        for name, function in (("dynamics", dynamics), ("output", output)):
-            if not callable(function):
-                raise InputError(f"{name} = {function!r} is not a function.")
-            set_(name, function)
-        others = {
-            "dynamics_jacobian": dynamics_jacobian,
-            "output_jacobian": output_jacobian,
-            "residual": residual,
-        }
-        for name, other in others.items():
-            if other is not None and not callable(other):
-                raise InputError(f"{name} = {other!r} is not a function.")
-            set_(name, other)
-        set_("n_x", integer(n_x, "n_x", at_least=1))
-        set_("l_y", integer(l_y, "l_y", at_least=1))
-        set_("l_u", integer(l_u, "l_u"))
-        set_("l_p", integer(l_p, "l_p"))
         size = self.n_x + self.l_p
-        sizes = real_array(np.ones(size) if scale is None else scale, "scale").reshape(-1)
-        if sizes.size != size or (sizes <= 0).any():
-            raise InputError(f"scale = {sizes} must hold {size} positive numbers, one per entry.")
-        set_("scale", sizes)
-        set_("angles", places_of_angles(angles, self.l_y))
-        if self.angles and residual is not None:
+        scale = np.ones(size) if self.scale is None else self.scale
+        set_("scale", real_array(scale, "scale").reshape(-1))
+        if self.scale.size != size or (self.scale <= 0).any():
+            raise InputError(
+                f"scale = {self.scale} must hold {size} positive numbers, one per entry."
+            )
+        set_("angles", places_of_angles(self.angles, self.l_y))
+        if self.angles and self.residual is not None:
             raise InputError("give angles or a residual: the residual says how angles differ.")
 
     @property

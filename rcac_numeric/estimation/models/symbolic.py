@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
+import attrs
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from rcac_numeric.estimation.models.any_model import places_of_angles
 Function = Callable[[int, Array, Array], ArrayLike]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class SymbolicModel(Value):
     """x(k+1) = dynamics + noise, y(k) = output + noise, as SymPy expressions.
 
@@ -60,31 +60,21 @@ class SymbolicModel(Value):
     Matrix([[-kappa/10, 1/2, -q/10]])
     """
 
-    dynamics: tuple[sympy.Expr, ...]
-    output: tuple[sympy.Expr, ...]
-    states: tuple[sympy.Symbol, ...]
-    inputs: tuple[sympy.Symbol, ...]
-    parameters: tuple[sympy.Symbol, ...]
-    step: sympy.Symbol
-    angles: tuple[int, ...]
+    dynamics: Sequence[sympy.Expr]
+    output: Sequence[sympy.Expr]
+    states: Sequence[sympy.Symbol]
+    inputs: Sequence[sympy.Symbol] = ()
+    parameters: Sequence[sympy.Symbol] = ()
+    step: sympy.Symbol = None
+    angles: Sequence[int] = ()
 
-    def __init__(
-        self,
-        dynamics: Iterable[sympy.Expr],
-        output: Iterable[sympy.Expr],
-        states: Iterable[sympy.Symbol],
-        inputs: Iterable[sympy.Symbol] = (),
-        parameters: Iterable[sympy.Symbol] = (),
-        step: sympy.Symbol | None = None,
-        angles: Iterable[int] = (),
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("dynamics", _expressions(dynamics, "dynamics"))
-        set_("output", _expressions(output, "output"))
-        set_("angles", places_of_angles(angles, len(self.output)))
-        set_("states", _symbols(states, "states"))
-        set_("inputs", _symbols(inputs, "inputs"))
-        set_("parameters", _symbols(parameters, "parameters"))
+    def __attrs_post_init__(self) -> None:
+        set_, step = partial(object.__setattr__, self), self.step
+        for name in ("dynamics", "output"):
+            set_(name, _expressions(getattr(self, name), name))
+        set_("angles", places_of_angles(self.angles, len(self.output)))
+        for name in ("states", "inputs", "parameters"):
+            set_(name, _symbols(getattr(self, name), name))
         (symbol,) = _symbols([sympy.Symbol("k") if step is None else step], "step")
         set_("step", symbol)
         known = [*self.states, *self.parameters, *self.inputs]
@@ -133,7 +123,7 @@ class SymbolicModel(Value):
     @property
     def x(self) -> tuple[sympy.Symbol, ...]:
         """[x; p]."""
-        return self.states + self.parameters
+        return (*self.states, *self.parameters)
 
     @property
     def f(self) -> sympy.Matrix:

@@ -45,15 +45,7 @@ def retrospective_matrix(
 
 
 def require_solvable(H: Array, method: str, eta_bar: float, delays: Sequence[int]) -> None:
-    """Raise where the reconstruction has no answer.
-
-    Parameters
-    ----------
-    H : array
-        H~.
-    method, eta_bar, delays
-        Those of `RCMR`.
-    """
+    """Raise where the reconstruction has no answer."""
     values = np.linalg.svd(H, compute_uv=False)
     rank = int((values > ROUNDING * values.max(initial=0.0)).sum())
     if not np.isfinite(H).all():
@@ -78,12 +70,6 @@ def reconstruction(H: Array, R: Array, chosen: slice) -> tuple[Array, Array, Arr
     """(lambda, V_d, W) with V_d (diag(lambda) + eta)^-1 W = the rows `chosen` of A(k)^-1 H~'R.
 
     H~'R H~ = V diag(lambda) V'. Its null space is left out: H~'R has no part in it.
-
-    Parameters
-    ----------
-    H, R : arrays
-    chosen : slice
-        The rows of u*(k - d) in U~*.
     """
     root = np.linalg.cholesky(R)
     left, values, right = np.linalg.svd(root.T @ H, full_matrices=False)

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import instance_of, integer, matrix, number, one_of, vector
+from rcac_numeric.arrays.validation import (
+    array_like,
+    instance_of,
+    integer,
+    matrix,
+    number,
+    one_of,
+    optional_array_like,
+    optional_integer,
+    reads,
+    vector,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.refinement.markov import require_solvable, retrospective_matrix
 from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
@@ -20,7 +32,7 @@ from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, Repeated
 METHODS = ("nearest", "smallest", "pseudoinverse", "direct")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class RCMR(Value):
     """Retrospective cost model refinement (8.25)-(8.63), corrected.
 
@@ -76,77 +88,60 @@ class RCMR(Value):
     array([[-0.05]])
     """
 
-    A: Array
-    B: Array
-    D_1: Array
-    C: Array
-    E_1: Array
-    subsystem: FIRSubsystem | RepeatedParameters
-    beta: Array
-    lambda_: float
-    delays: tuple[int, ...]
-    stack: tuple[int, ...]
-    d: int
-    method: str
-    eta_bar: float
-    R: Array
-    k_update: int
-    theta_0: Array
-    x_0: Array
+    A: Array = attrs.field(converter=array_like)
+    D_1: Array = attrs.field(converter=array_like)
+    C: Array = attrs.field(converter=array_like)
+    B: Array = attrs.field(default=None, converter=optional_array_like)
+    E_1: Array = attrs.field(default=None, converter=optional_array_like)
+    subsystem: FIRSubsystem | RepeatedParameters = attrs.field(
+        factory=FIRSubsystem, metadata=reads(instance_of, kind=FIRSubsystem | RepeatedParameters)
+    )
+    beta: Array = attrs.field(default=1.0, converter=array_like)
+    lambda_: float = 1.0
+    delays: Sequence[int] = (2,)
+    stack: Sequence[int] = (0,)
+    d: int = attrs.field(default=None, converter=optional_integer)
+    method: str = "nearest"
+    eta_bar: float = 0.0
+    R: Array = attrs.field(default=1.0, converter=array_like)
+    k_update: int = attrs.field(default=None, converter=optional_integer)
+    theta_0: Array = attrs.field(default=None, converter=optional_array_like)
+    x_0: Array = attrs.field(default=None, converter=optional_array_like)
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        D_1: ArrayLike,
-        C: ArrayLike,
-        B: ArrayLike | None = None,
-        E_1: ArrayLike | None = None,
-        subsystem: FIRSubsystem | RepeatedParameters | None = None,
-        beta: ArrayLike = 1.0,
-        lambda_: float = 1.0,
-        delays: Sequence[int] = (2,),
-        stack: Sequence[int] = (0,),
-        d: int | None = None,
-        method: str = "nearest",
-        eta_bar: float = 0.0,
-        R: ArrayLike = 1.0,
-        k_update: int | None = None,
-        theta_0: ArrayLike | None = None,
-        x_0: ArrayLike | None = None,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        n = matrix(A, "A", (None, None)).shape[0]
-        set_("A", matrix(A, "A", (n, n)))
-        set_("D_1", matrix(_column(D_1, n), "D_1", (n, None)))
-        set_("C", matrix(_row(C), "C", (None, n)))
-        part = FIRSubsystem() if subsystem is None else subsystem
-        set_("subsystem", instance_of(part, "subsystem", FIRSubsystem | RepeatedParameters))
-        self._read_channels(B, E_1)
-        set_("delays", _steps(delays, "delays", 1))
-        set_("stack", _steps(stack, "stack", 0))
-        set_("d", max(self.delays) if d is None else integer(d, "d", at_least=1))
+        n = matrix(self.A, "A", (None, None)).shape[0]
+        set_("A", matrix(self.A, "A", (n, n)))
+        set_("D_1", matrix(_column(self.D_1, n), "D_1", (n, None)))
+        set_("C", matrix(_row(self.C), "C", (None, n)))
+        self._read_channels()
+        set_("delays", _steps(self.delays, "delays", 1))
+        set_("stack", _steps(self.stack, "stack", 0))
+        set_("d", max(self.delays) if self.d is None else integer(self.d, "d", at_least=1))
         if self.d not in self.delays:
             raise InputError(f"d = {self.d} is none of the delays {self.delays} of U~.")
-        set_("method", one_of(method, "method", METHODS))
-        set_("eta_bar", number(eta_bar, "eta_bar"))
+        one_of(self.method, "method", METHODS)
+        set_("eta_bar", number(self.eta_bar, "eta_bar"))
         if self.eta_bar < 0:
             raise InputError(f"eta_bar = {self.eta_bar:.6g} must not be negative.")
-        set_("lambda_", number(lambda_, "lambda_"))
+        set_("lambda_", number(self.lambda_, "lambda_"))
         if not 0 < self.lambda_ <= 1:
             raise InputError(f"lambda_ = {self.lambda_:.6g} must lie in (0, 1].")
         rows = len(self.stack) * self.l_y
-        set_("R", constant_weight(R, "R", rows, definite=True))
-        set_("beta", constant_weight(beta, "beta", self.l_theta, definite=True))
-        first = max(self.delays) + 1 if k_update is None else integer(k_update, "k_update")
-        set_("k_update", first)
-        zero = np.zeros(self.l_theta)
-        set_("theta_0", vector(zero if theta_0 is None else theta_0, "theta_0", self.l_theta))
-        set_("x_0", vector(np.zeros(n) if x_0 is None else x_0, "x_0", n))
+        set_("R", constant_weight(self.R, "R", rows, definite=True))
+        set_("beta", constant_weight(self.beta, "beta", self.l_theta, definite=True))
+        first = max(self.delays) + 1 if self.k_update is None else self.k_update
+        set_("k_update", integer(first, "k_update"))
+        for name, size in (("theta_0", self.l_theta), ("x_0", n)):
+            given = getattr(self, name)
+            set_(name, vector(np.zeros(size) if given is None else given, name, size))
         require_solvable(self.H, self.method, self.eta_bar, self.delays)
 
-    def _read_channels(self, B: ArrayLike | None, E_1: ArrayLike | None) -> None:
+    def _read_channels(self) -> None:
         set_ = partial(object.__setattr__, self)
         n, part = self.n, self.subsystem
+        B: ArrayLike | None = self.B
+        E_1: ArrayLike | None = self.E_1
         if isinstance(part, FIRSubsystem):
             if B is None or E_1 is None:
                 raise InputError("an FIRSubsystem needs B, where it acts, and E_1, what it reads.")

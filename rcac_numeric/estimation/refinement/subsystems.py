@@ -6,17 +6,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
+import attrs
 import numpy as np
 import sympy
-from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, number, real_array
+from rcac_numeric.arrays.validation import (
+    array_like,
+    instance_of,
+    integer,
+    number,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class FIRSubsystem(Value):
     """u^(k) = N_0 y_0^(k) + ... + N_{n_c-1} y_0^(k-n_c+1), or one step later, (8.57).
 
@@ -35,16 +44,11 @@ class FIRSubsystem(Value):
     FIRSubsystem(n_c=3, strictly_proper=True)
     """
 
-    n_c: int
-    strictly_proper: bool
-
-    def __init__(self, n_c: int = 1, strictly_proper: bool = False) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("n_c", integer(n_c, "n_c", at_least=1, at_most=1_000_000))
-        set_("strictly_proper", instance_of(strictly_proper, "strictly_proper", bool))
+    n_c: int = attrs.field(default=1, metadata=reads(integer, at_least=1, at_most=1_000_000))
+    strictly_proper: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class RepeatedParameters(Value):
     """u^(k) = sum over j of theta_j (A_j x^(k) + D_j w(k)): parameters in several places (8.73).
 
@@ -69,17 +73,17 @@ class RepeatedParameters(Value):
     1
     """
 
-    A: Array
-    D: Array
+    A: Array = attrs.field(converter=array_like)
+    D: Array = attrs.field(default=None, converter=optional_array_like)
 
-    def __init__(self, A: ArrayLike, D: ArrayLike | None = None) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        read = real_array(A, "A")
+        read = real_array(self.A, "A")
         if read.ndim != 3 or read.shape[1] != read.shape[2] or not read.size:
             raise InputError(f"A has shape {read.shape}; (l_theta, n, n) is needed.")
         set_("A", read)
         l_theta, n = read.shape[:2]
-        given = real_array(np.zeros((l_theta, n, 0)) if D is None else D, "D")
+        given = real_array(np.zeros((l_theta, n, 0)) if self.D is None else self.D, "D")
         if given.ndim != 3 or given.shape[:2] != (l_theta, n):
             raise InputError(f"D has shape {given.shape}; ({l_theta}, {n}, l_w) is needed.")
         set_("D", given)

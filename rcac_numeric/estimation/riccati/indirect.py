@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError, NotObservableError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import instance_of, integer, matrix, vector
+from rcac_numeric.arrays.validation import (
+    array_like,
+    instance_of,
+    integer,
+    matrix,
+    optional_array_like,
+    reads,
+    vector,
+    with_checks,
+)
 from rcac_numeric.controllers.stepwise import Stepper, StepwiseController
 from rcac_numeric.estimation.refinement.refinement import ModelRefinement
 from rcac_numeric.estimation.refinement.settings import RCMR
@@ -20,7 +29,7 @@ from rcac_numeric.estimation.resumable import Resumable
 from rcac_numeric.estimation.riccati.forward import ForwardEstimator, ForwardRegulator
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class IndirectSettings(StepwiseController):
     """Servo control (8.91)-(8.99), corrected, of the plant that RCMR identifies meanwhile.
 
@@ -65,38 +74,28 @@ class IndirectSettings(StepwiseController):
     (True, array([0.2]))
     """
 
-    model: RCMR
-    C_r: Array
-    R_1: Array
-    R_2: Array
-    V_1: Array | None
-    V_2: Array | None
-    k_identify: int
+    model: RCMR = attrs.field(metadata=reads(instance_of, kind=RCMR))
+    C_r: Array = attrs.field(converter=array_like)
+    R_1: Array = attrs.field(converter=array_like)
+    R_2: Array = attrs.field(converter=array_like)
+    V_1: Array | None = attrs.field(default=None, converter=optional_array_like)
+    V_2: Array | None = attrs.field(default=None, converter=optional_array_like)
+    k_identify: int = attrs.field(default=0, metadata=reads(integer))
 
-    def __init__(
-        self,
-        model: RCMR,
-        C_r: ArrayLike,
-        R_1: ArrayLike,
-        R_2: ArrayLike,
-        V_1: ArrayLike | None = None,
-        V_2: ArrayLike | None = None,
-        k_identify: int = 0,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        set_("model", instance_of(model, "model", RCMR))
-        row = np.asarray(C_r)
+        model, V_1, V_2 = self.model, self.V_1, self.V_2
+        row = np.asarray(self.C_r)
         set_("C_r", matrix(row.reshape(1, -1) if row.ndim == 1 else row, "C_r", (1, model.n)))
         refined_matrices(model, model.theta_0)
-        set_("R_1", constant_weight(R_1, "R_1", model.n + 1, definite=False))
-        set_("R_2", constant_weight(R_2, "R_2", model.l_w, definite=True))
+        set_("R_1", constant_weight(self.R_1, "R_1", model.n + 1, definite=False))
+        set_("R_2", constant_weight(self.R_2, "R_2", model.l_w, definite=True))
         if (V_1 is None) != (V_2 is None):
             raise InputError("an observer needs both V_1 and V_2; full-state feedback neither.")
         set_("V_1", None if V_1 is None else constant_weight(V_1, "V_1", model.n, definite=False))
         set_("V_2", None if V_2 is None else constant_weight(V_2, "V_2", 1, definite=True))
         if self.has_observer:
             require_observable(model, self.C_r)
-        set_("k_identify", integer(k_identify, "k_identify"))
 
     @property
     def has_observer(self) -> bool:
@@ -268,14 +267,7 @@ def refined_matrices(settings: RCMR, theta: Array) -> tuple[Array, Array]:
 
 
 def require_observable(settings: RCMR, C: Array) -> None:
-    """Raise where an observer of the model with theta_0 could not correct some mode.
-
-    Parameters
-    ----------
-    settings : RCMR
-    C : array, shape (1, n)
-        What is measured.
-    """
+    """Raise where an observer of the model with theta_0 could not correct some mode."""
     A, _ = refined_matrices(settings, settings.theta_0)
     rows = [C]
     for _ in range(settings.n - 1):

@@ -39,7 +39,6 @@ class EstimatedRun(Value):
     outcome: str = "completed"
 
 
-@dataclass(frozen=True, eq=False)
 class Estimation(Value, ABC):
     """An estimator with its settings, as an experiment has it."""
 

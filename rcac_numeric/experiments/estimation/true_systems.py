@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, matrix, number, vector
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    matrix,
+    number,
+    optional_array_like,
+    vector,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.engine.simulation import simulate
+from rcac_numeric.experiments.format.tables import ByKey
+from rcac_numeric.experiments.format.values import Integer, ListOf, Real, Row
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 from rcac_numeric.signals.signal import Signal, exogenous
-from rcac_numeric.signals.waveforms import WhiteNoise
+from rcac_numeric.signals.waveforms import Harmonic, Ramp, Step, WhiteNoise
 
 
 class Record(NamedTuple):
@@ -31,36 +40,27 @@ class Record(NamedTuple):
     truth: Array
 
 
-@dataclass(frozen=True, eq=False, init=False)
+AT_FIRST = "At the first value of the parameter; D_1 is where the known input acts, or the control."
+AT_LAST = "At the last value of the parameter, linear in it; as at first where they are left out."
+NOISE = "Mean and standard deviation of the sensor noise v."
+COURSE = ListOf(Row((Integer(), Real()), "a pair [step, value]"), 1)
+EXCITATION: ByKey[Signal] = ByKey("an excitation", number=Step)
+EXCITATION.register("step", Step)
+EXCITATION.register("ramp", Ramp)
+EXCITATION.register("harmonic", Harmonic)
+EXCITATION.register("white_noise", WhiteNoise)
+
+
+def _excitation(given: Signal | None) -> Signal:
+    return WhiteNoise() if given is None else given
+
+
+@attrs.frozen(eq=False, slots=False)
 class TrueSystem(Value):
     """x(k+1) = A(k) x(k) + D_1(k) w(k), y = C x + v, with a parameter that moves along a course.
 
     A(k) and D_1(k) are linear in the parameter: at its first value A and D_1, at its last value
     A_then and D_1_then.
-
-    Parameters
-    ----------
-    A : matrix
-        At the first value of the parameter.
-    D_1 : matrix
-        The same; of the known input w, or of the control.
-    C : matrix
-        What is measured.
-    truth : list of pairs [step, value]
-        What is to be estimated: linear between the steps, constant after the last.
-    A_then, D_1_then : matrix
-        At the last value of the parameter; A and D_1 where they are left out.
-    w : signal
-        The known input: `{ white_noise = 10 }` with its standard deviation, or another signal.
-    bias, deviation : number
-        Mean and standard deviation of the sensor noise v.
-    x_0 : list of numbers
-        x(0); zero where it is left out.
-
-    Raises
-    ------
-    InputError
-        Where sizes do not fit or the steps are not in order.
 
     Examples
     --------
@@ -71,40 +71,44 @@ class TrueSystem(Value):
     ((12, 1), array([2. , 2.5, 3. ]))
     """
 
-    A: Array
-    D_1: Array
-    C: Array
-    truth: tuple[tuple[int, float], ...]
-    A_then: Array
-    D_1_then: Array
-    w: Signal
-    bias: float
-    deviation: float
-    x_0: Array
+    A: Annotated[Array, AT_FIRST]
+    D_1: Annotated[Array, AT_FIRST]
+    C: Annotated[Array, "What is measured."]
+    truth: Annotated[
+        Sequence[tuple[int, float]],
+        COURSE,
+        "What is to be estimated: linear between the steps, constant after the last.",
+    ]
+    A_then: Annotated[Array, AT_LAST] = attrs.field(default=None, converter=optional_array_like)
+    D_1_then: Annotated[Array, AT_LAST] = attrs.field(default=None, converter=optional_array_like)
+    w: Annotated[
+        Signal,
+        EXCITATION,
+        "The known input: `{ white_noise = 10 }` with its standard deviation, `{ ramp = 0.1 }`, "
+        "`{ step = 1 }` or `{ harmonic = 1, omega = 0.1 }`; white noise of deviation 1 by "
+        "default.",
+    ] = attrs.field(default=None, converter=_excitation)
+    bias: Annotated[float, NOISE] = 0.0
+    deviation: Annotated[float, NOISE] = 0.0
+    x_0: Annotated[Array, "x(0); zero where it is left out."] = attrs.field(
+        default=None, converter=optional_array_like
+    )
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        D_1: ArrayLike,
-        C: ArrayLike,
-        truth: Sequence[tuple[int, float]],
-        A_then: ArrayLike | None = None,
-        D_1_then: ArrayLike | None = None,
-        w: Signal | None = None,
-        bias: float = 0.0,
-        deviation: float = 0.0,
-        x_0: ArrayLike | None = None,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        n = matrix(A, "A", (None, None)).shape[0]
-        set_("A", matrix(A, "A", (n, n)))
-        set_("D_1", columns_of(D_1, "D_1", n))
-        set_("C", rows_of(C, "C", n))
-        pairs = [(integer(k, "a step of truth"), number(v, "a value of truth")) for k, v in truth]
+        n = matrix(self.A, "A", (None, None)).shape[0]
+        set_("A", matrix(self.A, "A", (n, n)))
+        set_("D_1", columns_of(self.D_1, "D_1", n))
+        set_("C", rows_of(self.C, "C", n))
+        pairs = [
+            (integer(k, "a step of truth"), number(v, "a value of truth")) for k, v in self.truth
+        ]
         steps = [k for k, _ in pairs]
         if not pairs or steps[0] != 0 or sorted(set(steps)) != steps:
             raise InputError(f"truth = {pairs} must begin at step 0, with steps in order.")
         set_("truth", tuple(pairs))
+        A_then: Array | None = self.A_then
+        D_1_then: Array | None = self.D_1_then
         if (A_then is not None or D_1_then is not None) and pairs[0][1] == pairs[-1][1]:
             raise InputError("the last value of truth is its first: A_then has no meaning.")
         set_("A_then", self.A if A_then is None else matrix(A_then, "A_then", (n, n)))
@@ -112,12 +116,12 @@ class TrueSystem(Value):
         if then.shape != self.D_1.shape:
             raise InputError(f"D_1_then has shape {then.shape} and D_1 {self.D_1.shape}.")
         set_("D_1_then", then)
-        set_("w", WhiteNoise() if w is None else instance_of(w, "w", Signal))
-        set_("bias", number(bias, "bias"))
-        set_("deviation", number(deviation, "deviation"))
+        instance_of(self.w, "w", Signal)
+        set_("bias", number(self.bias, "bias"))
+        set_("deviation", number(self.deviation, "deviation"))
         if self.deviation < 0:
             raise InputError(f"deviation = {self.deviation} cannot be negative.")
-        set_("x_0", vector(np.zeros(n) if x_0 is None else x_0, "x_0", n))
+        set_("x_0", vector(np.zeros(n) if self.x_0 is None else self.x_0, "x_0", n))
 
     @property
     def n(self) -> int:

@@ -14,8 +14,8 @@ from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, FigureRequest, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
 from rcac_numeric.experiments.files.documents import Heading, named, read_file, require_plain
-from rcac_numeric.experiments.files.estimation import estimation_experiment, is_estimation
-from rcac_numeric.experiments.files.exact import exact_experiment, is_exact
+from rcac_numeric.experiments.files.estimation import estimation_experiment
+from rcac_numeric.experiments.files.exact import exact_experiment
 from rcac_numeric.experiments.files.runs import (
     CONTROLLERS,
     OPEN_VALUE,
@@ -123,9 +123,9 @@ def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
 
 def _built(table: Raw, file: str, budget: Budget) -> Experiment:
     try:
-        if is_exact(table):
+        if "exact" in table:
             return exact_experiment(table, file)
-        if is_estimation(table):
+        if "estimation" in table:
             return estimation_experiment(table, file, budget)
         return _experiment(table, file, budget)
     except CompensatorError as error:

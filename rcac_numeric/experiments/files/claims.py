@@ -6,8 +6,7 @@ from typing import Any
 
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.format.values import Choice, MapOf, Numbers
-from rcac_numeric.experiments.judging.claim import Claim
-from rcac_numeric.experiments.judging.interval import Check
+from rcac_numeric.experiments.judging.claim import Check, Claim
 from rcac_numeric.experiments.judging.reading import check_table, claim_table
 from rcac_numeric.experiments.measures.measures import MEASURES, SIGNALS
 

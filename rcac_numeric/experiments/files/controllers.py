@@ -178,16 +178,7 @@ ONE_OF_SEVERAL = Deferred(
 
 @attrs.frozen(eq=False)
 class ControllerSpecification(Value):
-    """The controllers of a run.
-
-    Attributes
-    ----------
-    parts : tuple
-        One for each controller: its settings but for the plant, or `Lqg`.
-    target : Target, optional
-        The target model of the only controller; several have their own.
-    shared_u : bool
-    """
+    """The controllers of a run."""
 
     parts: tuple[Part[ControllerSettings] | Lqg, ...]
     target: Target | None

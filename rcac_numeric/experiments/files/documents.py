@@ -62,14 +62,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
 
 
 def parsed(text: str) -> Raw:
-    r"""The tables of a TOML text; a number with more digits than float64 keeps them all.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.documents import parsed
-    >>> parsed("a = 0.1\nb = 0.10000000000000000555")
-    {'a': 0.1, 'b': Decimal('0.10000000000000000555')}
-    """
+    r"""The tables of a TOML text; a number with more digits than float64 keeps them all."""
     return tomllib.loads(text, parse_float=_number)
 
 

@@ -54,22 +54,8 @@ class ExactFile(Heading):
 EXACT_FILE = Table(ExactFile)
 
 
-def is_exact(table: Mapping[str, Any]) -> bool:
-    """Whether the tables of a file are those of an exact example."""
-    return "exact" in table
-
-
 def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
-    """The experiment of an exact example: claims without runs.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> verification = verify(load_example("B.2"))
-    >>> verification.results, [v.verdict for v in verification.verdicts]
-    ({}, ['reproduced', 'reproduced'])
-    """
+    """The experiment of an exact example: claims without runs."""
     read: ExactFile = EXACT_FILE.read(table, Place(file))
 
     nothing_open = OpenItems((), {})

@@ -13,6 +13,7 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import (
     Deferred,
@@ -373,7 +374,7 @@ class PlantTable:
         if self.sample_time is None:
             return plant
         if isinstance(plant, PlantSchedule):
-            changed = [replace(c, plant=_timed(c.plant, self.sample_time)) for c in plant.changes]
+            changed = [replaced(c, plant=_timed(c.plant, self.sample_time)) for c in plant.changes]
             return PlantSchedule(changed)
         return _timed(plant, self.sample_time)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcac_numeric.experiments.estimation.true_systems import EXCITATION
 from rcac_numeric.experiments.files.builder import FILE
-from rcac_numeric.experiments.files.estimation import ESTIMATION_FILE, EXCITATION
+from rcac_numeric.experiments.files.estimation import ESTIMATION_FILE
 from rcac_numeric.experiments.files.exact import EXACT_FILE
 from rcac_numeric.experiments.files.runs import TABLES
 from rcac_numeric.experiments.files.signals import SIGNAL

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Literal
 
 import attrs
 
@@ -14,23 +14,7 @@ from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.experiments.format.parts import Shorthand, Unresolved
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Integer, ListOf, Row, Text
-
-
-class Sizes(Protocol):
-    """What a structure asks of a plant: how wide it is."""
-
-    @property
-    def l_u(self) -> int:
-        """Number of control inputs."""
-
-    @property
-    def l_y(self) -> int:
-        """Number of measurements."""
-
-    @property
-    def blocks(self) -> Any:
-        """Widths of the blocks of w."""
-
+from rcac_numeric.plants.any_plant import AnyPlant
 
 ORDER = "Order, at least 1."
 FIRST_LAG = "First lag of y: 0 for an exactly proper controller, up to n_c."
@@ -40,7 +24,7 @@ LIMIT = "The integrator state is held within +-integral_limit."
 class StructureKind(Unresolved):
     """A structure, but for the widths of the plant."""
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """The structure for this plant."""
         raise NotImplementedError
 
@@ -52,7 +36,7 @@ class Iir(StructureKind):
     n_c: Annotated[int, ORDER]
     k_c: Annotated[int, FIRST_LAG] = 1
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths."""
         return iir(self.n_c, plant.l_u, plant.l_y, self.k_c)
 
@@ -64,7 +48,7 @@ class Fir(StructureKind):
     n_c: Annotated[int, ORDER]
     k_c: Annotated[int, FIRST_LAG] = 1
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths."""
         return fir(self.n_c, plant.l_u, plant.l_y, self.k_c)
 
@@ -77,7 +61,7 @@ class QuasiFir(StructureKind):
     free_poles: Annotated[int, "How many lags of u there are."] = 2
     k_c: Annotated[int, FIRST_LAG] = 1
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths."""
         return quasi_fir(self.n_c, self.free_poles, plant.l_u, plant.l_y, self.k_c)
 
@@ -90,7 +74,7 @@ class Pid(StructureKind):
     k_c: Annotated[int, FIRST_LAG] = 1
     integral_limit: Annotated[float, LIMIT] = math.inf
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths."""
         limit = self.integral_limit
         return pid(self.terms, plant.l_u, plant.l_y, k_c=self.k_c, integral_limit=limit)
@@ -108,7 +92,7 @@ class FirIntegrator(StructureKind):
     k_c: Annotated[int, FIRST_LAG] = 1
     integral_limit: Annotated[float, LIMIT] = math.inf
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths."""
         limit = self.integral_limit
         return fir_integrator(
@@ -128,7 +112,7 @@ class Feedforward(StructureKind):
     ] = "iir"
     first_r: Annotated[int | None, "First lag of r; `k_c` by default, 0 is allowed."] = None
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths, and its commands."""
         return feedforward(
             self.n_c, plant.l_u, plant.l_y, commands(plant, "feedforward"),
@@ -174,7 +158,7 @@ class Taps(StructureKind):
     ] = attrs.field(factory=list)
     n_c: Annotated[int, "Order; the longest delay where it is left out."] = -1
 
-    def of(self, plant: Sizes) -> Structure:
+    def of(self, plant: AnyPlant) -> Structure:
         """With the plant's widths, and its commands where one of them is read."""
         taps, own = [Tap(*tap) for tap in self.taps], self.derived
         reads_r = any(t.signal == "r" for t in taps) or any(len(s.now) > plant.l_y for s in own)
@@ -206,7 +190,7 @@ class StructureAlone:
 STRUCTURE = Table(StructureAlone)
 
 
-def commands(plant: Sizes, kind: str) -> int:
+def commands(plant: AnyPlant, kind: str) -> int:
     """How many commands there are for a structure that reads them."""
     if not plant.blocks.get("r", 0):
         raise InputError(

@@ -21,9 +21,8 @@ from rcac_numeric.experiments.format.values import (
     OneOrMore,
     Row,
 )
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 from rcac_numeric.targets.data_driven import INPUTS, LITERAL, DataDriven
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model

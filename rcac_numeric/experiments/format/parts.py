@@ -42,21 +42,7 @@ def resolved(value: Any, plant: Any) -> Any:
 
 @attrs.frozen(eq=False)
 class Part(Value, Unresolved, Generic[T]):
-    """A function or class, and the arguments that a table has for it, read and typed.
-
-    Attributes
-    ----------
-    make : callable
-    arguments : dict from parameters to values
-        Specifications among them.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Step
-    >>> from rcac_numeric.experiments.format.parts import Part
-    >>> Part(Step, {"height": 2.0}).of(None, start=3)
-    Step(height=2.0, start=3)
-    """
+    """A function or class, and the arguments that a table has for it, read and typed."""
 
     make: Callable[..., T]
     arguments: dict[str, Any]

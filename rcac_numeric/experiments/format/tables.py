@@ -57,18 +57,7 @@ FORMS: dict[Any, Form] = {
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table, and the parameter that it stands for.
-
-    Attributes
-    ----------
-    name, parameter : str
-        In the file and in Python, where lambda is written `lambda_`.
-    form : Form
-    is_required : bool
-    default : object
-    doc : str
-        What the docstring says of the parameter.
-    """
+    """A key of a table, and the parameter that it stands for."""
 
     name: str
     parameter: str
@@ -82,14 +71,6 @@ def keys_of(
     make: Any, forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
 ) -> tuple[Key, ...]:
     """The keys of the fields of an attrs class, or of the parameters of a function, in order.
-
-    Parameters
-    ----------
-    make : class or callable
-    forms : mapping from fields
-        What their annotations do not say.
-    given : collection of str
-        Fields that do not stand in the file.
 
     Examples
     --------
@@ -244,20 +225,6 @@ class Table(Form, Generic[T]):
     -----
     A field whose form is a `Kinds` is spread over the table: its key names the kind, and the keys
     of that kind stand beside it.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Step
-    >>> from rcac_numeric.experiments.format.places import Place
-    >>> from rcac_numeric.experiments.format.tables import Table
-    >>> place = Place("case.toml", "signals.r")
-    >>> Table(Step).read({"height": 2}, place)
-    Step(height=2.0, start=0)
-    >>> Table(Step).read({"hight": 2}, place)
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: case.toml: unknown key 'hight' in [signals.r]. Did you
-    mean 'height'? Known keys: height, start.
     """
 
     def __init__(
@@ -465,27 +432,18 @@ class Kind(Generic[T]):
 
 
 class Kinds(Form, Generic[T]):
-    """A choice by name: the kinds of something, each registered in one line.
-
-    Parameters
-    ----------
-    kinds : mapping from names to classes, functions, tables or kinds
-    default : str, optional
-        The kind where the file names none.
-    given : sequence of str
-        The parameters of functions that do not stand in the file.
-    """
+    """A choice by name; the kind `default`, if any, where the file names none."""
 
     def __init__(
         self,
-        kinds: Mapping[str, Callable[..., T] | Table[T] | Kind[T]],
+        kinds: Mapping[str, type[T] | Table[T] | Kind[T]],
         *,
         default: str | None = None,
-        given: Sequence[str] = (),
     ) -> None:
-        self.default, self.kinds = default, {n: _kind(kind, given) for n, kind in kinds.items()}
-        for name, kind in self.kinds.items():
-            kind.name = name
+        self.default, self.kinds = default, dict[str, Kind[T]]()
+        for name, kind in kinds.items():
+            self.kinds[name] = kind if isinstance(kind, Kind) else Kind(Variant(kind))
+            self.kinds[name].name = name
 
     @property
     def words(self) -> str:
@@ -526,25 +484,7 @@ class Kinds(Form, Generic[T]):
 
 
 class ByKey(Form, Generic[T]):
-    """A table in which one key names the kind, its value being the first field.
-
-    Parameters
-    ----------
-    what : str
-        What it is, with its article.
-    number : class
-        What a number alone stands for.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Pulse, Step
-    >>> from rcac_numeric.experiments.format.places import Place
-    >>> from rcac_numeric.experiments.format.tables import ByKey
-    >>> signal = ByKey("a signal", number=Step)
-    >>> signal.register("pulse", Pulse)
-    >>> signal.read({"pulse": 2, "length": 5}, Place("case.toml", "signals", "r"))
-    Pulse(height=2.0, start=0, length=5)
-    """
+    """A table in which one key names the kind, its value being the first field."""
 
     def __init__(self, what: str, *, number: Callable[[float], T]) -> None:
         self.what, self.number = what, number
@@ -552,10 +492,8 @@ class ByKey(Form, Generic[T]):
 
     def register(self, name: str, make: Callable[..., Any], **options: Any) -> None:
         """Let a key name this kind; its value is the first field of `make`."""
-        table = Table(make, **options)
-        table._names = {table.keys[0].parameter: name}
-        del table.keys
-        self.kinds[name] = table
+        first = Table(make, **options).keys[0].parameter
+        self.kinds[name] = Table(make, names={first: name}, **options)
 
     @property
     def words(self) -> str:
@@ -700,14 +638,3 @@ def _require_form(forms: Iterable[Form], value: object, place: Place) -> None:
 
 def _is_class(make: Any) -> bool:
     return isinstance(make, type) and attrs.has(make)
-
-
-def _kind(kind: Callable[..., T] | Table[T] | Kind[T], given: Sequence[str]) -> Kind[T]:
-    if isinstance(kind, Kind):
-        return kind
-    if isinstance(kind, Table):
-        return Kind(Variant(kind))
-    if _is_class(kind):
-        return Kind(Variant(Table(kind)))
-    parameters = inspect.signature(kind).parameters
-    return Kind(Variant(Table(kind, given=[name for name in given if name in parameters])))

@@ -16,8 +16,15 @@ from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import brief, did_you_mean
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Form, Integer, ListOf, MapOf, Text
-from rcac_numeric.experiments.judging.claim import OUTCOMES, RECORDS, AnyCheck, Claim, OpenItem
-from rcac_numeric.experiments.judging.interval import Check, quoted_interval
+from rcac_numeric.experiments.judging.claim import (
+    OUTCOMES,
+    RECORDS,
+    AnyCheck,
+    Check,
+    Claim,
+    OpenItem,
+    quoted_interval,
+)
 
 REST = "the rest"
 MOST = 200  # completions of one file
@@ -164,16 +171,7 @@ class ClaimTable(Value):
         items: OpenItems,
         standards: Mapping[str, Claim] | None = None,
     ) -> list[Claim]:
-        """What the table claims: one claim, or one for each variant that it names.
-
-        Parameters
-        ----------
-        runs : sequence of str
-            The names of the runs, the main one first; none where nothing runs.
-        items : OpenItems
-        standards : mapping from names, optional
-            Claims whose checks name no run.
-        """
+        """What the table claims: one claim, or one for each variant that it names."""
         text, checks = self._words_and_checks(standards or {})
         if self.verdicts is not None and (self.run or self.verdict):
             raise InputError(
@@ -269,16 +267,7 @@ class ClaimTable(Value):
 def claim_table(
     check: Table[Any], standards: Sequence[str] = (), *, runs: bool = True
 ) -> Table[ClaimTable]:
-    """The table of a claim, whose checks are of this table.
-
-    Parameters
-    ----------
-    check : Table
-    standards : sequence of str
-        Names of claims that need no words and checks of their own.
-    runs : bool
-        Whether there are runs that it could be judged on.
-    """
+    """The table of a claim, whose checks are of this table."""
     given = () if standards else ("standard",)
     if not runs:
         given = (*given, "run", "verdicts", "open", "over", "control")

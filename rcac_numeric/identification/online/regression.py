@@ -30,24 +30,7 @@ def floor_of(R_theta: float) -> float:
 
 
 class RecursiveRegression(Standing):
-    """z(k) = phi(k) theta + e(k) by the controller's own update, UD recursive least squares.
-
-    Parameters
-    ----------
-    kernel
-        Which phi it is.
-    **settings
-        What the constructor of a subclass was given.
-
-    Examples
-    --------
-    >>> from rcac_numeric.engine.compiled.estimators import make_arx
-    >>> from rcac_numeric.identification.online.regression import RecursiveRegression
-    >>> fit = RecursiveRegression(make_arx(order=1, R_theta=1e-6, forgetting_factor=1.0))
-    >>> fit.update([1.0, 0.0], [0.0, 2.0])
-    >>> fit.k, fit.P.shape
-    (2, (2, 2))
-    """
+    """z(k) = phi(k) theta + e(k) by the controller's own update, UD recursive least squares."""
 
     SHOWN: ClassVar[tuple[str, ...]] = ("k",)
 
@@ -64,19 +47,7 @@ class RecursiveRegression(Standing):
         return _rebuilt, (type(self), self._settings, self.state)
 
     def update(self, u: ArrayLike, z: ArrayLike) -> None:
-        """Take in u(k) and z(k) of one step or of several, in their order.
-
-        Parameters
-        ----------
-        u, z : numbers, or arrays of shape (steps,) or (steps, 1)
-
-        Raises
-        ------
-        InputError
-            Where their lengths differ.
-        DivergedError
-            Where the numbers left float64.
-        """
+        """Take in u(k) and z(k) of one step or of several, in their order."""
         one, other = (real_array(v, name).reshape(-1) for v, name in ((u, "u"), (z, "z")))
         if one.size != other.size:
             raise InputError(f"u has {one.size} values and z {other.size}; one of each a step.")
@@ -104,13 +75,7 @@ class RecursiveRegression(Standing):
         return self._kernel.save()
 
     def restore(self, state: Array) -> None:
-        """Go back, or forward, to a state of a model with the same settings.
-
-        Raises
-        ------
-        InputError
-            Where it is not one of a model of this size.
-        """
+        """Go back, or forward, to a state of a model with the same settings."""
         try:
             self._kernel.restore(state)
         except (TypeError, ValueError):

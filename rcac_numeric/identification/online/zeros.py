@@ -74,18 +74,7 @@ def zeros_of(
     level: float = 1.96,
     d_zu: int | None = None,
 ) -> OnlineZeros:
-    """The zeros of b_1 q^-1 + ... + b_p q^-p and their errors, d z/d b_j = -z^(p-j)/b'(z).
-
-    Parameters
-    ----------
-    b : array, shape (p,)
-    covariance : array, shape (p, p)
-        Of b.
-    errors : array
-        Residuals of the last steps, for the whiteness.
-    samples, level, d_zu
-        As in `OnlineZeros`; d_zu is estimated where it is left out.
-    """
+    """The zeros of b_1 q^-1 + ... + b_p q^-p and their errors, d z/d b_j = -z^(p-j)/b'(z)."""
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     if d_zu is None:
         significant = np.flatnonzero(np.abs(b) > SIGNIFICANCE * deviation)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
-from rcac_numeric.arrays.validation import matrix
+from rcac_numeric.arrays.validation import array_like, matrix, optional_array_like
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.gallery.zeros import plant_zeros
 from rcac_numeric.plants.linear import Plant
@@ -20,7 +20,7 @@ from rcac_numeric.plants.problems import servo_plant
 from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class ContinuousPlant(Value):
     """A linear plant x' = A x + B u, y = C x + D u in continuous time.
 
@@ -44,38 +44,28 @@ class ContinuousPlant(Value):
     array([[0.606531]])
     """
 
-    A: Array
-    B: Array
-    C: Array
-    D: Array
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
+    A: Array = attrs.field(converter=array_like)
+    B: Array = attrs.field(converter=array_like)
+    C: Array = attrs.field(converter=array_like)
+    D: Array = attrs.field(default=None, converter=optional_array_like)
+    states: Sequence[str] = ()
+    inputs: Sequence[str] = ()
+    outputs: Sequence[str] = ()
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        B: ArrayLike,
-        C: ArrayLike,
-        D: ArrayLike | None = None,
-        states: Sequence[str] = (),
-        inputs: Sequence[str] = (),
-        outputs: Sequence[str] = (),
-    ) -> None:
-        n = len(matrix(A, "A", (None, None)))
-        read = {"A": matrix(A, "A", (n, n)), "B": matrix(B, "B", (n, None))}
-        read["C"] = matrix(C, "C", (None, n))
-        size = (len(read["C"]), read["B"].shape[1])
-        read["D"] = matrix(np.zeros(size) if D is None else D, "D", size)
-        for name, value in read.items():
-            object.__setattr__(self, name, value)
-        counts = {"states": (states, n), "inputs": (inputs, size[1]), "outputs": (outputs, size[0])}
-        for name, (given, count) in counts.items():
+    def __attrs_post_init__(self) -> None:
+        set_ = partial(object.__setattr__, self)
+        n = len(matrix(self.A, "A", (None, None)))
+        set_("A", matrix(self.A, "A", (n, n)))
+        set_("B", matrix(self.B, "B", (n, None)))
+        set_("C", matrix(self.C, "C", (None, n)))
+        size = (len(self.C), self.B.shape[1])
+        set_("D", matrix(np.zeros(size) if self.D is None else self.D, "D", size))
+        for name, count in (("states", n), ("inputs", size[1]), ("outputs", size[0])):
             numbered = tuple(f"{name[:-1]} {i + 1}" for i in range(count))
-            names = tuple(given) or numbered
+            names = tuple(getattr(self, name)) or numbered
             if len(names) != count:
                 raise InputError(f"{name} = {names}: {count} names are needed.")
-            object.__setattr__(self, name, names)
+            set_(name, names)
 
     def poles(self) -> ComplexArray:
         """Eigenvalues of A, rad/s, largest modulus first."""

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from numpy.typing import ArrayLike
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import number, real_array
+from rcac_numeric.arrays.validation import array_like, number, reads, real_array, with_checks
 from rcac_numeric.arrays.values import Value
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class OperatingPoint(Value):
     """A state and an input at which f(x, u) = 0.
 
@@ -28,12 +26,8 @@ class OperatingPoint(Value):
     array([ 4.8, 24. ])
     """
 
-    x: Array
-    u: Array
-
-    def __init__(self, x: ArrayLike, u: ArrayLike) -> None:
-        object.__setattr__(self, "x", real_array(x, "x"))
-        object.__setattr__(self, "u", real_array(u, "u"))
+    x: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    u: Array = attrs.field(converter=array_like, metadata=reads(real_array))
 
 
 def require_positive(**parameters: float) -> None:

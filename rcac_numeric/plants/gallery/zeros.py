@@ -15,9 +15,8 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 from rcac_numeric.plants.transmission_zeros import transmission_zero_polynomial
 
 

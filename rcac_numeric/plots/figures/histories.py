@@ -10,6 +10,8 @@ import numpy as np
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.estimation.estimates import ModeEstimates
+from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plots.axes import legend_below, mark_changes
@@ -174,3 +176,69 @@ def thinned(k: np.ndarray, values: Array) -> tuple[np.ndarray, Array]:
         np.concatenate([steps[rows, places].ravel(), k[rest]]),
         np.concatenate([blocks[rows, places].ravel(), values[rest]]),
     )
+
+
+def draw_estimates(
+    figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
+) -> None:
+    """The estimate of the first seed of each run and the truth; or the error's magnitude."""
+    axis = figure.subplots()
+    for index, (name, result) in enumerate(results.items()):
+        run = result.repetitions[0]
+        values = np.abs(run.estimate - run.truth) if request.magnitude else run.estimate
+        _line(axis, values, request, name, **line_style(index))
+    if not request.magnitude:
+        longest = max((r.repetitions[0].truth for r in results.values()), key=len)
+        _line(axis, longest, request, "truth", color=INK, linestyle=":", linewidth=1.6)
+    _finish(axis, request, "error of the estimate" if request.magnitude else "estimate")
+
+
+def draw_outputs(
+    figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
+) -> None:
+    """Z of the first seed of each run, the largest component of each step."""
+    axis = figure.subplots()
+    for index, (name, result) in enumerate(results.items()):
+        z = result.repetitions[0].z
+        values = np.abs(z).max(axis=1) if request.magnitude else z[:, 0]
+        _line(axis, values, request, name, **line_style(index))
+    _finish(axis, request, "magnitude of $z$" if request.magnitude else "$z$")
+
+
+def _line(axis: Axes, values: Array, request: FigureRequest, name: str, **style: object) -> None:
+    last = len(values) if request.last is None else min(request.last + 1, len(values))
+    k, shown = thinned(np.arange(request.first, last), values[request.first : last])
+    drawn = np.where(shown == 0, np.nan, shown) if request.magnitude else shown
+    axis.plot(k, drawn, label=shortened(name, 40), **{"linewidth": 1.1, **style})  # type: ignore[arg-type]
+
+
+def _finish(axis: Axes, request: FigureRequest, label: str) -> None:
+    if request.magnitude:
+        axis.set_yscale("log")
+    axis.set(xlabel="step $k$", ylabel=label)
+    axis.locator_params(axis="x", nbins=6)
+    axis.grid(alpha=0.25)
+    axis.legend(fontsize=8, loc="best")
+
+
+def plot_modes(found: ModeEstimates) -> Figure:
+    """Above, each entry of x with two deviations on either side; below, the probabilities."""
+    n = found.x.shape[1]
+    figure = Figure(figsize=(9, 2 + 1.6 * n), layout="constrained")
+    axes = figure.subplots(n + 1, 1, sharex=True)
+    k = np.arange(len(found.x))
+    for i, (axis, name) in enumerate(zip(axes, found.settings.model.names, strict=False)):
+        low, high = (found.x[:, i] + sign * 2 * found.deviation[:, i] for sign in (-1, 1))
+        style = line_style(0)
+        axis.fill_between(k, low, high, step="post", color=style["color"], alpha=0.2, linewidth=0)
+        axis.step(k, found.x[:, i], where="post", linewidth=1.1, **style)
+        axis.set_ylabel(name)
+    for j, probability in enumerate(found.probabilities.T):
+        axes[-1].step(
+            k, probability, where="post", linewidth=1.1, label=f"mode {j}", **line_style(j)
+        )
+    axes[-1].set(ylabel="probability", xlabel="step $k$", ylim=(-0.05, 1.05))
+    axes[-1].legend(fontsize=8)
+    for axis in axes:
+        axis.grid(alpha=0.25)
+    return figure

@@ -11,14 +11,13 @@ from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.plant_measures import windows_of
-from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.experiments.measures.measures import windows_of
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantSchedule, plant_at
 from rcac_numeric.plots.library import Axes, Figure
-from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, line_style
+from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle, line_style
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found
 FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
@@ -48,7 +47,7 @@ def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
         np.ravel(figure.subplots(1, len(runs), squeeze=False)), runs.items(), strict=True
     ):
         zeros = plant_zeros(plant_at(run.plant, 0))
-        _circle(axis)
+        draw_circle(axis)
         near = zeros[np.abs(zeros) <= FARTHEST]
         axis.plot(near.real, near.imag, "o", mfc="none", mec=WANTED, ms=7, label="zeros")
         axis.set(xlabel="real", ylabel="imaginary")
@@ -84,14 +83,7 @@ def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: Figu
 
 
 def plot_zero_path(path: ZeroPath) -> Figure:
-    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5.
-
-    Examples
-    --------
-    >>> from rcac_numeric.gallery import aircraft_transition, zero_path
-    >>> len(zero_path(aircraft_transition(), [2500, 2550, 2600]).plot().axes)
-    2
-    """
+    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     plane, moduli = figure.subplots(1, 2)
     _plane(plane, list(path.zeros))
@@ -100,20 +92,7 @@ def plot_zero_path(path: ZeroPath) -> Figure:
 
 
 def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> Figure:
-    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant.
-
-    Parameters
-    ----------
-    plant : ContinuousPlant
-    periods : sequence of float
-        Sampling periods in s, for the moduli of the zeros of the sampled plant.
-
-    Examples
-    --------
-    >>> from rcac_numeric.gallery import rohrs_plant
-    >>> len(rohrs_plant().plot([0.05, 0.1, 0.2]).axes)
-    3
-    """
+    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant."""
     figure = Figure(figsize=(12, 4), layout="constrained")
     plane, response, sampled = figure.subplots(1, 3)
     poles, zeros = plant.poles(), plant.zeros()
@@ -160,7 +139,7 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
 
 def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
     """Zeros in the plane, the first ones as rings and the last ones filled."""
-    _circle(axis)
+    draw_circle(axis)
     every = np.concatenate([np.zeros(0), *found])
     near = every[np.abs(every) <= FARTHEST]
     axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
@@ -179,11 +158,6 @@ def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
                       (0.02, 0.03), xycoords="axes fraction", fontsize=8)  # fmt: skip
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8)
-
-
-def _circle(axis: Axes) -> None:
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
 
 
 def _moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:

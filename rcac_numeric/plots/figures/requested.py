@@ -7,16 +7,19 @@ from collections.abc import Callable, Mapping
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.experiments.estimation.studies import StudyResult
-from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.experiment import RunResult, Verification
 from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.figures.distributions import draw_distribution, draw_study_distribution
-from rcac_numeric.plots.figures.estimates import draw_estimates, draw_outputs
 from rcac_numeric.plots.figures.frequency_responses import draw_disturbance_response, draw_matches
-from rcac_numeric.plots.figures.histories import draw_coefficients, draw_responses
+from rcac_numeric.plots.figures.histories import (
+    draw_coefficients,
+    draw_estimates,
+    draw_outputs,
+    draw_responses,
+)
 from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_zeros
-from rcac_numeric.plots.figures.pole_maps import draw_pole_maps
 from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title, label_words
 

@@ -16,14 +16,15 @@ from rcac_numeric.plots.figures.histories import thinned
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
     INK,
+    NARROW,
+    NARROWEST,
+    axes_given,
     draw_over_decades,
     figure_of,
     label_words,
     line_style,
 )
 
-NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
-NARROWEST = 3.0
 LONG = 200_000  # steps, above which a line has a point for the extremes of each block of them
 SIGNALS = {
     "w": "exogenous $w$",
@@ -103,9 +104,7 @@ def plot_runs(
         raise InputError("signals is empty, or no run adapts: there is nothing to draw.")
     period = _period(runs)
     if ax is not None:
-        axes = list(np.ravel(np.array(ax, dtype=object)))
-        if len(axes) != len(panels):
-            raise InputError(f"ax has {len(axes)} axes; {len(panels)} are drawn, one for each.")
+        axes = axes_given(ax, len(panels))
         figure = figure_of(axes[0])
         room = axes[0].get_position().width * figure.get_figwidth()
         _draw_panels(axes, panels, runs, names, period, room if room < NARROW else 0.0)
@@ -122,9 +121,9 @@ def plot_runs(
         axis.spines[["top", "right"]].set_visible(False)
         if narrow:
             axis.tick_params(labelsize=8)
-            axis.yaxis.label.set_size(8)
+            axis.yaxis.label.set_fontsize(8)
     if narrow:
-        axes[-1].xaxis.label.set_size(8)
+        axes[-1].xaxis.label.set_fontsize(8)
         axes[-1].locator_params(axis="x", nbins=4)  # steps may have six digits
         figure.align_ylabels(axes)
     return figure

@@ -12,8 +12,8 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import in_a_line, shortened
+from rcac_numeric.experiments.experiment import Verification
 from rcac_numeric.experiments.judging.claim import HOLDS, MISPRINT, REPRODUCED, Verdict
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.displays import small_pictures_of
 from rcac_numeric.reports.page.rendering import HOME, sheet_html, whole_page
 from rcac_numeric.reports.page.svg import svg_of
@@ -204,16 +204,7 @@ NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matpl
 
 
 def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **more: Any) -> str:
-    """The page of one case.
-
-    Parameters
-    ----------
-    case : Case
-    template, home : str
-        A template that extends ``case.html``, and the package whose it is.
-    **more
-        What that template says besides.
-    """
+    """The page of one case."""
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."
     values: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}

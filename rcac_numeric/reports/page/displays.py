@@ -40,9 +40,9 @@ PICTURES = {
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
     "rcac_numeric.estimation.estimates:ModeEstimates": (
-        "rcac_numeric.plots.figures.modes:plot_modes"
+        "rcac_numeric.plots.figures.histories:plot_modes"
     ),
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.plots.figures.requested:plot_verification"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
@@ -66,26 +66,24 @@ SHEETS = {
     ),
     "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.reports.loop:analysis_sheet",
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
-    "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.run:run_sheet",
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.loop:run_sheet",
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.reports.verification:verification_sheet"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
-    "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.health:health_sheet",
+    "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.loop:health_sheet",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.check:margins_sheet",
     "rcac_numeric.sweeps.results.overview:SweepOverview": (
-        "rcac_numeric.reports.studies.sweep:sweep_sheet"
+        "rcac_numeric.reports.studies:sweep_sheet"
     ),
-    "rcac_numeric.sweeps.results.replay:ReplayedRun": (
-        "rcac_numeric.reports.studies.replay:replay_sheet"
-    ),
+    "rcac_numeric.sweeps.results.replay:ReplayedRun": ("rcac_numeric.reports.studies:replay_sheet"),
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.reports.design:design_sheet",
     "rcac_numeric.synthesis.tuning:Tuned": "rcac_numeric.reports.design:tuned_sheet",
 }
 
 # From a type to the function that draws it as several small pictures for a page.
 SMALL_PICTURES = {
-    "rcac_numeric.experiments.verdicts:Verification": (
+    "rcac_numeric.experiments.experiment:Verification": (
         "rcac_numeric.reports.page.single:page_figures"
     ),
 }

@@ -22,23 +22,7 @@ HOME = "rcac_numeric.reports.page"
 
 
 def rendered(name: str, /, home: str = HOME, **values: Any) -> Markup:
-    """A template of a package's folder `templates` with these values.
-
-    Parameters
-    ----------
-    name : str
-        Of the template.
-    home : str
-        The package whose templates are looked at first; those of pages are there in any case.
-    **values
-        What it says. Text is escaped, and made printable; `Markup` stands as it is.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.page.rendering import rendered
-    >>> str(rendered("sentence.html", level="quiet", words="0.5 < 1"))
-    '<p class="quiet">0.5 &lt; 1</p>'
-    """
+    """A template of a package's folder `templates` with these values."""
     return Markup(_environment(home).get_template(name).render(**values))
 
 
@@ -46,21 +30,7 @@ def whole_page(
     name: str, /, home: str = HOME, *, style: str = "", script: str = "", wasm: bool = False,
     **values: Any,
 ) -> str:  # fmt: skip
-    """A whole page from a template that extends ``page.html``, with style, script and policy.
-
-    Parameters
-    ----------
-    name : str
-        Of the template.
-    home : str
-        The package whose templates are looked at first.
-    style, script : str
-        What follows those of every page.
-    wasm : bool
-        Whether the script may compile WebAssembly, which it brings with it.
-    **values
-        What the template says.
-    """
+    """A whole page from a template that extends ``page.html``, with style, script and policy."""
     folder = resources.files(HOME)
     css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
     css, js = f"\n{css}{style}", f"\n{js}{script}"
@@ -115,14 +85,7 @@ def _printable(value: object) -> object:
 
 
 def sheet_html(sheet: Sheet, level: int = 3) -> str:
-    """The body of a report: its health, its sections and its notes, without the title.
-
-    Parameters
-    ----------
-    sheet : Sheet
-    level : int
-        Of the headings of its sections.
-    """
+    """The body of a report: its health, its sections and its notes, without the title."""
     sections = [
         {"title": section.title, "remark": section.remark, "groups": _groups(section)}
         for section in sheet.sections

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.experiments.experiment import Verification
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero, legend_below
 from rcac_numeric.plots.coefficients import draw_theta
 from rcac_numeric.plots.figures.requested import plot_verification
@@ -15,16 +15,7 @@ WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 
 
 
 def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
-    """The response, the coefficients, the poles and zeros, and the intercalated match.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.single import single_figures
-    >>> list(single_figures(load_example("4.7").main_run.execute().first))
-    ['Performance z and control u', 'Controller coefficients', 'Closed-loop poles and zeros', \
-'Target model and what was reached']
-    """
+    """The response, the coefficients, the poles and zeros, and the intercalated match."""
     found = {
         "Performance z and control u": _response(repetition),
         "Controller coefficients": _coefficients(repetition),

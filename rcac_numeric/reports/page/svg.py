@@ -41,16 +41,7 @@ _REFERENCE = re.compile(r'(?:url\(#|xlink:href="#|href="#)([^")]+)')
 
 
 def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
-    """The SVG of a figure for a page.
-
-    Parameters
-    ----------
-    figure : Figure
-    prefix : str
-        Of every id in it, so that several pictures share a page.
-    title : str
-        What it shows, for those who cannot see it.
-    """
+    """The SVG of a figure for a page."""
     import matplotlib as mpl  # a third of a second, for those who draw
 
     drawn = io.StringIO()

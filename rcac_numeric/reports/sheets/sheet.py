@@ -80,21 +80,6 @@ class Sheet:
         What its reader must not miss, said first.
     sections : tuple of Section
     notes : str
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
-    >>> from rcac_numeric.reports.sheets.sheet import as_json
-    >>> from rcac_numeric.reports.sheets.terminal import as_text
-    >>> loop = Section("The loop", (Text("radius 0.5"),), {"loop": {"radius": 0.5}})
-    >>> sheet = Sheet("A case", sections=(loop,))
-    >>> print(as_text(sheet))
-    A case
-    <BLANKLINE>
-    The loop
-      radius 0.5
-    >>> print(as_json(sheet, indent=None))
-    {"loop": {"radius": 0.5}}
     """
 
     title: str

@@ -17,10 +17,9 @@ from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value, fingerprint
 from rcac_numeric.arrays.wording import printable, shortened
-from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
+from rcac_numeric.engine.compiled.controllers import VARIABLE, instruction_set
 from rcac_numeric.sweeps.chunks.chunk import error_text
-from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, measured
-from rcac_numeric.sweeps.chunks.worker import run_in_full
+from rcac_numeric.sweeps.chunks.worker import MeasureFailed, measured, run_in_full
 from rcac_numeric.sweeps.store.problems import StoreError
 from rcac_numeric.sweeps.store.store import Store, StudyRow
 from rcac_numeric.sweeps.store.versions import versions

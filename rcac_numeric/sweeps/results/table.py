@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +19,7 @@ from rcac_numeric.sweeps.store.store import Row, Store
 Columns = dict[str, NDArray[Any]]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class SweepTable(Value):
     """The results of a study.
 
@@ -39,19 +38,12 @@ class SweepTable(Value):
     columns: Columns
     axes: tuple[str, ...]
     measures: tuple[str, ...]
-    failed: Columns
+    failed: Columns = attrs.field(factory=dict)
 
-    def __init__(
-        self,
-        columns: Mapping[str, NDArray[Any]],
-        axes: tuple[str, ...],
-        measures: tuple[str, ...],
-        failed: Mapping[str, NDArray[Any]] | None = None,
-    ) -> None:
-        object.__setattr__(self, "columns", dict(columns))
-        object.__setattr__(self, "failed", dict(failed or {}))
-        object.__setattr__(self, "axes", tuple(axes))
-        object.__setattr__(self, "measures", tuple(measures))
+    def __attrs_post_init__(self) -> None:
+        for name, kind in (("columns", dict), ("axes", tuple), ("measures", tuple)):
+            object.__setattr__(self, name, kind(getattr(self, name)))
+        object.__setattr__(self, "failed", dict(self.failed or {}))
 
     def __len__(self) -> int:
         return len(self.columns["run"])

@@ -43,14 +43,6 @@ class WorkerPool(Executor):
 
     What is submitted is called with the keyword `progress`, to be called whenever something has
     been done.
-
-    Parameters
-    ----------
-    workers : int
-    time_limit : float, optional
-        Seconds without progress after which a worker is ended.
-    on_progress : callable, optional
-        Called, in other threads, when a worker says that something was done.
     """
 
     def __init__(
@@ -198,19 +190,7 @@ class _Worker:
 
 
 class InProcess(Executor):
-    """An executor that does everything here and now: one process, one thread.
-
-    Parameters
-    ----------
-    time_limit : float, optional
-        Seconds without progress after which what runs is interrupted by an exception.
-    on_progress : callable, optional
-
-    Raises
-    ------
-    InputError
-        Where there is a time limit, and no timer to keep it.
-    """
+    """An executor that does everything here and now: one process, one thread."""
 
     def __init__(
         self, time_limit: float | None = None, on_progress: Callable[[], None] | None = None

@@ -45,21 +45,7 @@ class Work:
 
 
 class Schedule:
-    """Submits what the store has free, and stores what comes back.
-
-    Parameters
-    ----------
-    claims : Claims
-    executor : Executor
-    task_of : callable
-        What is sent to a worker for a claim.
-    window : int
-        Chunks under way at a time.
-    retries : int
-        How often a run that failed is run again at once.
-    meter, progress
-        What counts, and who is told.
-    """
+    """Submits what the store has free, and stores what comes back."""
 
     def __init__(
         self,

@@ -14,11 +14,10 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
-from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
+from rcac_numeric.engine.compiled.controllers import VARIABLE, instruction_set
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask
-from rcac_numeric.sweeps.chunks.measuring import KeyWatch
-from rcac_numeric.sweeps.chunks.worker import run_chunk
+from rcac_numeric.sweeps.chunks.worker import KeyWatch, run_chunk
 from rcac_numeric.sweeps.running.pools import InProcess, WorkerLost, WorkerPool
 from rcac_numeric.sweeps.running.progress import Meter, Progress
 from rcac_numeric.sweeps.running.schedule import Schedule

@@ -121,21 +121,7 @@ class ChunkRow:
 
 
 class Store:
-    """An open store.
-
-    Parameters
-    ----------
-    path : path
-    journal : {"wal", "rollback"}
-        "rollback" for a file on a network file system, where one process alone may use it.
-    read_only : bool
-        All that is read is then of one moment.
-
-    Raises
-    ------
-    StoreError
-        Where the file is no store, is damaged, or is in use.
-    """
+    """An open store."""
 
     def __init__(self, path: str | Path, journal: str = "wal", read_only: bool = False) -> None:
         self.path, self.journal = Path(path), journal

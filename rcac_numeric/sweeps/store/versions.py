@@ -47,14 +47,7 @@ def _versions() -> tuple[tuple[str, str], ...]:
 
 
 def versions() -> dict[str, str]:
-    """Versions by name, as they are installed here; of a checkout its commit too.
-
-    Examples
-    --------
-    >>> from rcac_numeric.sweeps.store.versions import versions
-    >>> [name for name in versions() if name in ("python", "numpy", "sympy", "numpy's BLAS")]
-    ['python', 'numpy', 'sympy', "numpy's BLAS"]
-    """
+    """Versions by name, as they are installed here; of a checkout its commit too."""
     return dict(_versions())
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import InputError
@@ -22,7 +23,7 @@ DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 RESERVED = ("run", "cell", "repetition", "outcome", "failure", "signals_digest")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class Axis(Value):
     """One thing that varies, and its values.
 
@@ -45,12 +46,12 @@ class Axis(Value):
     """
 
     name: str
-    values: tuple[Any, ...]
-    sets: str
+    values: Sequence[Any]
+    sets: str = ""
 
-    def __init__(self, name: str, values: Sequence[Any], sets: str = "") -> None:
-        object.__setattr__(self, "name", _name(name))
-        read = tuple(map(plain, items(values, f"the values of axis {name!r}")))
+    def __attrs_post_init__(self) -> None:
+        name = _name(self.name)
+        read = tuple(map(plain, items(self.values, f"the values of axis {name!r}")))
         if not read:
             raise InputError(f"the axis {name!r} has no values; give at least one.")
         if len(read) > LARGEST_AXIS:
@@ -62,7 +63,7 @@ class Axis(Value):
                 raise InputError(f"the axis {name!r} has the value {value!r} twice.")
             seen[text] = number
         object.__setattr__(self, "values", read)
-        object.__setattr__(self, "sets", instance_of(sets, "sets", str) or name)
+        object.__setattr__(self, "sets", instance_of(self.sets, "sets", str) or name)
 
     def __len__(self) -> int:
         return len(self.values)
@@ -71,7 +72,7 @@ class Axis(Value):
         return f"Axis({self.name}: {len(self)} value{'s' * (len(self) > 1)} of {self.sets})"
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class RandomAxis(Value):
     """One thing that varies at random: values drawn from the seed of the study and the name.
 
@@ -96,17 +97,15 @@ class RandomAxis(Value):
 
     name: str
     distribution: str
-    parameters: tuple[float, float]
+    parameters: Sequence[float]
     draws: int
-    sets: str
+    sets: str = ""
 
-    def __init__(
-        self, name: str, distribution: str, parameters: Sequence[float], draws: int, sets: str = ""
-    ) -> None:
-        set_ = object.__setattr__
-        set_(self, "name", _name(name))
-        set_(self, "distribution", one_of(distribution, "distribution", DISTRIBUTIONS))
-        low, high = pair(parameters, f"{distribution} of axis {name!r}")
+    def __attrs_post_init__(self) -> None:
+        set_ = partial(object.__setattr__, self)
+        name, distribution = _name(self.name), self.distribution
+        one_of(distribution, "distribution", DISTRIBUTIONS)
+        low, high = pair(self.parameters, f"{distribution} of axis {name!r}")
         if distribution != "normal" and not low < high:
             raise InputError(f"the axis {name!r} has {distribution} = [{low}, {high}]; give the "
                              "least value first.")  # fmt: skip
@@ -114,11 +113,11 @@ class RandomAxis(Value):
             raise InputError(f"the axis {name!r}: log_uniform needs positive numbers, not {low}.")
         if distribution == "normal" and high <= 0:
             raise InputError(f"the axis {name!r}: the standard deviation {high} must be positive.")
-        set_(self, "parameters", (low, high))
-        set_(self, "draws", integer(draws, "draws", at_least=1))
-        if draws > LARGEST_AXIS:
-            raise too_many(name, draws)
-        set_(self, "sets", instance_of(sets, "sets", str) or name)
+        set_("parameters", (low, high))
+        set_("draws", integer(self.draws, "draws", at_least=1))
+        if self.draws > LARGEST_AXIS:
+            raise too_many(name, self.draws)
+        set_("sets", instance_of(self.sets, "sets", str) or name)
 
     def drawn(self, seed: int) -> Axis:
         """The axis with its values."""

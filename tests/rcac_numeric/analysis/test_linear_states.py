@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from rcac_numeric import TargetModel
 from rcac_numeric.analysis.closed_loop import FEW, linear_states
-from rcac_numeric.analysis.residual_split import filtered
+from rcac_numeric.analysis.match import filtered
 
 
 def one_by_one(A, drive):

@@ -6,8 +6,7 @@ import pytest
 from compensator_theory import CompensatorError
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids, read_example
-from rcac_numeric.experiments.judging.claim import HOLDS, OURS, outcome_of
-from rcac_numeric.experiments.judging.interval import Check, CheckResult
+from rcac_numeric.experiments.judging.claim import HOLDS, OURS, Check, CheckResult, outcome_of
 from tests.support.mutations import mutations, outcomes
 
 QUICK = ("2.2", "4.7", "7.1", "7.3", "7.6", "B.2", "B.3")

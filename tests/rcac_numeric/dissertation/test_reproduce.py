@@ -19,9 +19,15 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example, reproduce
 from rcac_numeric.dissertation.archive import write_archive
-from rcac_numeric.dissertation.reproduction import FEW, KeptCases, digest_of, made, reduced
-from rcac_numeric.dissertation.workers import case_workers
-from rcac_numeric.experiments.judging.interval import Check
+from rcac_numeric.dissertation.reproduction import (
+    FEW,
+    KeptCases,
+    case_workers,
+    digest_of,
+    made,
+    reduced,
+)
+from rcac_numeric.experiments.judging.claim import Check
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
 

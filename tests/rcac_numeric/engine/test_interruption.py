@@ -16,7 +16,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.engine import _kernel, interruption
+from rcac_numeric.engine import _kernel
 
 PLANT = standard_plant("1/(q - 0.9)")
 UNSTABLE = standard_plant("1/(q - 2)")
@@ -30,6 +30,7 @@ def rcac(n_c, plant=PLANT):
 @pytest.fixture
 def pressed(monkeypatch):
     """A key is pressed after so many looks at the keyboard, one step of every job apart."""
+    run_jobs = _kernel.run_jobs
 
     class Kernel:
         looks = 0
@@ -38,10 +39,10 @@ def pressed(monkeypatch):
             self.looks -= 1
             if self.looks < 0:
                 raise KeyboardInterrupt
-            return _kernel.run_jobs(jobs, threads, 0.0, lanes)
+            return run_jobs(jobs, threads, 0.0, lanes)
 
     kernel = Kernel()
-    monkeypatch.setattr(interruption, "_kernel", kernel)
+    monkeypatch.setattr(_kernel, "run_jobs", kernel.run_jobs)
     return kernel
 
 

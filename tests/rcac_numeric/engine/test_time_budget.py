@@ -23,7 +23,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.engine import _kernel, interruption
+from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
 from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
@@ -114,6 +114,7 @@ class Watched:
 
     def __init__(self):
         self.slices, self.after, self.is_pressed = 0, 0, False
+        self.run_as_before = _kernel.run_jobs
         self.thread = threading.Thread(target=self.press)
 
     def press(self):
@@ -125,7 +126,7 @@ class Watched:
         self.slices, self.after = self.slices + 1, self.after + self.is_pressed
         if self.slices == 3:
             self.thread.start()
-        return _kernel.run_jobs(jobs, threads, seconds, lanes)
+        return self.run_as_before(jobs, threads, seconds, lanes)
 
 
 @pytest.mark.parametrize("lanes", [None, False, True])
@@ -134,7 +135,7 @@ def test_a_key_is_answered(lanes, monkeypatch, at_a_terminal):
     w = np.random.default_rng(0).standard_normal((50_000, 1))
     case = SimulationCase(BODY, rcac(500), w, {"stride": len(w)})
     kernel = Watched()
-    monkeypatch.setattr(interruption, "_kernel", kernel)
+    monkeypatch.setattr(_kernel, "run_jobs", kernel.run_jobs)
     with pytest.raises(KeyboardInterrupt):
         if lanes is None:
             simulate(BODY, case.settings, w, stride=len(w))

@@ -15,11 +15,13 @@ from rcac_numeric.experiments.judging.claim import (
     OUTCOMES,
     UNDETERMINED,
     VERDICTS,
+    Check,
+    CheckResult,
     Claim,
     Verdict,
     outcome_of,
+    quoted_interval,
 )
-from rcac_numeric.experiments.judging.interval import Check, CheckResult, quoted_interval
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},

@@ -16,8 +16,8 @@ from rcac_numeric.experiments.judging.claim import (
     READING,
     REPRODUCED,
     VERDICTS,
+    Check,
 )
-from rcac_numeric.experiments.judging.interval import Check
 from rcac_numeric.experiments.measures.measures import MEASURES
 
 PLACES = ("Example", "Figure", "Table", "Abstract", "Theorem", "end")

@@ -29,12 +29,12 @@ from rcac_numeric import (
 )
 from rcac_numeric.analysis.internal_models import drift_of
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.health.excitation import excitation_of
+from rcac_numeric.health.health import excitation_of
 from rcac_numeric.health.rules import small_margins
 from rcac_numeric.health.target_errors import target_errors
 from rcac_numeric.health.trials import next_disturbance
 from rcac_numeric.reports.check import check_sheet
-from rcac_numeric.reports.health import health_lines
+from rcac_numeric.reports.loop import health_lines
 from rcac_numeric.reports.page.cases import case_of
 from rcac_numeric.reports.sheets.sheet import as_dict
 from rcac_numeric.reports.verification import verification_sheet

@@ -16,8 +16,8 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.health.excitation import excitation_of
-from rcac_numeric.reports.health import health_lines, health_record
+from rcac_numeric.health.health import excitation_of
+from rcac_numeric.reports.loop import health_lines, health_record
 
 LIGHT = standard_plant("(q - 0.8)*(q - 1.5)/((q - 0.5)*(q**2 - 1.9*q + 1))")
 DOUBLING = standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")

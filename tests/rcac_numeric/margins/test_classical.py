@@ -21,8 +21,7 @@ from rcac_numeric import (
     stability_margins,
     standard_plant,
 )
-from rcac_numeric.margins.boundaries import lag_at
-from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
+from rcac_numeric.margins.boundaries import gain_crossovers, lag_at, phase_crossovers
 from rcac_numeric.margins.opened_loop import broken_loop
 from tests.support.loops import random_loop, seeds
 

@@ -15,8 +15,8 @@ from rcac_numeric import (
     multivariable_disk_margin,
     stability_margins,
 )
+from rcac_numeric.margins.disk import best_scaling
 from rcac_numeric.margins.peaks import hinf_norm
-from rcac_numeric.margins.structured import best_scaling
 from tests.support.loops import random_loop, seeds
 
 

@@ -6,7 +6,7 @@ import pytest
 from rcac_numeric import FigureRequest, verify
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures.plant_measures import windows_of
+from rcac_numeric.experiments.measures.measures import windows_of
 from rcac_numeric.gallery import (
     aircraft_transition,
     no_guaranteed_margins,

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError
 from rcac_numeric import simulate
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.engine.compiled.instruction_sets import instruction_set
+from rcac_numeric.engine.compiled.controllers import instruction_set
 from rcac_numeric.sweeps import (
     Axis,
     Kept,

@@ -14,13 +14,12 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.sweeps import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
-from rcac_numeric.sweeps.chunks.measuring import ONCE_FOR_A_CELL
-from rcac_numeric.sweeps.chunks.worker import run_in_full
+from rcac_numeric.sweeps.chunks.worker import ONCE_FOR_A_CELL, run_in_full
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cells, words_of
 from rcac_numeric.sweeps.study.files import study_of, study_schema
 from rcac_numeric.sweeps.study.measures import STUDY_MEASURES
-from rcac_numeric.sweeps.study.paths import with_value
+from rcac_numeric.sweeps.study.study import with_value
 from tests.support import studies
 
 plain = st.recursive(

@@ -12,9 +12,8 @@ from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.exact_statements import STATEMENTS, ExactCheck, ExactSystem
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.files.exact import is_exact
 
-EXACT = [number for number in example_ids() if is_exact(read_example(number)[0])]
+EXACT = [number for number in example_ids() if "exact" in read_example(number)[0]]
 PLANT = ExactSystem(A=[[-1, 4], [0, -3]], B=[[0], [1]], C=[[1, 0]])
 ODD = ExactSystem(G="1/(s**3 + s**2 + 2*s)")
 CUBIC = "s**3 + 2*s**2 + 4*s + 1"

@@ -7,9 +7,9 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import Structure, Tap
+from rcac_numeric.experiments.files.reference import kind_keys_table, kinds_table
 from rcac_numeric.experiments.files.schema import strict_schema
 from rcac_numeric.experiments.files.structures import STRUCTURES, StructureKind
-from rcac_numeric.experiments.format.markdown import kind_keys_table, kinds_table
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Integer

@@ -1,4 +1,4 @@
-"""The command `rcac reproduce`: all examples, or those of a chapter, and one page of them."""
+"""The commands about the dissertation: `rcac reproduce` and `rcac errata`."""
 
 from __future__ import annotations
 
@@ -6,33 +6,26 @@ import os
 import sys
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import click
+import numpy as np
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
-from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.cli.output import as_json_option, show, silence, writable
 from rcac_numeric.dissertation.archive import write_archive
+from rcac_numeric.dissertation.errata.checking import can_run, check_erratum
+from rcac_numeric.dissertation.errata.reading import find_errata
+from rcac_numeric.dissertation.errata.sheet import errata_sheet
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.dissertation.pages import headline
-from rcac_numeric.dissertation.reproduction import Reproduction, reduced, reproduce
-from rcac_numeric.dissertation.workers import case_workers
+from rcac_numeric.dissertation.reproduction import Reproduction, case_workers, reduced, reproduce
 from rcac_numeric.experiments.judging.claim import OURS, READING, TEXT, VERDICTS
 from rcac_numeric.reports.page.cases import Case
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 LARGEST_JOBS = 256
-
-
-def _checked_archive(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
-    """The option --archive, whose file is refused before anything long is run."""
-    if value is not None and value.suffix.lower() != ".zip":
-        raise InputError(f"--archive {value}: the name must end in .zip.")
-    if value is not None and not value.parent.is_dir():
-        raise InputError(f"--archive {value}: there is no folder {value.parent}.")
-    return value
 
 
 @click.command("reproduce")
@@ -51,7 +44,7 @@ def _checked_archive(context: click.Context, option: click.Parameter, value: Pat
     help="Processes; by default as many as there are processors.",
 )  # fmt: skip
 @click.option(
-    "--archive", type=click.Path(dir_okay=False, path_type=Path), callback=_checked_archive,
+    "--archive", type=click.Path(dir_okay=False, path_type=Path), callback=writable(".zip"),
     help="Write the page, its data, the files, the sources and all versions into this .zip file.",
 )  # fmt: skip
 @as_json_option
@@ -80,7 +73,7 @@ def reproduce_command(
             experiments,
             folder,
             executor=executor,
-            progress=_progress if sys.stderr.isatty() else _silence,
+            progress=_progress if sys.stderr.isatty() else silence,
         )
     if sys.stderr.isatty():
         click.echo("\r\033[K", err=True, nl=False)
@@ -94,10 +87,6 @@ def _progress(name: str, done: int, of: int) -> None:
     width = 30
     bar = "=" * (width * done // of)
     click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} is done\033[K", err=True, nl=False)
-
-
-def _silence(name: str, done: int, of: int) -> None:
-    """Say nothing of what is done."""
 
 
 def _sheet(found: Reproduction, archive: Path | None) -> Sheet:
@@ -140,3 +129,21 @@ def _end(case: Case) -> Text:
         3: Text("diverged unexpectedly", "bad"),
     }
     return told[case.status]
+
+
+@click.command("errata")
+@click.argument("where", nargs=-1)
+@click.option("--check", "checks", is_flag=True, help="Run the checks that show them.")
+@as_json_option
+def errata(where: tuple[str, ...], checks: bool, as_json: bool) -> int:
+    """List where the dissertation's text is wrong, what is true, and how that is known.
+
+    WHERE is a chapter (8, A), an equation ("(2.31)"), an example (Example 7.1), a number that
+    several bear (7.1), or the name of an erratum; without it all are listed.
+    """
+    place = " ".join(where)
+    entries = find_errata(place)
+    with np.errstate(all="ignore"):
+        found = {entry.name: check_erratum(entry) for entry in entries if checks and can_run(entry)}
+    show(errata_sheet(entries, place, found), as_json)
+    return 0 if all(checked.holds for checked in found.values()) else 1

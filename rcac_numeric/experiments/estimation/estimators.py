@@ -1,25 +1,129 @@
-"""RCMR, on a record and in a loop that is controlled meanwhile."""
+"""Estimators of one parameter: Kalman filters of [x; p], and RCMR on a record or in a loop."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from functools import partial
+from typing import Annotated, Any, ClassVar, Literal
 
+import attrs
 import numpy as np
+import sympy
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.errors import (
+    CompensatorError,
+    DivergedError,
+    IllConditionedError,
+    InputError,
+)
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, number
+from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.arrays.validation import instance_of, integer, matrix, number, vector
 from rcac_numeric.engine.simulation import simulate
+from rcac_numeric.estimation.estimates import estimated_record
+from rcac_numeric.estimation.models.symbolic import SymbolicModel
 from rcac_numeric.estimation.refinement.refinement import refined_record
 from rcac_numeric.estimation.refinement.settings import RCMR
 from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
 from rcac_numeric.estimation.riccati.indirect import IndirectSettings
+from rcac_numeric.estimation.settings import EKF, UKF
 from rcac_numeric.experiments.estimation.studies import EstimatedRun, Estimation
-from rcac_numeric.experiments.estimation.true_systems import TrueSystem, columns_of
+from rcac_numeric.experiments.estimation.true_systems import TrueSystem, columns_of, rows_of
+from rcac_numeric.experiments.format.values import Numbers
 from rcac_numeric.plants.linear import Plant
+
+OF_MODEL = "Of the model."
+
+
+@attrs.frozen(eq=False, slots=False)
+class JointFilter(Estimation):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind: ClassVar[str]
+
+    A: Annotated[Array, "Of the model, without the parameter."]
+    A_p: Annotated[Array, "The derivative of A with respect to the parameter."]
+    D_1: Annotated[Array, OF_MODEL]
+    C: Annotated[Array, OF_MODEL]
+    Q: Annotated[
+        Array,
+        "Covariance of the noise of [x; p]: a matrix, its diagonal, or a number for a multiple of"
+        " I.",
+    ]
+    R: Annotated[Array, "Covariance of the noise of y."]
+    x_0: Annotated[Array | None, "What is believed of [x; p] at first."] = None
+    P_0: Annotated[float | Array, Numbers(), "Its covariance."] = 1.0
+    alpha: Annotated[float | None, "Of the UKF, see {py:class}`rcac_numeric.estimation.UKF`."] = (
+        None
+    )
+
+    def __attrs_post_init__(self) -> None:
+        set_ = partial(object.__setattr__, self)
+        n = matrix(self.A, "A", (None, None)).shape[0]
+        set_("A", matrix(self.A, "A", (n, n)))
+        set_("A_p", matrix(self.A_p, "A_p", (n, n)))
+        set_("D_1", columns_of(self.D_1, "D_1", n))
+        set_("C", rows_of(self.C, "C", n))
+        set_("Q", _covariance(self.Q, "Q", n + 1))
+        set_("R", _covariance(self.R, "R", self.C.shape[0]))
+        first = np.zeros(n + 1) if self.x_0 is None else self.x_0
+        set_("x_0", vector(first, "x_0", n + 1))
+        set_("P_0", _covariance(self.P_0, "P_0", n + 1))
+        self.settings  # noqa: B018  # raises where something does not fit
+
+    @property
+    def settings(self) -> EKF | UKF:
+        """The filter for `estimate`."""
+        x = sympy.symbols(f"x:{len(self.A)}")
+        w = sympy.symbols(f"w:{self.D_1.shape[1]}")
+        p, state = sympy.Symbol("p"), sympy.Matrix(x)
+        moved = sympy.Matrix(self.A) * state + sympy.Matrix(self.D_1) * sympy.Matrix(w)
+        moved += p * (sympy.Matrix(self.A_p) * state)
+        model = SymbolicModel(list(moved), list(sympy.Matrix(self.C) * state), x, w, [p])
+        if self.kind == "ekf":
+            return EKF(model, self.Q, self.R, self.x_0, self.P_0)
+        return UKF(model, self.Q, self.R, self.x_0, self.P_0, self.alpha)
+
+    @property
+    def words(self) -> str:
+        """EKF or UKF."""
+        return self.kind.upper()
+
+    def execute(self, system: TrueSystem, steps: int, seed: int) -> EstimatedRun:
+        """Estimate with the record of one seed."""
+        record = system.record(steps, seed)
+        try:
+            found = estimated_record(self.settings, record.y, record.w)
+        except (DivergedError, IllConditionedError) as error:
+            return _nothing(record.truth, error)
+        return EstimatedRun(found.x[:, -1].copy(), record.truth, found.innovation)
+
+
+@attrs.frozen(eq=False, slots=False)
+class ExtendedFilter(JointFilter):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind = "ekf"
+
+
+@attrs.frozen(eq=False, slots=False)
+class UnscentedFilter(JointFilter):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind = "ukf"
+
+
+def _nothing(truth: Array, error: CompensatorError) -> EstimatedRun:
+    none = np.full(len(truth), np.nan)
+    return EstimatedRun(none, truth, none[:, None], outcome="diverged")
+
+
+def _covariance(value: ArrayLike, name: str, n: int) -> Array:
+    """A matrix, its diagonal, or a number."""
+    array = np.asarray(value)
+    return constant_weight(np.diag(array) if array.ndim == 1 else value, name, n, definite=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,37 +1,27 @@
-"""A study as a report: what was run, how it ended, and the statistics group by group."""
+"""Studies as reports: how their runs ended, a run made again, whether a store is whole."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.loop import health_lines, health_record
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 from rcac_numeric.sweeps.results.overview import SweepOverview
+from rcac_numeric.sweeps.results.replay import ReplayedRun
 from rcac_numeric.sweeps.results.statistics import SweepSummary, wilson_interval
+from rcac_numeric.sweeps.store.care import StoreCheck
 
 # Groups that a reader looks through, and errors.
 LONGEST_TABLE, MOST_ERRORS = 40, 5
 
 
 def sweep_sheet(overview: SweepOverview) -> Sheet:
-    """What a store holds.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from rcac_numeric.sweeps import Kept, Study, run_study, sweep_overview
-    >>> from rcac_numeric.reports.studies.sweep import sweep_sheet
-    >>> base = {
-    ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},
-    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
-    ...     "run": {"steps": 50}}
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
-    >>> _ = run_study(Study(base, [], [Kept("steps")]), store, workers=0)
-    >>> sweep_sheet(sweep_overview(store)).record["outcomes"]
-    {'completed': 1}
-    """
+    """What a store holds."""
     return Sheet(
         title=overview.title or overview.path,
         health=_health(overview),
@@ -173,3 +163,85 @@ def _value(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return "-" if np.isnan(value) else f"{value:.3g}"
     return shortened(str(value), 40)
+
+
+def replay_sheet(replayed: ReplayedRun) -> Sheet:
+    """Whether every bit came out again, and what the run is."""
+    run = replayed.analysed.run
+    said = [Text("Bit for bit the run that is stored.", "good")]
+    if not replayed.is_identical:
+        said = [Text(f"Not the run that is stored: {', '.join(replayed.differences)}.", "bad")]
+        said += [
+            Text(f"{name} was {then} and is {now}.", "warning")
+            for name, (then, now) in replayed.differing_versions.items()
+        ]
+    health = loop_health(replayed.analysed)
+    said += health_lines(health)
+    facts: list[Block] = [
+        *(Fact(name, shortened(str(v), 80)) for name, v in replayed.coordinates.items()),
+        Fact("repetition", str(replayed.repetition)),
+        Fact("outcome", f"{run.outcome} after {run.steps} steps"),
+    ]
+    if replayed.stored_error:
+        facts.append(Fact("recorded", replayed.stored_error, "bad"))
+    rows = [
+        cells(name, _number(replayed.stored[name]), _number(replayed.found[name]))
+        for name in replayed.stored
+    ]
+    if rows:
+        facts.append(Table(("measure", "stored", "now"), tuple(rows)))
+    record = {
+        "run": replayed.number,
+        "coordinates": replayed.coordinates,
+        "repetition": replayed.repetition,
+        "outcome": run.outcome,
+        "steps": run.steps,
+        "is_identical": replayed.is_identical,
+        "differences": replayed.differences,
+        "stored": replayed.stored,
+        "found": replayed.found,
+        "theta_final": run.theta_final,
+        **health_record(health),
+    }
+    return Sheet(
+        f"Run {replayed.number}",
+        health=tuple(said),
+        sections=(Section("", tuple(facts), record),),
+    )
+
+
+def _number(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.17g}"
+
+
+MOST_FAULTS = 20  # that a reader looks through
+
+
+def store_sheet(check: StoreCheck) -> Sheet:
+    """Whether a store is whole, what is wrong with it, and what became of that."""
+    lost = sum(last - first + 1 for first, last in check.damaged)
+    said = [Text("Everything in it is what was stored.", "good")]
+    if not check.is_whole:
+        said = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
+    if check.repaired:
+        said.append(
+            Text("What was right is kept, and the rest is run again when the study is.", "good")
+        )
+    blocks: list[Block] = [
+        Fact("runs stored and right", f"{check.done} of {check.total}"),
+        Fact("of them failed", str(check.failed)),
+        *(Text(shortened(words, 300), "bad") for words in check.faults[:MOST_FAULTS]),
+    ]
+    if (more := len(check.faults) - MOST_FAULTS) > 0:
+        blocks.append(Text(f"and {more} others; --json has them all."))
+    record = {
+        "path": check.path,
+        "is_whole": check.is_whole,
+        "repaired": check.repaired,
+        "done": check.done,
+        "total": check.total,
+        "failed": check.failed,
+        "damaged": [list(runs) for runs in check.damaged],
+        "faults": list(check.faults),
+    }
+    return Sheet(check.path, health=tuple(said), sections=(Section("", tuple(blocks), record),))

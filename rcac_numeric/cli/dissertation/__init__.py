@@ -1,1 +1,0 @@
-"""Commands about the dissertation as a whole: its examples, its errata."""

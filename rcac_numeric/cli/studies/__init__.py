@@ -1,1 +1,0 @@
-"""The commands that run studies and look at what they came to."""
