@@ -83,7 +83,9 @@ def decouple(
     *,
     variable: str | Symbol | None = None,
 ) -> Decoupling:
-    r"""Decouple a square plant by state feedback, if that is possible.
+    r"""Decouple a square plant by state feedback, so that each new input moves one output alone.
+
+    With :math:`u = F x + W v` output i follows :math:`v_i` through :math:`1/p_i(s)`:
 
     .. math:: B^*_i = C_i A^{d_i - 1} B, \qquad W = (B^*)^{-1}, \qquad F = -W
               \begin{bmatrix} C_1\,p_1(A) \\ \vdots \end{bmatrix}
@@ -104,9 +106,18 @@ def decouple(
     InputError, ImproperError
         If the plant is not square or cannot be read, or a polynomial has another degree.
 
+    See Also
+    --------
+    interactor : For a transfer matrix without states: which outputs come how late, and what to put
+        in front where no static feedback decouples.
+    decouple_disturbance : Hide a disturbance from the output.
+
     Notes
     -----
-    Source: P. L. Falb, W. A. Wolovich, IEEE Transactions on Automatic Control 12 (1967) 651-659.
+    The loop is stable if the p_i and `hidden` are: what decoupling makes unobservable are zeros of
+    the plant. F belongs to the states of `plant`, so a transfer matrix G is realised first:
+    ``minimal_realisation(G).realisation``. Source: P. L. Falb, W. A. Wolovich, IEEE Transactions on
+    Automatic Control 12 (1967) 651-659.
 
     Examples
     --------
