@@ -28,6 +28,7 @@ from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 IDENTITY = "p_i (C + D F)(sI - A - B F)^-1 B W + p_i D W = I"
 
@@ -126,7 +127,16 @@ def decouple(
     >>> print(found)
     diag(1/(s + 1), 1/(s + 2)) with F = [[-1, -1], [-3, -5]], W = [[1, 0], [-1, 1]]
     """
-    source = realisation(plant, variable)
+    try:
+        source = realisation(plant, variable)
+    except InputError:
+        is_rows = isinstance(plant, list) and len(plant) == 2
+        if not (is_rows or isinstance(plant, TransferMatrix)):
+            raise
+        raise InputError(
+            "F acts on states, and a transfer matrix G has none: give "
+            "minimal_realisation(G).realisation, or see interactor, which reads G"
+        ) from None
     A, B, C, D = source.A, source.B, source.C, source.D
     m = B.cols
     if C.rows != m or not m:
