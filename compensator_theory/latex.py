@@ -1,4 +1,4 @@
-r"""Formulas of results for notebooks: LaTeX that MathJax reads, out of polynomials and matrices."""
+r"""Formulas of results for notebooks: LaTeX out of polynomials and matrices."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ class Quiet(SimpleHTTPRequestHandler):
 
 
 def new_page(browser: Any, site: str, **options: Any) -> Any:
-    """A page that asks nobody but the site: formulas are drawn by a script of the network."""
+    """A page that asks nobody but the site; its console says what else was asked for."""
     page = browser.new_page(**options)
     page.route(
         lambda address: not address.startswith(site), lambda route: route.abort("blockedbyclient")
@@ -139,7 +139,7 @@ def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
                 wide = page.evaluate("document.documentElement.scrollWidth")
                 if wide > width:
                     yield f"{name} is {wide} pixels wide at {width}, {scheme}"
-                yield from (f"{name}: {words}" for words in said if "ERR_" not in words)
+                yield from (f"{name}: {words}" for words in said)
                 said.clear()
                 if pictures:
                     file = f"{name.replace('/', '-')}-{width}-{scheme}.png"

@@ -3,7 +3,6 @@ import sys
 import tempfile
 import tomllib
 import warnings
-from importlib.util import find_spec
 from pathlib import Path
 
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
@@ -18,6 +17,7 @@ from docs.equation_links import setup_equations
 from docs.errata_page import CHAPTERS, errata_page
 from docs.exercises_page import exercises_page
 from docs.exercises_page import sources as exercise_files
+from docs.formulas import setup_formulas
 from docs.notebook_pages import copy_notebooks, write_settings
 from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
@@ -46,7 +46,6 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.intersphinx",
-    "sphinx.ext.mathjax",
     "sphinx_copybutton",
     "sphinx_design",
 ]
@@ -69,6 +68,7 @@ os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
 os.environ["CHECKOUT"] = str(ROOT)
 
 html_theme = "furo"
+html_math_renderer = "mathml"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 if repository := PROJECT.get("urls", {}).get("Repository"):
     html_theme_options = {
@@ -76,12 +76,6 @@ if repository := PROJECT.get("urls", {}).get("Repository"):
     }  # fmt: skip
 html_title = "compensator-theory"
 html_static_path = ["_static"]
-# Formulas are set without the network where the extra `docs` is installed as it stands now.
-if mathjax := find_spec("sphinx-mathjax-offline"):
-    html_static_path += [
-        str(Path(place) / "static") for place in mathjax.submodule_search_locations
-    ]
-    mathjax_path = "mathjax/tex-chtml.js"
 html_css_files = ["pictures.css"]
 html_js_files = [("reachable.js", {"defer": "defer"})]
 # The explorer, which is built with the pages: _static/explorer.html.
@@ -178,6 +172,7 @@ def keep_only_the_page(app, tree):
 
 def setup(app):
     setup_equations(app)
+    setup_formulas(app)
     app.connect("doctree-read", keep_only_the_page)
     app.connect("builder-inited", build_explorer)
     app.connect("doctree-resolved", insert_thumbnails)

@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -111,7 +112,7 @@ def namespaces(package: str) -> list[str]:
     >>> namespaces("compensator_theory")[:3]
     ['compensator_theory', 'compensator_theory.bezout', 'compensator_theory.canonical_forms']
     """
-    top = _stubbed(ROOT / package / "__init__.pyi", package)
+    top = _stubbed(_place(package) / "__init__.pyi", package)
     modules = [name for name, home in top.items() if home == package]
     return [package, *sorted(f"{package}.{name}" for name in modules if name != "strategies")]
 
@@ -129,8 +130,17 @@ def public_path(package: str, name: str) -> str:
     return next(f"{space}.{name}" for space in namespaces(package) if name in _names(space))
 
 
+def _place(space: str) -> Path:
+    """Where the module is installed: in a checkout, or where a wheel laid it."""
+    package, *inner = space.split(".")
+    found = find_spec(package)
+    if found is None or found.origin is None:
+        raise ModuleNotFoundError(f"{package} is not installed", name=package)
+    return Path(found.origin).parent.joinpath(*inner)
+
+
 def _names(space: str) -> dict[str, str]:
-    path = ROOT.joinpath(*space.split("."))
+    path = _place(space)
     if path.is_dir():
         return _stubbed(path / "__init__.pyi", space)
     stub = path.with_suffix(".pyi")

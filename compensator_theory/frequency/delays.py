@@ -194,6 +194,11 @@ def stability_delays(
     >>> "4" in found, found.unstable_roots(5)
     (True, 2)
     """
+    if isinstance(coefficients, str):
+        raise InputError(
+            "give a list, a_0, a_1, ... of a_0(s) + a_1(s) exp(-tau s) + ...: of N/D in negative "
+            "feedback with a delay it is [D, N]"
+        )
     given = listed(coefficients, "degree", "the list of coefficients")
     if len(given) < 2:
         raise InputError("give a_0, a_1, ...: without a delay use decide_stability")

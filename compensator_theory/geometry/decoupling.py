@@ -29,6 +29,7 @@ from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 IDENTITY = "p_i (C + D F)(sI - A - B F)^-1 B W + p_i D W = I"
 
@@ -84,7 +85,9 @@ def decouple(
     *,
     variable: str | Symbol | None = None,
 ) -> Decoupling:
-    r"""Decouple a square plant by state feedback, if that is possible.
+    r"""Decouple a square plant by state feedback, so that each new input moves one output alone.
+
+    With :math:`u = F x + W v` output i follows :math:`v_i` through :math:`1/p_i(s)`:
 
     .. math:: B^*_i = C_i A^{d_i - 1} B, \qquad W = (B^*)^{-1}, \qquad F = -W
               \begin{bmatrix} C_1\,p_1(A) \\ \vdots \end{bmatrix}
@@ -105,9 +108,18 @@ def decouple(
     InputError, ImproperError
         If the plant is not square or cannot be read, or a polynomial has another degree.
 
+    See Also
+    --------
+    interactor : For a transfer matrix without states: which outputs come how late, and what to put
+        in front where no static feedback decouples.
+    decouple_disturbance : Hide a disturbance from the output.
+
     Notes
     -----
-    Source: P. L. Falb, W. A. Wolovich, IEEE Transactions on Automatic Control 12 (1967) 651-659.
+    The loop is stable if the p_i and `hidden` are: what decoupling makes unobservable are zeros of
+    the plant. F belongs to the states of `plant`, so a transfer matrix G is realised first:
+    ``minimal_realisation(G).realisation``. Source: P. L. Falb, W. A. Wolovich, IEEE Transactions on
+    Automatic Control 12 (1967) 651-659.
 
     Examples
     --------
@@ -116,7 +128,16 @@ def decouple(
     >>> print(found)
     diag(1/(s + 1), 1/(s + 2)) with F = [[-1, -1], [-3, -5]], W = [[1, 0], [-1, 1]]
     """
-    source = realisation(plant, variable)
+    try:
+        source = realisation(plant, variable)
+    except InputError:
+        is_rows = isinstance(plant, list) and len(plant) == 2
+        if not (is_rows or isinstance(plant, TransferMatrix)):
+            raise
+        raise InputError(
+            "F acts on states, and a transfer matrix G has none: give "
+            "minimal_realisation(G).realisation, or see interactor, which reads G"
+        ) from None
     A, B, C, D = source.A, source.B, source.C, source.D
     m = B.cols
     if C.rows != m or not m:

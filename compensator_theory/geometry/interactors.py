@@ -60,7 +60,9 @@ class Interactor(ExactValue):
 
 
 def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Interactor:
-    r"""Find the interactor of a proper transfer matrix of full row rank.
+    r"""Find the interactor of a proper transfer matrix: how late each combination of outputs comes.
+
+    It is diagonal if and only if static state feedback decouples a square plant: :func:`decouple`.
 
     .. math:: \lim_{s \to \infty} \xi(s)\,G(s) = K, \qquad \mathrm{rank}\,K = p
 
@@ -84,6 +86,10 @@ def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> I
         If the rows of G are dependent.
     ImproperError, InputError, BudgetError
         If G is improper, cannot be read, or is too large.
+
+    See Also
+    --------
+    decouple : The feedback that decouples, and the poles that it leaves hidden.
 
     Notes
     -----

@@ -308,7 +308,7 @@ def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController
     :math:`V_2 = 0` in discrete time this is high-authority LQG,
 
     .. math::
-        \tilde D_{HA} &= q^{d_{zu}} N_{zu,s} \bar N_{zu,u} \cdot
+        \tilde D_{HA} = q^{d_{zu}} N_{zu,s} \bar N_{zu,u} \cdot
                           q^{d_{yw}} N_{yw,s} \bar N_{yw,u}, \qquad
         B^T P B = H_{d_{zu}}^2 \textstyle\prod |\text{zeros of } N_{zu,u}|^2
 

@@ -38,7 +38,7 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         return variable
     found = _named(variable) if isinstance(variable, str) else None
     if not isinstance(found, Symbol):
-        pair = "; coefficients go as one pair, as in ([1], [1, 2])"
+        pair = "; names go one by one, coefficients as one pair, as in ([1], [1, 2])"
         hint = pair if isinstance(variable, list | tuple) else ""
         raise InputError(
             f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"

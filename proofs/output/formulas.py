@@ -172,11 +172,10 @@ def _symbol(name: str, hat: str, subscript: str, mark: str, power: str, mark_beh
     if subscript:
         inner = subscript[1:].replace("theta", r"\theta")
         name += f"_{{{inner}}}"
-    marks = (mark + mark_behind).replace("^*", "*").replace("*", r"^{*}")
-    if power:
-        exponent = power[1:]
-        exponent = exponent[1:-1] if exponent.startswith("(") else exponent
-        primes = marks.count("'")
-        exponent = ("\\prime " * primes) + _tex(exponent)
-        return f"{name}^{{{exponent}}}"
-    return name + marks
+    marks = (mark + mark_behind).replace("^*", "*")
+    exponent = power[1:]
+    exponent = exponent[1:-1] if exponent.startswith("(") else exponent
+    if not exponent and "*" not in marks:
+        return name + marks
+    marks = marks.replace("'", r"\prime ")
+    return f"{name}^{{{marks}{_tex(exponent)}}}"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+import numpy as np
+
+# In full and not as NDArray, which no longer says from NumPy 2.5 on that it is an array.
+Array = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+ComplexArray = np.ndarray[tuple[Any, ...], np.dtype[np.complex128]]

@@ -132,14 +132,26 @@ def vector(value: ArrayLike, name: str, size: int) -> Array:
     return array
 
 
-def signal_array(value: ArrayLike, name: str, width: int, steps: int | None = None) -> Array:
-    """`value` as an array of shape (steps, width); a 1-D array is a scalar signal."""
+def signal_array(
+    value: ArrayLike,
+    name: str,
+    width: int,
+    steps: int | None = None,
+    blocks: Mapping[str, int] | None = None,
+) -> Array:
+    """`value` as an array of shape (steps, width); a 1-D array is a scalar signal.
+
+    An error names the blocks of columns, with their widths.
+    """
     array = real_array(value, name)
     if array.ndim == 1 and width == 1:
         array = array.reshape(-1, 1)
     if array.ndim != 2 or array.shape[1] != width:
+        named = ", ".join(f"{n} columns {b}" if n != 1 else b for b, n in (blocks or {}).items())
+        columns = f": {named}" if blocks and list(blocks) != [name] else ""
         raise InputError(
-            f"{name} has shape {array.shape}; (steps, {width}) is needed, one row for each step."
+            f"{name} has shape {array.shape}; (steps, {width}) is needed, one row for each step"
+            f"{columns}."
         )
     if steps is not None and array.shape[0] != steps:
         raise InputError(f"{name} has {array.shape[0]} rows where {steps} steps are needed.")

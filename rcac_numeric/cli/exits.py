@@ -47,6 +47,7 @@ AT_THE_SHELL = {
     r"From n_c = (\d+) and numerator_degree = \d+ on": r"From --order \1 on",
     r"check_controller\(log, \*\*check_arguments\(file\)\)": "rcac check LOG --plant FILE",
     r"Use Decentralized\(\.\.\., shared_u=True\)": "Write shared_u = true in [[controllers]]",
+    r"dead_time= to design": "--dead-time to rcac design",
     r"Use ClosedLoop\(\.\.\.\)\.poles\(\) instead": "The poles are in the report",
 }
 LONGEST = 2000  # characters of a message

@@ -26,7 +26,7 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
 @click.argument("case", shell_complete=complete_case)
 @click.option("-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
               help="The folder that is written, or a file that ends in .fmu.")  # fmt: skip
-@click.option("--sample-time", type=float, metavar="SECONDS",
+@click.option("--sample-time", type=click.FloatRange(min=0, min_open=True), metavar="SECONDS",
               help="Of an FMU; default: that of the plant, where CASE says it.")  # fmt: skip
 @click.option("--fmi", type=click.Choice(VERSIONS), default="2.0", show_default=True,
               help="The version of the interface of an FMU.")  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import re
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -45,6 +46,9 @@ COMMANDS = {
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }
 
+# What a plant may begin with, and no option or value of one: -1/(s + 1), -(q - 2)/q, -s/(s + 1).
+MINUS = re.compile(r"^-(?=[\d.(]|[a-np-zA-Z]\s*[*/^])(?=.*[/(])")  # -o has a path behind it
+
 
 class Commands(click.Group):
     """A group that imports a command when it is asked for, and ends as `exits` says."""
@@ -63,6 +67,10 @@ class Commands(click.Group):
             raise TypeError(f"{COMMANDS[cmd_name][0]} is no command")
         command.epilog = EXIT_STATUS
         return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does it; a formula that begins with a minus sign is no option."""
+        return super().parse_args(ctx, [MINUS.sub(" -", word) for word in args])
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """As click does it, with the command that a wrong word comes closest to."""

@@ -67,7 +67,7 @@ class PreparedRun:
             instance_of(supervision, "supervision", Supervision)
         self.plant, self.settings, self.saturation = plant, settings, saturation
         self.supervision = None if supervision == Supervision() else supervision
-        self.w = signal_array(w, "w", plant.l_w)
+        self.w = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
         self._before = 0.0 if start is None else saved_state(start, "start").scale

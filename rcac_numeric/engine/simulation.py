@@ -267,7 +267,7 @@ class StepwiseLoop:
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self._failures = Failures()
         self._body = compiled_plant(plant, self.x_0, self._failures)
-        self.w = signal_array(w, "w", plant.l_w)
+        self.w = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
         self.stride = integer(stride, "stride", at_least=1)
         self._before = 0.0 if start is None else saved_state(start, "start").scale
         scale = scale_of(self._before, self.w, self.x_0)

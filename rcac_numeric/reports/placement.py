@@ -41,7 +41,14 @@ def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
             "summary": str(found),
         },
     }  # fmt: skip
-    return Sheet(f"G = {placement.plant}", sections=(Section("", tuple(lines), record),))
+    health: tuple[Text, ...] = ()
+    if found is not None and not found.target_is_stable:
+        z = placement.target.gen
+        where = "left of the imaginary axis" if z.name == "s" else "inside the unit circle"
+        health = (Text(f"The loop is UNSTABLE as asked for: poles in {z} belong {where}.", "bad"),)
+    return Sheet(
+        f"G = {placement.plant}", health=health, sections=(Section("", tuple(lines), record),)
+    )
 
 
 def _of_zero(placement: exact.results.PolePlacement) -> str:

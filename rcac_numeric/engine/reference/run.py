@@ -272,7 +272,7 @@ def simulate_reference(
     plant = as_plant(plant)
     require_supported(plant, settings)
     require_fit(plant, settings)
-    w = signal_array(w, "w", plant.l_w)
+    w = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
     bits = int(integer(digits, "digits", at_least=16) * 3.33) + 8
     return _run(plant, settings, w, x_0, bits)
 

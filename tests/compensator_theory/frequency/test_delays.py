@@ -115,6 +115,8 @@ def test_what_it_says_and_refuses():
         stability_delays(["s + 1", "s"])
     with pytest.raises(InputError, match="power of the variable"):
         stability_delays(["z + 1", "1"])
+    with pytest.raises(InputError, match=r"it is \[D, N\]"):
+        stability_delays("2/(s + 1)")
     with pytest.raises(InputError, match="decide_stability"):
         stability_delays(["s + 1"])
     with pytest.raises(NoSolutionError, match="every delay"):

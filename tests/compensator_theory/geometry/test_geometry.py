@@ -13,8 +13,10 @@ from compensator_theory import (
     InputError,
     invariant_zeros,
     kalman_decomposition,
+    minimal_realisation,
     polynomial,
     polynomial_from_roots,
+    transfer_matrix,
 )
 from compensator_theory.canonical_forms import smith_mcmillan_form
 from compensator_theory.errors import NoSolutionError
@@ -282,3 +284,12 @@ def test_fixed_modes_of_a_large_plant_in_other_coordinates():
     found = decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])])
     expected = polynomial_from_roots([modes[i] for i in range(n) if i % 3 == 2], "s")
     assert found.polynomial == expected == found.centralised
+
+
+@pytest.mark.parametrize("read", [list, transfer_matrix])
+def test_decoupling_asks_a_transfer_matrix_for_states(read):
+    G = [["1/(s + 1)", "1/(s + 2)"], ["1/(s + 3)", "2/(s + 4)"]]
+    with pytest.raises(InputError, match=r"minimal_realisation\(G\)\.realisation"):
+        decouple(read(G))
+    found = decouple(minimal_realisation(G).realisation)
+    assert found.relative_degrees == interactor(G).powers, "it is diagonal where that can be"

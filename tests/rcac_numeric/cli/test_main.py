@@ -299,3 +299,18 @@ def test_a_mistyped_command_is_answered_with_the_one_meant():
     result = CliRunner().invoke(main, ["verfy", "4.7"])
     assert result.exit_code == 2 and "Did you mean 'verify'?" in result.stderr
     assert "Did you mean" not in CliRunner().invoke(main, ["xyzzy"]).stderr
+
+
+@pytest.mark.parametrize("plant", ["-0.7*(q - 1.7)/(q - 0.5)", "-(q - 2)/q", "-s/(s + 1)"])
+def test_a_plant_with_a_minus_sign_is_no_option(rcac, plant):
+    """It is read, and what it lacks is asked for; a value of an option stays as it is."""
+    result = rcac("design", plant)
+    assert result.exit_code == 2 and "No such option" not in result.stderr
+    assert "--noise" in result.stderr
+    options = ("--plant", "1/s", "--poles", "-1", "--order", "0", "--feedback", "-1")
+    assert rcac("place", *options).exit_code == 0
+    assert "No such option" in rcac("design", "-x", plant).stderr
+
+
+def test_a_dead_time_in_a_formula_is_told_its_option(rcac):
+    assert "--dead-time" in rcac("design", "exp(-s)/(s + 1)", "--assume").stderr

@@ -166,3 +166,13 @@ def test_a_constant_is_given_its_variable(rcac):
     assert refused.exit_code == 2 and "--variable s" in refused.stderr
     assert "=" not in refused.stderr
     assert rcac(*asked, "--variable", "s").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("plant", "poles", "words"),
+    [("1/(z - 1)", "-1, -2", "inside the unit circle"), ("1/(s - 1)", "1, -2", "imaginary axis")],
+)
+def test_poles_that_are_unstable_where_they_are_asked_for_are_said_first(rcac, plant, poles, words):
+    first = rcac("place", "--plant", plant, "--poles", poles).output.splitlines()[1]
+    assert "UNSTABLE as asked for" in first and words in first
+    assert "UNSTABLE" not in rcac("place", "--plant", plant, "--poles", "-1/2, -1/3").output

@@ -19,6 +19,7 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     CovarianceReset,
+    FixedController,
     Gradient,
     Instantaneous,
     PlantChange,
@@ -30,6 +31,7 @@ from rcac_numeric import (
     VariableRateForgetting,
     frozen_twin,
     iir,
+    servo_plant,
     simulate,
     standard_plant,
 )
@@ -197,3 +199,9 @@ def test_a_system_that_gives_no_more_threads():
         [sys.executable, "-c", CROWDED], capture_output=True, text=True, check=False
     )
     assert process.stdout.strip() == "{'completed'}", process.stderr
+
+
+def test_a_w_of_another_width_is_told_its_columns():
+    plant = servo_plant("1/(q - 0.5)")
+    with pytest.raises(InputError, match=r"\(steps, 3\) is needed.*: r, d, v"):
+        simulate(plant, FixedController("1/q"), np.ones((50, 1)))

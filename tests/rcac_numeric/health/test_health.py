@@ -107,9 +107,10 @@ def test_the_boost_converter_says_its_gain_margin():
     found = verify(load_experiment("examples/boost_converter.toml"))
     health = loop_health(found)
     oracle = stability_margins(found.main.first.loop).gain_up.value
-    assert 1.07 < oracle < 1.09 and health.margins["u"].gain_up.value == oracle
+    assert oracle < 1.5 and health.margins["u"].gain_up.value == oracle
     assert "small margins" in codes(health)
-    assert "1.08 times the gain is unstable" in str(found).split("The problem")[0]
+    assert f"{oracle:.3g} times the gain is unstable" in str(found).split("The problem")[0]
+    assert health.is_stable and "NOT reached" not in str(found), "an example shows what works"
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

@@ -7,12 +7,13 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import Structure, Tap
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.files.reference import kind_keys_table, kinds_table
 from rcac_numeric.experiments.files.schema import strict_schema
 from rcac_numeric.experiments.files.structures import STRUCTURES, StructureKind
 from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Integer
+from rcac_numeric.experiments.format.tables import Kinds, Table, form_of
+from rcac_numeric.experiments.format.values import Integer, Numbers
 
 PLACE = Place("case.toml", "controller")
 
@@ -104,3 +105,8 @@ def test_a_field_that_cannot_be_read_is_noticed_where_it_is_declared():
 
     with pytest.raises(TypeError, match=r"no form is known .* for matrix"):
         Table(Odd).keys  # noqa: B018
+
+
+def test_an_array_is_numbers_whatever_numpy_makes_of_its_types():
+    assert isinstance(form_of(Array), Numbers)
+    assert isinstance(form_of(Array | None), Numbers)
