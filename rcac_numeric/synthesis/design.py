@@ -686,7 +686,8 @@ def reasons_of(
     robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
     weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
     modelled = f"; with {parts} for the disturbance" if parts else ""
-    fixed = f"LQG of order {n_c}", f"{weights}: the least cost on the ladder{robust}{modelled}"
+    chosen = f"{weights}: the least u within a tenth of the least error"
+    fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
     more = f" and {knobs.spare} more" if knobs.spare else ": more costs robustness"
     order = f"iir(n_c={n_c + knobs.spare})", f"the order of the fixed controller{more}"
     if reference.commands:
