@@ -17,6 +17,7 @@ from rcac_numeric import (
     FixedController,
     Harmonic,
     Levels,
+    Ramp,
     Saturation,
     Step,
     Uncertainty,
@@ -90,6 +91,20 @@ def test_an_oscillation_has_the_mean_square_that_was_asked_for(omega, radius, po
     covariance = solve_discrete_lyapunov(A, D_1 @ D_1.T)
     assert np.allclose(covariance, power * np.eye(2), rtol=1e-9)
     assert np.allclose(np.linalg.eigvals(A), radius * np.exp(1j * omega * np.array([1, -1])))
+
+
+@pytest.mark.parametrize("of", ["d", "r"])
+def test_a_ramp_leaves_no_error(of):
+    """With poles at 1 - 1e-6 it is small, not 0; one integrator alone leaves a constant."""
+    ramp = Ramp(slope=0.01)
+    disturbance, command = (ramp, None) if of == "d" else (Step(0.1), ramp)
+    plant, _, found = reference_of(
+        "1/((20*s + 1)*(3*s + 1))", disturbance, sample_time=1.0, dead_time=4.0, command=command
+    )
+    w = np.zeros((1500, 3))
+    w[:, "rd".index(of)] = ramp.samples(1500)
+    e = simulate(plant.servo(), found.fixed, w).z[-1, 0]
+    assert abs(e) < 1e-2 * 0.01
 
 
 def test_no_controller_rejects_a_constant_through_a_zero_at_1():
