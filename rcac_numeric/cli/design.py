@@ -48,7 +48,8 @@ PLANT = (
     click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".'),
     click.option("--sample-time", type=float, help="In seconds; a plant in s needs it."),
     click.option(
-        "--dead-time", type=float, default=0.0, help="In seconds, or steps without them."
+        "--dead-time", default="0", metavar="SECONDS",
+        help='In steps without a sample time; of rows "1, 3; 7, 3", one for each entry.',
     ),
     click.option("--uncertain-gain", metavar="LOW,HIGH",
                  help="Factors between which the gain may be.  [default: 0.8,1.25]"),
@@ -130,7 +131,7 @@ def tune_command(
 
 def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
-    u_limits: str | None, sample_time: float | None, dead_time: float, structure: str | None,
+    u_limits: str | None, sample_time: float | None, dead_time: str, structure: str | None,
     feedforward: bool, assume: bool, **uncertain: Any,
 ) -> dict[str, Any]:  # fmt: skip
     """The arguments of `design`, what is not given asked for."""
@@ -164,7 +165,18 @@ def _known(
             known[name] = _numbers(name, value)
     if height is not None:
         known["command"] = Step(height)
-    return known | {"dead_time": dead_time}
+    return known | {"dead_time": _dead_time(dead_time)}
+
+
+def _dead_time(text: str) -> float | list[list[float]]:
+    """Of the plant, or of each of its entries."""
+    try:
+        rows = [[float(one) for one in row] for row in _entries(text)]
+    except ValueError:
+        raise InputError(
+            f'--dead-time {text}: write seconds, or rows of them, "1, 3; 7, 3".'
+        ) from None
+    return rows if len(rows) > 1 or len(rows[0]) > 1 else rows[0][0]
 
 
 def _entries(text: str) -> list[list[str]]:

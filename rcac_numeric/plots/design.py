@@ -46,7 +46,7 @@ def plot_design(design: Design) -> Figure:
                 below.annotate(words, (place, 1.0), fontsize=7, color=style["color"], **top)
     below.set_yscale("log")
     below.set_xticks(range(len(plants)), plants, fontsize=7, rotation=15)
-    below.set(xlabel="plant", ylabel="rms of $e_0$, last quarter")
+    below.set(xlabel="plant", ylabel="rms of $e_0$")
     for axis in figure.axes:
         axis.grid(alpha=0.25)
     return figure

@@ -71,8 +71,8 @@ def _evidence(design: Design) -> Section:
         for t in design.evidence
     ]  # fmt: skip
     words = Text(
-        "Medians over held-out draws: rms of e_0 over the last quarter, largest abs(e_0), peak of "
-        "S with the last controller."
+        "Medians over held-out draws: rms of e_0 over the whole run, largest abs(e_0), peak of S "
+        "with the last controller."
     )
     return Section("On held-out runs", (table, words), {"evidence": record})
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import attrs
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
@@ -281,7 +282,7 @@ def design(
     command: Any = None,
     u_limits: Any = None,
     sample_time: float | None = None,
-    dead_time: float = 0.0,
+    dead_time: ArrayLike = 0.0,
     uncertainty: Uncertainty | None = None,
     structure: Structure | None = None,
     feedforward: bool = False,
@@ -310,12 +311,13 @@ def design(
     noise : float, optional
         Standard deviation of the sensor noise, in units of y.
     command : Signal, optional
-        r, in units of y.
+        r, in units of y. A `Ramp` of it, or of d, has two integrators.
     u_limits : (low, high) or Saturation, optional
     sample_time : float, optional
         In seconds; a plant in continuous time needs it.
-    dead_time : float
-        Of the plant, in seconds; in steps where no sample time is known.
+    dead_time : float, or rows of them
+        Of the plant, in seconds; in steps where no sample time is known. Rows are those of the
+        entries of a transfer matrix in s, whole steps each: ``[[1, 3], [7, 3]]``.
     uncertainty : Uncertainty, optional
         How far the true plant may be from this one: by default a gain of 0.8 to 1.25, one step,
         time constants of 1/1.2 to 1.2, three times the noise.
@@ -362,7 +364,7 @@ def design(
         disturbance, noise, command, saturation, uncertainty, structure, feedforward
     )
     if isinstance(plant, ControllerLog):
-        basis = _basis_of_log(plant, sample_time, dead_time, around)
+        basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
     else:
         basis = _basis_of(read_plant(plant, sample_time, dead_time), Uncertainty(), around)
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
@@ -594,7 +596,9 @@ def _questions(
     model, expected, assumed = basis.model, basis.expected, basis.assumed
     uncertainty, logged = basis.uncertainty, basis.logged
     late = model.delay + model.fraction
-    least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
+    by_entry = "" if model.longest == model.delay else f" to {model.longest} by entry"
+    least = max(late - uncertainty.delay, 0)
+    most = model.longest + model.fraction + uncertainty.delay
     found = []
     if logged is not None:
         found.append((
@@ -606,7 +610,7 @@ def _questions(
         if model.m == 1 else
         ("plant", f"the weakest direction of u does 1/{model.condition:.3g} of the strongest",
          "its sign and size decide whether a loop with integrators is stable at all"),
-        ("dead_time", f"{late:.4g} steps, {least:.4g} to {most:.4g}",
+        ("dead_time", f"{late:.4g}{by_entry} steps, {least:.4g} to {most:.4g}",
          "the dead time decides how fast a loop may be"),
     ]  # fmt: skip
     if "disturbance" in assumed:
@@ -681,12 +685,15 @@ def reasons_of(
     n_c, structure = reference.compensator.n_c, settings.structure
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
     taken = model.servo().n + 2 * model.m * len(models)
-    models += ["an integrator"] if reference.lqg.plant.n > taken else []
+    models += {0: [], 1: ["an integrator"]}.get(
+        (reference.lqg.plant.n - taken) // model.m, ["two integrators"]
+    )
     parts = " and ".join(models)
     robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
     weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
     modelled = f"; with {parts} for the disturbance" if parts else ""
-    fixed = f"LQG of order {n_c}", f"{weights}: the least cost on the ladder{robust}{modelled}"
+    chosen = f"{weights}: the least u within a tenth of the least error"
+    fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
     more = f" and {knobs.spare} more" if knobs.spare else ": more costs robustness"
     order = f"iir(n_c={n_c + knobs.spare})", f"the order of the fixed controller{more}"
     if reference.commands:

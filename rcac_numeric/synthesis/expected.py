@@ -14,7 +14,7 @@ from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.signals.recordings import Recorded
 from rcac_numeric.signals.signal import Scaled, Signal, Sum, exogenous
-from rcac_numeric.signals.waveforms import Harmonic, Step, WhiteNoise
+from rcac_numeric.signals.waveforms import Harmonic, Ramp, Step, WhiteNoise
 
 UNKNOWN = "unknown"
 COLOUR = 0.95  # pole of the noise that stands for a disturbance of which no spectrum is known
@@ -78,16 +78,28 @@ class Expected(Value):
         """Size of what of d stays: neither white nor a sinusoid."""
         if self.disturbance is None:
             return self.disturbance_size
-        kept = [
-            _size(f, one) for f, one in parts_of(self.disturbance)
-            if not isinstance(one, WhiteNoise | Harmonic)
-        ]  # fmt: skip
-        return sum(kept)
+        return _kept(self.disturbance, WhiteNoise, Harmonic)
+
+    @property
+    def stays(self) -> tuple[float, float]:
+        """Sizes of what of d and of r stays and does not grow, in units of u and of y."""
+        d, r = self.disturbance, self.command
+        of_d = self.lasting if d is None else _kept(d, WhiteNoise, Harmonic, Ramp)
+        return of_d, 0.0 if r is None else _kept(r, Ramp)
 
     @property
     def largest_command(self) -> float:
         """The largest abs(r) of the first 2000 steps."""
         return 0.0 if self.command is None else _size(1.0, self.command)
+
+    @property
+    def slopes(self) -> tuple[float, float]:
+        """Growth of d, in units of u, and of r, in units of y, in a step of their ramps."""
+        of_d, of_r = (
+            [abs(f * one.slope) for f, one in parts_of(signal) if isinstance(one, Ramp)]
+            if signal is not None else [] for signal in (self.disturbance, self.command)
+        )  # fmt: skip
+        return sum(of_d), sum(of_r)
 
     @property
     def sinusoids(self) -> tuple[tuple[float, float], ...]:
@@ -151,6 +163,11 @@ def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
     if isinstance(signal, Scaled):
         return parts_of(signal.signal, factor * signal.factor)
     return [(factor, signal)]
+
+
+def _kept(signal: Signal, *without: type[Signal]) -> float:
+    """Size of a signal without its parts of these kinds."""
+    return sum(_size(f, one) for f, one in parts_of(signal) if not isinstance(one, without))
 
 
 def _size(factor: float, signal: Signal) -> float:

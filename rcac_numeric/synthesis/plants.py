@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import attrs
 import numpy as np
-from scipy.linalg import logm, matrix_balance
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, logm, matrix_balance
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.validation import instance_of, integer, items, number, reads, with_checks
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    items,
+    number,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.plants.foreign import plant_of
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
@@ -30,6 +41,10 @@ LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
 ROUNDING = 1e-9  # of a period of dead time
+IMPROPER = (
+    "the plant is not strictly proper: y follows u at once. Add the lag of the actuator or of the "
+    "sensor."
+)
 
 
 def _range(value: object, name: str) -> tuple[float, float]:
@@ -105,6 +120,8 @@ class DesignPlant(Value):
         What is left of the dead time, in periods; its states are the last m of A.
     sample_time : float or None
         In seconds.
+    later : array of int, shape (n, m), or None
+        Further steps by which each state is late to each input, where entries differ.
     """
 
     A: Array
@@ -114,26 +131,42 @@ class DesignPlant(Value):
     continuous: tuple[Array, Array] | None = None
     fraction: float = 0.0
     sample_time: float | None = None
+    later: NDArray[np.int64] | None = None
+
+    @property
+    def longest(self) -> int:
+        """Whole steps of the longest dead time."""
+        return self.delay + (0 if self.later is None else int(self.later.max()))
+
+    def _parts_of(self, B: Array) -> Iterator[tuple[int, Array]]:
+        """Whole steps of dead time, and what of B is so late."""
+        if self.later is None:
+            yield self.delay, B
+        else:
+            for more in np.unique(self.later):
+                yield self.delay + int(more), np.where(self.later == more, B, 0.0)
 
     def servo(self, changed: Variation | None = None) -> Plant:
-        """The servo problem (2.16)-(2.20) with y = z = e = r - y_0 - v, dead time as states.
+        """The servo problem (2.16)-(2.20) with y = z = e = r - y_0 - v, past u as states.
 
         The disturbance d enters with u, before the dead time.
         """
         here = Variation() if changed is None else changed
         A, B = self._sampled(here.time)
-        delay = self.delay + here.delay
-        B = B * np.asarray(here.gain)
         n, m = B.shape
-        late = m * delay
+        late = m * (self.longest + here.delay)
         chain = np.eye(n + late, k=m)
         chain[:n] = 0.0
         chain[:n, :n] = A
         enters = np.zeros((n + late, m))
-        if delay:
-            chain[:n, n : n + m], enters[-m:] = B, np.eye(m)
-        else:
-            enters = B
+        if late:
+            enters[-m:] = np.eye(m)
+        for steps, part in self._parts_of(B * np.asarray(here.gain)):
+            past = m * (steps + here.delay)
+            if past:
+                chain[:n, n + late - past : n + late - past + m] += part
+            else:
+                enters[:n] += part
         none = np.zeros((n + late, m))
         C = np.hstack([self.C, np.zeros((m, late))])
         direct = np.hstack([np.eye(m), np.zeros((m, m)), -np.eye(m)])
@@ -144,9 +177,9 @@ class DesignPlant(Value):
 
     def response(self, omega: Any) -> ComplexArray:
         """G(exp(j omega)) from u to y_0; shape (len(omega), m, m)."""
-        z = np.exp(1j * np.atleast_1d(omega))
-        states = np.linalg.solve(z[:, None, None] * np.eye(len(self.A)) - self.A, self.B[None])
-        return np.asarray(self.C @ states * (z**-self.delay)[:, None, None])
+        z = np.exp(1j * np.atleast_1d(omega))[:, None, None]
+        late = sum(part * z**-steps for steps, part in self._parts_of(self.B))
+        return np.asarray(self.C @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, late))
 
     @property
     def m(self) -> int:
@@ -251,7 +284,7 @@ def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     return A * by / by[:, None], B / by[:, None], C * by
 
 
-def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> DesignPlant:
+def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
     """A plant in any form that `plant_of` reads, with its dead time apart.
 
     Parameters
@@ -259,9 +292,12 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
     plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
     sample_time : float or None
         In seconds.
-    dead_time : float
-        In seconds; in steps where no sample time is known.
+    dead_time : float, or rows of them
+        In seconds; in steps where no sample time is known. Rows are those of the entries of a
+        transfer matrix in s.
     """
+    if np.ndim(dead_time):
+        return _late_by_entry(plant, sample_time, real_array(dead_time, "dead_time"))
     late = number(dead_time, "dead_time")
     if late < 0:
         raise InputError(f"dead_time = {late:g} must not be negative.")
@@ -296,6 +332,66 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
         is_list = isinstance(plant, list)
         read = _listed(plant, sample_time) if is_list else plant_of(plant, sample_time=sample_time)
         return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
+    h = _period(sample_time)
+    A, B, C = balanced(continuous[0] * h, continuous[1] * h, continuous[2])
+    whole = int(np.floor(late / h + ROUNDING))
+    fraction = max(late / h - whole, 0.0)
+    fraction = fraction if fraction > 2 * ROUNDING else 0.0
+    held_A, held_B = _held(A, B, fraction)
+    held_C = np.hstack([C, np.zeros((len(C), len(held_A) - len(A)))])
+    made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
+    return _checked(made)
+
+
+def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> DesignPlant:
+    """Every output realised by itself, late to each input by what its entry says.
+
+    What outputs share, an integrator for instance, each has for its own then.
+    """
+    G = exact.transfer_matrix(plant) if isinstance(plant, list) else None
+    if G is None or str(G.variable) != "s":
+        raise InputError(
+            "dead_time by entry is for rows of transfer functions in s; in q it stands in the "
+            "entries, as in 0.1/(q**3*(q - 0.9))."
+        )
+    _require_square(*reversed(G.shape))
+    if late.shape != G.shape or (late < 0).any():
+        raise InputError(
+            f"dead_time = {late.tolist()}: give one for each of the {G.shape[0]} x {G.shape[1]} "
+            "entries, in seconds, none of them negative."
+        )
+    h, m = _period(sample_time), len(late)
+    steps = np.rint(late / h).astype(np.int64)
+    if np.abs(late / h - steps).max() > 1e-6:
+        raise InputError(
+            f"dead_time = {late.tolist()} is {(late / h).round(4).tolist()} steps, and by entry it "
+            "must be whole steps: round it, or choose another sample_time."
+        )
+    rows = [_floats(exact.minimal_realisation([[G[i, j] for j in range(m)]]).realisation)
+            for i in range(m)]  # fmt: skip
+    if any(D.any() for *_, D in rows):
+        raise ImproperError(IMPROPER)
+    states = [len(A) for A, *_ in rows]
+    A, C = (block_diag(*(row[k] for row in rows)) for k in (0, 2))
+    A, B, C = balanced(A * h, np.vstack([B for _, B, *_ in rows]) * h, C)
+    least = int(steps.min())
+    later = np.repeat(steps - least, states, axis=0)
+    made = DesignPlant(*_held(A, B, 0.0), C, least, (A, B), sample_time=h, later=later)
+    for pole in np.linalg.eigvals(made.A):
+        if abs(pole) < 1 - ROUNDING:
+            continue
+        moved = sum(part * pole**-steps for steps, part in made._parts_of(made.B))
+        modes = np.hstack([made.A - pole * np.eye(len(A)), moved])
+        if np.linalg.norm(modes, -2) < ROUNDING * np.linalg.norm(modes, 2):
+            raise NoSolutionError(
+                f"several outputs share the pole {pole:.4g} of the sampled plant, which does not "
+                "decay: with dead times by entry each has it for its own, and u cannot move them "
+                "apart. Give the plant in q, with the dead times in its entries."
+            )
+    return _checked(made)
+
+
+def _period(sample_time: float | None) -> float:
     if sample_time is None:
         raise InputError(
             "the plant is in continuous time, and RCAC runs in discrete time: say how often it is "
@@ -305,14 +401,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
     h = number(sample_time, "sample_time")
     if not h > 0:
         raise InputError(f"sample_time = {h:g} must be positive, in seconds.")
-    A, B, C = balanced(continuous[0] * h, continuous[1] * h, continuous[2])
-    whole = int(np.floor(late / h + ROUNDING))
-    fraction = max(late / h - whole, 0.0)
-    fraction = fraction if fraction > 2 * ROUNDING else 0.0
-    held_A, held_B = _held(A, B, fraction)
-    held_C = np.hstack([C, np.zeros((len(C), len(held_A) - len(A)))])
-    made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
-    return _checked(made)
+    return h
 
 
 def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
@@ -324,14 +413,8 @@ def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
     if made is None or str(made.variable) != "s":
         return None
     if any(entry != 0 for entry in made.D):
-        raise ImproperError(
-            "the plant is not strictly proper: y follows u at once. Add the lag of the actuator or "
-            "of the sensor."
-        )
-    A, B, C = (
-        np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
-        for m in (made.A, made.B, made.C)
-    )
+        raise ImproperError(IMPROPER)
+    A, B, C, _ = _floats(made)
     _require_square(B.shape[1], len(C))
     return A, B, C
 
@@ -348,13 +431,18 @@ def _realised(plant: Any) -> exact.Realisation | None:
     return exact.minimal_realisation(G).realisation
 
 
-def _listed(entries: list[Any], sample_time: float | None) -> Plant:
-    """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
-    found = exact.minimal_realisation(exact.transfer_matrix(entries)).realisation
+def _floats(made: exact.Realisation) -> StateSpace:
+    """Its matrices, each entry rounded once."""
     A, B, C, D = (
         np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
-        for m in (found.A, found.B, found.C, found.D)
+        for m in (made.A, made.B, made.C, made.D)
     )
+    return A, B, C, D
+
+
+def _listed(entries: list[Any], sample_time: float | None) -> Plant:
+    """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
+    A, B, C, D = _floats(exact.minimal_realisation(exact.transfer_matrix(entries)).realisation)
     return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=sample_time)
 
 
@@ -391,9 +479,9 @@ def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
 
 
 def _checked(plant: DesignPlant) -> DesignPlant:
-    if plant.delay * plant.m > LONGEST_DELAY:
+    if plant.longest * plant.m > LONGEST_DELAY:
         raise InputError(
-            f"the dead time is {plant.delay} steps, and each of them has two coefficients of the "
+            f"the dead time is {plant.longest} steps, and each of them has two coefficients of the "
             f"controller; at most {LONGEST_DELAY // plant.m} are taken. Sample more slowly."
         )
     if not len(plant.A) or not plant.low_gain > 0:
@@ -411,12 +499,26 @@ def _checked(plant: DesignPlant) -> DesignPlant:
 
 
 def _require_square(l_u: int, l_y: int) -> None:
-    if l_u != l_y or l_u > MOST_SIGNALS:
-        raise InputError(
-            f"the plant has {l_u} inputs and {l_y} outputs; design takes as many inputs as "
-            f"outputs, at most {MOST_SIGNALS}. Leave out or combine signals; or take lqg for the "
-            "fixed controller and cold_start(direction_information(plant), ...) for RCAC."
+    if l_u == l_y <= MOST_SIGNALS:
+        return
+    if l_u > l_y:
+        advice = (
+            f"of its inputs make {l_y}, u = W v with the shares W of the actuators, and give "
+            f"transfer_matrix(G) @ W, or W at the input of a Plant: B @ W. W has shape "
+            f"({l_u}, {l_y})."
         )
+    elif l_u < l_y:
+        advice = (
+            "at rest no more outputs can be held than there are inputs: leave rows out, or weigh "
+            f"them together, S @ transfer_matrix(G), or S @ C of a Plant. S has shape "
+            f"({l_u}, {l_y})."
+        )
+    else:
+        advice = "make a design for each group of signals that hardly act on each other."
+    raise InputError(
+        f"the plant has {l_u} inputs and {l_y} outputs; design takes as many inputs as outputs, at "
+        f"most {MOST_SIGNALS}: {advice}"
+    )
 
 
 def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation, ...]:

@@ -39,6 +39,7 @@ NOISIER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 TRIED = 1000  # steps of a run with the actuator
 NEARLY = 1.1  # times the least rms of the error: among those the calmest is taken
 LEARNING = 1_000  # the first seed that settings are chosen by
+BIAS, SLOPE = "bias", "bias_bias"  # models of what stays, and of what grows: bias of a bias
 LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
@@ -243,7 +244,9 @@ class Ladder:
         return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
 
     def best(self) -> Reference:
-        """The controller of least cost whose loop is robust, else the most robust one.
+        """The controller of nearly the least error whose loop is robust, else the most robust one.
+
+        Of those within a tenth of the least error the one with the least u is taken.
 
         Raises
         ------
@@ -256,8 +259,8 @@ class Ladder:
         found = [one for one in found if np.isfinite(one[0].peak)]
         obstacle = ""
         found.sort(key=lambda one: (one[0].order, *one[1:]))
-        if self.saturation is not None:
-            found = self._by_runs(found, rungs)
+        limited = self.saturation is not None
+        found = self._by_runs(found, rungs) if limited else _calmest_first(found)
         for judged, R_2, V_2 in found:
             try:
                 noise = {**self.noise, "v": V * V_2}
@@ -304,20 +307,39 @@ class Ladder:
         """Of d, in units of the ladder: white noise, and what drives its models through them."""
         found = np.full(len(omega), self.noise["d"])
         z = np.exp(1j * omega)
-        for pole, power in self.models.values():
+        for kind, (pole, power) in self.models.items():
             mode = LASTS * np.exp(1j * pole)
             size = np.abs((z - mode) * (z - np.conj(mode))) if pole else np.abs(z - mode)
-            found += (1 - LASTS**2) * power / size**2
+            part = (1 - LASTS**2) * power / size**2
+            if kind == SLOPE:
+                part = part * (1 - LASTS**2) * self.models[BIAS][1] / size**2
+            found += part
         return found
+
+
+def _calmest_first(
+    found: list[tuple[Judged, float, float]],
+) -> list[tuple[Judged, float, float]]:
+    """Of the robust ones whose error is nearly the least, that with the least u comes first.
+
+    The last tenth of the error is bought with a u that answers to every step of the noise.
+    """
+    if not found or found[0][0].order[:2] != (False, 0.0):
+        return found
+    most = NEARLY**2 * found[0][0].error
+    near = [one for one in found if one[0].order[:2] == (False, 0.0) and one[0].error <= most]
+    near.sort(key=lambda one: one[0].control)
+    return near + [one for one in found if one not in near]
 
 
 def reference_loop(
     plant: DesignPlant, expected: Expected, u_range: float = np.inf,
     others: Sequence[Variation] = (), saturation: Saturation | None = None,
 ) -> Reference:  # fmt: skip
-    """The LQG controller of least cost on a ladder of weights whose loop is robust.
+    """The LQG controller on a ladder of weights whose loop is robust, with nearly the least error.
 
-    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Where none is,
+    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Of those
+    within a tenth of the least error the one with the least u is taken; where none is robust,
     the one that fails with the fewest of them, and of those the one with the smallest peak.
     Parameters are those of `Ladder`.
 
@@ -358,10 +380,16 @@ def _channels_of_d(plant: Plant) -> tuple[str, ...]:
 def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Models:
     """From kinds to (frequency, mean square) of what each d carries beside white noise."""
     found: Models = {}
-    stays = max(expected.lasting / units[0], expected.largest_command / units[1])
+    stays, grows = (
+        max(size / unit for size, unit in zip(sizes, units, strict=True))
+        for sizes in (expected.stays, expected.slopes)
+    )
     drive = DRIFT**2 / (1 - LASTS**2)
-    if stays:
-        found["bias"] = 0.0, stays**2 * drive
+    if stays or grows:
+        stays = max(stays, grows)
+        found[BIAS] = 0.0, stays**2 * drive
+    if grows:  # a bias of what drives the bias, by which that moves DRIFT of its size in a step
+        found[SLOPE] = 0.0, (grows / (DRIFT * stays)) ** 2 * drive
     for i, (omega, amplitude) in enumerate(expected.sinusoids):
         name = f"oscillation_{i + 1}_"  # of its two channels the names end in 1 and 2
         found[name] = omega, (amplitude / units[0]) ** 2 * drive
@@ -380,8 +408,10 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     )
     for channel in _channels_of_d(plant):
         for name, (omega, power) in models.items():
-            if name == "bias":
+            if name == BIAS:
                 made = with_bias(made, channel, pole=LASTS, mean_square=power)
+            elif name == SLOPE:
+                made = with_bias(made, f"{channel}_{BIAS}", pole=LASTS, mean_square=power)
             else:
                 made = with_oscillation(
                     made, channel, omega=omega, radius=LASTS, mean_square=power, name=name

@@ -48,7 +48,8 @@ class Knobs:
     Attributes
     ----------
     samples : float or None
-        N_0, what the prior is worth; None: 1000 where the spectrum of d is known, else 300.
+        N_0, what the prior is worth; None: 1000 where the spectrum of d is known, else 300, times
+        m^2 of m inputs and outputs, whose theta has as many times the coefficients.
     nu : float
         Of R_z = 1/(1 + nu abs(z))^2, times the size of z.
     width : float
@@ -67,7 +68,7 @@ class Knobs:
 
     def worth(self, expected: Expected) -> float:
         """N_0, in samples."""
-        return self.samples or (KNOWN if expected.is_known else UNKNOWN)
+        return self.samples or (KNOWN if expected.is_known else UNKNOWN) * expected.m**2
 
 
 def settings_of(

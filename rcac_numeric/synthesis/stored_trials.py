@@ -14,7 +14,7 @@ from rcac_numeric.sweeps.store.problems import StoreError
 from rcac_numeric.sweeps.study.axes import Axis
 from rcac_numeric.sweeps.study.measures import Kept
 from rcac_numeric.sweeps.study.study import Study
-from rcac_numeric.synthesis.trials import Trial, Trials, largest_error, sensitivity, tail_rms
+from rcac_numeric.synthesis.trials import Trial, Trials, largest_error, sensitivity, whole_rms
 
 
 def stored(
@@ -55,8 +55,8 @@ def stored(
 
 
 def rms(r: LoopAnalysis) -> float:
-    """As `tail_rms`."""
-    return tail_rms(r.run)
+    """As `whole_rms`."""
+    return whole_rms(r.run)
 
 
 def peak(r: LoopAnalysis) -> float:

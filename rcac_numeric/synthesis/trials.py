@@ -35,8 +35,9 @@ class Trial(Value):
     stable : tuple of bool
         Of the controller as it was at the end, frozen, with this plant.
     rms : tuple of float
-        Of e_0, the error without the sensor noise, over the last quarter; infinite where the run
-        ended early or the last controller is not stable.
+        Of e_0, the error without the sensor noise, over the whole run, so that a step counts that
+        comes and stays, and learning what it costs; infinite where the run ended early or the last
+        controller is not stable.
     peak : tuple of float
         The largest abs(e_0).
     Ms : tuple of float
@@ -124,7 +125,7 @@ class Trials(Value):
             for servo, ws in zip(servos, draws, strict=True)
             for w in ws
         )
-        return self.of((tail_rms(run), largest_error(run), sensitivity(run)) for run in runs)
+        return self.of((whole_rms(run), largest_error(run), sensitivity(run)) for run in runs)
 
     def _case(self, servo: Plant, controller: str, w: Array) -> SimulationCase:
         options = {"stride": self.steps, "saturation": self.saturation}
@@ -132,18 +133,25 @@ class Trials(Value):
 
 
 def measured(run: Run) -> tuple[bool, float, float, float]:
-    """(stable, rms, peak, Ms) of one run of the servo problem; of several errors the norm."""
+    """(stable, rms of the tail, peak, Ms) of one run of the servo problem; of several the norm."""
     Ms = sensitivity(run)
     stable = bool(np.isfinite(Ms))
     return stable, tail_rms(run) if stable else np.inf, largest_error(run), Ms
 
 
+def whole_rms(run: Run) -> float:
+    """Rms of e_0 over the whole run; infinite where that ended early."""
+    return _rms(_error(run)) if run.outcome == "completed" else np.inf
+
+
 def tail_rms(run: Run) -> float:
     """Rms of e_0 over the last quarter; infinite where the run ended early."""
-    if run.outcome != "completed":
-        return np.inf
-    error = _error(run)
-    return float(np.sqrt(np.mean(error[-max(int(LAST * run.steps), 1) :] ** 2)))
+    last = slice(-max(int(LAST * run.steps), 1), None)
+    return _rms(_error(run)[last]) if run.outcome == "completed" else np.inf
+
+
+def _rms(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2)))
 
 
 def largest_error(run: Run) -> float:

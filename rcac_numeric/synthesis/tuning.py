@@ -197,6 +197,13 @@ def tune(
     StoreError
         Where the store is one of another design or other arguments, or cannot be used.
 
+    Notes
+    -----
+    Not for a lower error: on 32 random plants with 40 points the median of the held-out rms over
+    that of the rule's settings was 1.00. It is worth its time where the rule's settings lose runs
+    of the uncertainty; `design.verdict` says whether they do, and the fixed controller that loses
+    none is there without trying.
+
     Examples
     --------
     >>> from rcac_numeric import design, tune

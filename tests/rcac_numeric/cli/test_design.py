@@ -57,6 +57,8 @@ def test_at_a_terminal_it_is_asked(monkeypatch):
     ("arguments", "words"),
     [
         (("1/(8*s + 1)", "--assume"), "sample_time"),
+        (("1/(8*s + 1)", "--assume", "--dead-time", "1, x"), "--dead-time 1, x: write seconds"),
+        ((*LAG[:-1], "1, 2", "--assume"), "rows of transfer functions"),
         ((*LAG, "--assume", "--noise", "some"), "--noise some: write a number"),
         ((*LAG, "--assume", "--u-limits", "2"), "LOW,HIGH"),
         (("nowhere.toml", "--assume"), "nowhere.toml"),

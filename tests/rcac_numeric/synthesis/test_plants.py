@@ -31,6 +31,49 @@ def test_a_dead_time_of_any_length_is_sampled_exactly(tau, late, h, gain):
     assert np.abs(step_response(plant.servo(), 30) - exact).max() < 1e-8 * gain * (1 + h / tau)
 
 
+@given(
+    late=st.lists(st.integers(0, 7), min_size=4, max_size=4),
+    tau=st.lists(st.floats(1, 20), min_size=4, max_size=4),
+    time=st.floats(0.5, 2), more=st.integers(0, 2), h=st.sampled_from([0.5, 1.0, 3.0]),
+)  # fmt: skip
+def test_dead_times_by_entry_are_those_of_sampled_lags(late, tau, time, more, h):
+    late, tau = np.reshape(late, (2, 2)), np.reshape(tau, (2, 2))
+    G = [[f"{i + 2 * j + 1}/({float(tau[i, j])!r}*s + 1)" for j in range(2)] for i in range(2)]
+    plant = read_plant(G, h, late * h)
+    z = np.exp(1j * np.array([0.01, 0.5, 2.0]))[:, None, None]
+    poles = np.exp(-h / (tau * time))
+    exact = np.array([[1, 3], [2, 4]]) * (1 - poles) / (z - poles) * z ** -(late + more)
+    servo = plant.servo(Variation(time=time, delay=more))
+    found = -servo.C @ np.linalg.solve(z * np.eye(servo.n) - servo.A, servo.B[None])
+    assert np.allclose(found, exact, rtol=1e-9, atol=1e-12)
+    if time == 1 and not more:
+        assert np.allclose(plant.response([0.01, 0.5, 2.0]), exact, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("G", "late", "words"),
+    [
+        ("1/(s + 1)", [[1.0]], "rows of transfer functions in s"),
+        ([["1/(q - 0.5)"]], [[1.0]], "in q it stands in the entries"),
+        ([["1/(s + 1)"]], [[1.0, 2.0]], "1 x 1 entries"),
+        ([["1/(s + 1)"]], [[-1.0]], "negative"),
+        ([["1/(s + 1)"]], [[0.3]], "whole steps"),
+        ([["s/(s + 1)"]], [[1.0]], "strictly proper"),
+    ],
+)
+def test_dead_times_by_entry_that_cannot_be_taken_are_refused(G, late, words):
+    with pytest.raises((InputError, ImproperError), match=words):
+        read_plant(G, 1.0, late)
+
+
+def test_an_integrator_that_outputs_share_is_refused_and_in_q_is_not():
+    with pytest.raises(NoSolutionError, match="Give the plant in q"):
+        read_plant([["1/s", "1/(s + 2)"], ["2/s", "1/(s + 3)"]], 0.5, [[0.5, 1.0], [0.0, 0.5]])
+    in_q = [["0.5/(q*(q - 1))", "6/(q**2*(q - 0.3))"], ["1/(q - 1)", "5/(q*(q - 0.2))"]]
+    whole = read_plant(in_q, None, 0.0)
+    assert np.sum(np.abs(np.linalg.eigvals(whole.A) - 1) < 1e-6) == 1
+
+
 @given(time=st.floats(0.5, 2), late=st.integers(0, 3))
 def test_time_constants_are_varied_in_continuous_time(time, late):
     A, B = np.array([[-0.2, 1.0], [-0.3, -0.5]]), np.array([[0.0], [1.0]])

@@ -149,9 +149,8 @@ def test_feedforward_leaves_the_loop_and_lowers_the_error_of_a_step():
     assert np.allclose(ours.z, theirs.z, atol=1e-9)
     w[:, :2] = [1.0, 0.0]
     ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
-    # As small an error, with far less of u.
-    assert np.sum(ours.z**2) < 1.1 * np.sum(theirs.z**2)
-    assert np.abs(ours.u).max() < 0.6 * np.abs(theirs.u).max()
+    assert np.sum(ours.z**2) < np.sum(theirs.z**2)
+    assert np.abs(ours.u).max() < np.abs(theirs.u).max()
     assert np.abs(ours.z[-1]).max() < 5e-3
 
 
@@ -191,7 +190,7 @@ def test_every_sinusoid_that_is_known_has_its_model(first, apart):
 
 
 def test_with_limits_the_controller_is_one_that_works_at_them():
-    """Sampled fast, hardly any noise: linear theory asks for u of ten times what there is."""
+    """Sampled fast, hardly any noise: it settles, and loses a tenth at most to one without them."""
     limits = Saturation(low=-1.5, high=1.5)
     G = "1/((30*s + 1)*(20*s + 1))"
     free, held = (
@@ -202,7 +201,7 @@ def test_with_limits_the_controller_is_one_that_works_at_them():
         simulate(held.plant.servo(), one.best().fixed, w, saturation=limits) for one in (held, free)
     )
     assert np.abs(ours.z[-200:]).max() < 0.02
-    assert np.sum(np.diff(ours.u_applied[:, 0]) ** 2) < np.sum(np.diff(theirs.u_applied[:, 0]) ** 2)
+    assert np.sum(ours.z**2) < 1.1**2 * np.sum(theirs.z**2)
 
 
 def test_what_an_actuator_cannot_give_at_rest_is_said():

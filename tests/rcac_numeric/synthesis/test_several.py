@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import butter, freqz, lfilter, sosfilt
 
+from compensator_theory import transfer_matrix
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     ClosedLoop,
@@ -178,7 +179,8 @@ def test_a_file_of_several_signals_is_read_for_a_design(two, tmp_path):
 @pytest.mark.parametrize(
     ("G", "words"),
     [
-        ([["1/(s + 1)", "2/(s + 1)"]], "2 inputs and 1 outputs"),
+        ([["1/(s + 1)", "2/(s + 1)"]], r"2 inputs and 1 outputs.*transfer_matrix\(G\) @ W"),
+        ([["1/(s + 1)"], ["2/(s + 1)"]], r"1 inputs and 2 outputs.*S @ transfer_matrix\(G\)"),
         ([["1/(s + 1)", "0"], ["0", "1000/(s + 1)"]], "output 1 of the plant"),
         ([["1/(s + 1)", "0"], ["1/(s + 2)", "0"]], "input 2 of the plant"),
     ],
@@ -186,3 +188,9 @@ def test_a_file_of_several_signals_is_read_for_a_design(two, tmp_path):
 def test_what_the_road_cannot_do_is_refused_by_name(G, words):
     with pytest.raises(InputError, match=words):
         design(G, sample_time=1.0)
+
+
+def test_the_advice_on_plants_that_are_not_square_works():
+    wide = transfer_matrix([["1/(s + 1)", "2/(s + 3)"]])
+    assert read_plant(wide @ [[1], [2]], 0.1, 0.0).m == 1
+    assert read_plant([[1, 2]] @ wide.T, 0.1, 0.0).m == 1

@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import NoSolutionError
+from rcac_numeric import Step, simulate
+from rcac_numeric.synthesis.expected import read_expected
 from rcac_numeric.synthesis.plants import read_plant
+from rcac_numeric.synthesis.reference import MOST, reference_loop
 from rcac_numeric.synthesis.simc import simc
+from rcac_numeric.synthesis.trials import whole_rms
 
 FAST = 1e-4  # s; the settings differ by a few samples over theta
 
@@ -67,3 +71,13 @@ def test_the_sign_is_that_of_the_plant():
         simc(read_plant(G, 1.0, 2.0)).compensator for G in ("1/(9*s + 1)", "-1/(9*s + 1)")
     )
     assert np.allclose(plus.numerator, -minus.numerator) and plus.numerator[1] > 0
+
+
+@pytest.mark.parametrize("late", [0.0, 3.0])
+def test_the_reference_does_not_lose_to_it_on_a_first_order_plant(late):
+    plant = read_plant("2/(10*s + 1)", 1.0, late)
+    expected, _ = read_expected(Step(1.0), 0.02, None, np.inf, plant.low_gain)
+    ours, theirs = reference_loop(plant, expected), simc(plant)
+    w = expected.w(2000, 1)
+    rms = [whole_rms(simulate(plant.servo(), one, w)) for one in (ours.fixed, theirs)]
+    assert rms[0] < rms[1] and ours.peak <= MOST
