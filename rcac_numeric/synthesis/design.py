@@ -15,6 +15,7 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
@@ -48,10 +49,11 @@ from rcac_numeric.synthesis.reduced import (
     require_reducible,
     with_feedforward,
 )
-from rcac_numeric.synthesis.reference import MOST, Ladder, Reference
+from rcac_numeric.synthesis.reference import MOST, Ladder, Reference, sensitivity_peak
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import FIXED, FULL, PID, RCAC, Trial, Trials, tail_rms
+from rcac_numeric.synthesis.truncation import truncated
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -299,11 +301,12 @@ def design(
     ----------
     plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
         Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
-        `plant_of` reads, and rows of transfer functions. A `Plant` counts as its map
-        from u to y. Of a log u and y count, and r where it is known: `identify_output_error` makes
-        a model of an open loop, `identify_in_closed_loop` one of a closed loop, which an unstable
-        plant needs. What it leaves of y is noise and disturbance unless they are given, and the
-        gain is as uncertain as parts of the log disagree.
+        `plant_of` reads, and rows of transfer functions. Of more than 40 states, as a measured
+        impulse response has, those are kept that its response within 1 % of its peak needs. A
+        `Plant` counts as its map from u to y. Of a log u and y count, and r where it is known:
+        `identify_output_error` makes a model of an open loop, `identify_in_closed_loop` one of a
+        closed loop, which an unstable plant needs. What it leaves of y is noise and disturbance
+        unless they are given, and the gain is as uncertain as parts of the log disagree.
     disturbance : "unknown", number or Signal
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise. It acts on every input; so do noise and
@@ -366,7 +369,11 @@ def design(
     if isinstance(plant, ControllerLog):
         basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
     else:
-        basis = _basis_of(read_plant(plant, sample_time, dead_time), Uncertainty(), around)
+        whole = read_plant(plant, sample_time, dead_time)
+        model, error = truncated(whole)
+        basis = _basis_of(model, Uncertainty(), around)
+        if error:
+            basis = replace(basis, truncation=_held_against(whole, basis, error))
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
     reference = basis.reference
     settings = settings_of(model, reference, expected)
@@ -423,6 +430,7 @@ class _Basis:
     reference: Reference
     logged: LoggedPlant | None
     obstacle: str = ""  # why the best model of the log is not the one that is taken
+    truncation: tuple[str, str] | None = None  # of a plant of many states, and what is known of it
 
 
 def _basis_of(
@@ -442,6 +450,23 @@ def _basis_of(
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
     return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
+
+
+def _held_against(whole: DesignPlant, basis: _Basis, error: float) -> tuple[str, str]:
+    """What was left out of a plant of many states; the fixed controller's loop with all of it."""
+    order, taken = len(whole.A), len(basis.model.A)
+    loop = ClosedLoop(whole.servo(), basis.reference.fixed.compensator)
+    if not loop.is_stable:
+        raise NoSolutionError(
+            f"the controller for the plant's truncation to {taken} of its {order} states does not "
+            "stabilise the whole plant: give a model of lower order that is right where the loop "
+            "is to act."
+        )
+    return (
+        f"{taken} of its {order} states, and {basis.model.delay} steps of dead time",
+        f"balanced truncation, whose response is within {100 * error:.2g} % of the largest; with "
+        f"the whole plant the fixed controller's loop is stable, Ms = {sensitivity_peak(loop):.3g}",
+    )
 
 
 def _basis_of_log(
@@ -604,6 +629,8 @@ def _questions(
         found.append((
             "plant", f"the model of the log, {logged.model}", logged.evidence(fixed.compensator)
         ))  # fmt: skip
+    if basis.truncation:
+        found.append(("plant", *basis.truncation))
     found += [
         ("plant", f"sign {model.sign}",
          "more u drives y this way in the end; with the other sign every loop diverges")

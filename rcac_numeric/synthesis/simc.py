@@ -56,7 +56,9 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
         raise NoSolutionError("the rules are for one input and one output.")
     found = continuous_of(plant)
     if found is None:
-        raise NoSolutionError("it is no sampled plant in continuous time.")
+        raise NoSolutionError(
+            "its rules are for plants in continuous time, and the sampled plant comes from none."
+        )
     A, B = found
     C = plant.C[:, : len(A)]
     poles, zeros = np.linalg.eigvals(A) + 0j, plant_zeros(Plant(A, B, B, C))
