@@ -464,8 +464,9 @@ def _held_against(whole: DesignPlant, basis: _Basis, error: float) -> tuple[str,
         )
     return (
         f"{taken} of its {order} states, and {basis.model.delay} steps of dead time",
-        f"balanced truncation, whose response is within {100 * error:.2g} % of the largest; with "
-        f"the whole plant the fixed controller's loop is stable, Ms = {sensitivity_peak(loop):.3g}",
+        f"balanced truncation, off by at most {100 * error:.2g} % of the peak of its response; "
+        "with the whole plant the fixed controller's loop is stable, "
+        f"Ms = {sensitivity_peak(loop):.3g}",
     )
 
 
