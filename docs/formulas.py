@@ -3,10 +3,7 @@
 from html import escape
 from typing import Any
 
-from docutils import nodes
 from math_core import LatexError, LatexToMathML
-from sphinx.util import logging
-from sphinx.util.math import get_node_equation_number
 
 READER = LatexToMathML(fancy_error=False)
 """Refuses what it does not know, where a script would show the reader red letters."""
@@ -40,7 +37,12 @@ def mathml(formula: str, displayed: bool = False) -> str:
     return READER.convert_with_local_state(body, displaystyle=True)
 
 
-def _written(node: nodes.Node, formula: str, displayed: bool = False) -> str:
+# What follows is called by Sphinx, which the tests do without.
+
+
+def _written(node: Any, formula: str, displayed: bool = False) -> str:
+    from sphinx.util import logging
+
     try:
         return mathml(formula, displayed)
     except LatexError as error:
@@ -48,21 +50,26 @@ def _written(node: nodes.Node, formula: str, displayed: bool = False) -> str:
         return f"<code>{escape(formula)}</code>"
 
 
-def visit_inline(writer: Any, node: nodes.math) -> None:
+def visit_inline(writer: Any, node: Any) -> None:
     """Write a formula within a sentence."""
+    from docutils.nodes import SkipNode
+
     writer.body.append(writer.starttag(node, "span", "", CLASS="math notranslate nohighlight"))
     writer.body.append(f"{_written(node, node.astext())}</span>")
-    raise nodes.SkipNode
+    raise SkipNode
 
 
-def visit_displayed(writer: Any, node: nodes.math_block) -> None:
+def visit_displayed(writer: Any, node: Any) -> None:
     """Write a formula on a line of its own, with its number if another place refers to it."""
+    from docutils.nodes import SkipNode
+    from sphinx.util.math import get_node_equation_number
+
     formula = node.astext()
     if node["number"]:
         formula += rf"\tag{{{get_node_equation_number(writer, node)}}}"
     writer.body.append(writer.starttag(node, "div", CLASS="math notranslate nohighlight"))
     writer.body.append(f"{_written(node, formula, displayed=True)}</div>\n")
-    raise nodes.SkipNode
+    raise SkipNode
 
 
 def setup_formulas(app: Any) -> None:

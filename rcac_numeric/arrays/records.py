@@ -80,7 +80,7 @@ class Records:
                 if field not in LEFT_OUT
             }
             return {"class": name, "fields": parts}
-        if name in ("Poly", "ImmutableDenseMatrix", "Symbol"):
+        if name in ("Poly", "ImmutableDenseMatrix", "RationalMatrix", "Symbol"):
             return _symbolic(value)
         if getattr(value, "is_Rational", False):  # a sample time of the exact half
             return {"number": str(value)}

@@ -195,7 +195,7 @@ def test_an_fmu_from_a_shell(tmp_path):
     assert fmpy.read_model_description(str(file)).modelName == "rcac"
     for more, words in (
         ([], "sample time"),
-        (["--sample-time", "-1"], "positive"),
+        (["--sample-time", "-1"], "x>0"),
         (["--sample-time", "1", "--real", "float32"], "--real belong"),
     ):
         wrong = run(main, ["export", "4.7", "-o", str(file), *more])
