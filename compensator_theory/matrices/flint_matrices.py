@@ -83,6 +83,12 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
     def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
         return ImmutableMatrix, self._args
 
+    def _sympyrepr(self, printer: Any) -> str:
+        """What SymPy evaluates: the matrix that it stands for."""
+        return str(printer.doprint(ImmutableMatrix(*self._args)))
+
+    _pythoncode = _sympyrepr
+
     @property
     def is_zero_matrix(self) -> bool:
         """Whether every entry is zero, which is always known here."""
