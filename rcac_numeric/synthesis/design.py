@@ -15,7 +15,6 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
@@ -53,7 +52,7 @@ from rcac_numeric.synthesis.reference import MOST, Ladder, Reference, sensitivit
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import FIXED, FULL, PID, RCAC, Trial, Trials, tail_rms
-from rcac_numeric.synthesis.truncation import truncated
+from rcac_numeric.synthesis.truncation import Truncation, truncated
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -370,10 +369,10 @@ def design(
         basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
     else:
         whole = read_plant(plant, sample_time, dead_time)
-        model, error = truncated(whole)
-        basis = _basis_of(model, Uncertainty(), around)
-        if error:
-            basis = replace(basis, truncation=_held_against(whole, basis, error))
+        shorter = truncated(whole)
+        basis = _basis_of(shorter.plant if shorter else whole, Uncertainty(), around)
+        if shorter:
+            basis = replace(basis, truncation=_held_against(shorter, basis.reference))
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
     reference = basis.reference
     settings = settings_of(model, reference, expected)
@@ -452,21 +451,25 @@ def _basis_of(
     return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
 
 
-def _held_against(whole: DesignPlant, basis: _Basis, error: float) -> tuple[str, str]:
+def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
     """What was left out of a plant of many states; the fixed controller's loop with all of it."""
-    order, taken = len(whole.A), len(basis.model.A)
-    loop = ClosedLoop(whole.servo(), basis.reference.fixed.compensator)
-    if not loop.is_stable:
-        raise NoSolutionError(
-            f"the controller for the plant's truncation to {taken} of its {order} states does not "
-            "stabilise the whole plant: give a model of lower order that is right where the loop "
-            "is to act."
-        )
+    order, taken = len(model.whole.A), len(model.plant.A)
+    gain = model.small_gain(reference.compensator)
+    if gain < 1:
+        Ms = f"at most {reference.peak / (1 - gain):.3g}"
+    else:  # enough, not necessary
+        loop = reference.loop(model.whole)
+        if not loop.is_stable:
+            raise NoSolutionError(
+                f"the controller for the plant's truncation to {taken} of its {order} states does "
+                "not stabilise the whole plant: give a model of lower order that is right where "
+                "the loop is to act."
+            )
+        Ms = f"{sensitivity_peak(loop):.3g}"
     return (
-        f"{taken} of its {order} states, and {basis.model.delay} steps of dead time",
-        f"balanced truncation, off by at most {100 * error:.2g} % of the peak of its response; "
-        "with the whole plant the fixed controller's loop is stable, "
-        f"Ms = {sensitivity_peak(loop):.3g}",
+        f"{taken} of its {order} states, and {model.plant.delay} steps of dead time",
+        f"balanced truncation, off by at most {100 * model.error:.2g} % of the peak of its "
+        f"response; with the whole plant the fixed controller's loop is stable, Ms {Ms}",
     )
 
 
