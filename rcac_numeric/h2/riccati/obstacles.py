@@ -117,7 +117,7 @@ def require_no_zero_on_circle(
     sizes = np.linalg.svd(E_2, compute_uv=False)
     if len(sizes) == B.shape[1] and sizes.min(initial=np.inf) > 1e-6 * sizes.max(initial=0):
         # E_2 is one to one, and u = -E_2^+ E_1 x at a zero, which is then one of these:
-        modes = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1)[0])
+        modes = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1, rcond=None)[0])
         near = near[np.abs(near[:, None] - modes).min(axis=1, initial=np.inf) < ABOUT]
     for start in near:
         zero = _nearest_zero(A, B, E_1, E_2, start)
