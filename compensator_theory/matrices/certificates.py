@@ -102,7 +102,7 @@ def evaluated(identity: str, residuals: Residuals) -> Certificate:
         return Certificate(identity, matrix)
     entries = [entry for part in parts for entry in part]
     left = [
-        entry if entry.is_Rational else sympy.Integer(0) if is_zero else sympy.cancel(entry)
+        sympy.Integer(0) if is_zero else sympy.cancel(entry)
         for entry, is_zero in zip(entries, vanish(entries), strict=True)
     ]
     return Certificate(identity, ImmutableMatrix(1, len(left), left))

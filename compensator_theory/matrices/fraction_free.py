@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import reduce
 from math import prod
 from typing import TypeAlias
@@ -244,7 +245,7 @@ def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
     Returns
     -------
     list
-        None for what is no rational function of symbols over QQ.
+        None for what is neither a rational number nor a rational function of symbols over QQ.
 
     Examples
     --------
@@ -258,9 +259,11 @@ def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
     work = RationalFunctions(symbols) if symbols else None
     found: list[bool | None] = []
     for expression in given:
-        try:
-            known = None if work is None else bool(work.read(expression)[0].is_zero())
-        except NotRationalError:
-            known = None
+        known: bool | None = None
+        if expression.is_Rational:
+            known = bool(expression == 0)
+        elif work is not None:
+            with suppress(NotRationalError):
+                known = bool(work.read(expression)[0].is_zero())
         found.append(known)
     return found

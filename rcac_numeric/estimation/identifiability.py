@@ -170,7 +170,7 @@ def _sensitivity(
     for first in range(0, FREQUENCIES, size):
         z = circle[first : first + size]
         resolvent = z[:, None, None] * np.eye(n) - model.A
-        G = np.linalg.solve(resolvent.transpose(0, 2, 1), model.C.T).transpose(0, 2, 1)
+        G = np.linalg.solve(resolvent.transpose(0, 2, 1), model.C.T[None]).transpose(0, 2, 1)
         adjoint = G.conj().transpose(0, 2, 1)
         spectrum = G @ Q @ adjoint + R
         try:

@@ -55,6 +55,11 @@ def test_products_are_reduced(P, Q, R):
         assert all(vanish(found - expected)) and vanish([expected[0] - found[0] + a]) == [False]
 
 
+def test_numbers_vanish_with_and_without_symbols_beside_them():
+    assert vanish([sympy.Integer(0), sympy.Rational(1, 2)]) == [True, False]
+    assert vanish([sympy.Integer(0), a, sympy.sqrt(2)]) == [True, False, None]
+
+
 def test_what_holds_something_else_is_left_to_sympy():
     root = sympy.sqrt(2)
     for entry in (root * a, sympy.sqrt(a), a**b, sympy.Function("f")(a), sympy.pi * a):
