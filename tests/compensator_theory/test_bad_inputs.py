@@ -79,6 +79,7 @@ def test_refusals_stay_small(name):
 SETTINGS = [np.zeros((2, 2, 2)), scipy.sparse.eye(2), {1: 2}, [10**5000], 10**30, Long(10**7)]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_settings_end_in_no_foreign_error(name):
     door, (arguments, keywords) = PUBLIC[name], GOOD[name]
@@ -90,6 +91,7 @@ def test_bad_settings_end_in_no_foreign_error(name):
                 refuses(door, arguments, keywords | {setting: value})
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(("name", "argument"), sorted(LAST_ARGUMENTS))
 def test_last_arguments_are_read_as_strictly(name, argument):
     door, (arguments, keywords) = PUBLIC[name], GOOD[name]

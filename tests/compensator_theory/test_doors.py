@@ -295,6 +295,7 @@ def test_a_refusal_says_what_to_do_and_a_limit_can_be_raised():
             pass
 
 
+@pytest.mark.costly
 def test_what_is_long_but_small_simply_works():
     with at_most(calls=20_000_000):
         total = exact.transfer_function("+".join(f"1/(s + {i})" for i in range(300)))

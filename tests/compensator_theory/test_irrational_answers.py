@@ -19,6 +19,7 @@ def is_square(number):
     return number >= 0 and all(math.isqrt(x) ** 2 == x for x in (int(number.p), int(number.q)))
 
 
+@pytest.mark.costly
 def test_spectral_factors_of_weights():
     """(z - 2)(1/z - 2) + r has the root of x^2 - (5 + r)/2 x + 1; in s the root is sqrt(4 + r)."""
     counts = Counter()
@@ -44,6 +45,7 @@ def noise(k):
     return parts
 
 
+@pytest.mark.costly
 def test_lqg_in_continuous_time():
     """An integrator with process noise of intensity k: the pole of the estimator is -sqrt(k)."""
     counts = Counter()
@@ -86,6 +88,7 @@ def test_high_authority_lqg_in_discrete_time():
     assert counts == {True: 13, False: 7}
 
 
+@pytest.mark.costly
 def test_closed_forms_in_discrete_time():
     """Up to order 2 they are the certified polynomials, and above it there is none."""
     for N, D in (

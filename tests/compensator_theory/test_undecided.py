@@ -5,6 +5,7 @@ from collections import Counter
 from functools import partial
 
 import numpy as np
+import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -117,6 +118,7 @@ def test_properness_is_undecided_where_a_leading_coefficient_may_vanish():
     assert direct == {True: 1, False: 2, None: 2}
 
 
+@pytest.mark.costly
 def test_structure_is_undecided_where_symbols_decide():
     """Of diag(p, q) with input (1, r) and output (1, 1): reached where r (p - q) is not zero."""
     counts = {name: Counter() for name in ("controllable", "observable", "minimal", "Kalman")}
@@ -137,6 +139,7 @@ def test_structure_is_undecided_where_symbols_decide():
     assert counts["observable"] == {True: 18, False: 15, None: 42}
 
 
+@pytest.mark.costly
 def test_several_inputs_are_undecided_where_no_minor_settles_it():
     """The oracle is the rank at 25 values, in floats: all entries are small integers there."""
     counts, more = Counter(), 0

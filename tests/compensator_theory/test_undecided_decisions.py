@@ -4,6 +4,7 @@ import itertools
 from collections import Counter
 
 import numpy as np
+import pytest
 import sympy
 
 import compensator_theory as exact
@@ -32,6 +33,7 @@ def largest(poly, variable, size):
     return max(map(size, np.roots([float(c) for c in sympy.Poly(poly, variable).all_coeffs()])))
 
 
+@pytest.mark.costly
 def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
     """Of 64 cubics 22 and of 36 quadratics 12, and there the values differ indeed."""
     counts = {"Hurwitz": Counter(), "Schur": Counter()}
@@ -95,6 +97,7 @@ def test_stabilisation_is_undecided_where_a_gain_has_a_symbol():
     assert every.stabilises(exact.transfer_function("(a*s**2 + 9*s + 9)/(s + 5)", "s")) is None
 
 
+@pytest.mark.costly
 def test_observer_questions_are_undecided_where_symbols_decide():
     """n = 1: whether (s + x)(s + w) - y, of the plant 1/(s + x), has a real root."""
     counts = {"pair": Counter(), "suboptimal": Counter()}

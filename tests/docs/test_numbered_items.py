@@ -21,6 +21,7 @@ def found():
     return items()
 
 
+@pytest.mark.costly
 def test_every_item_is_settled_or_says_why_not(found):
     assert not [item.name for item in found if not item.is_settled]
     assert all(len(why) > 20 for item in found for _, why in item.besides)

@@ -94,6 +94,7 @@ SETTINGS = ("parts", "settings", "is", "fields")
 EXACT = ("parts", "plant", "is", "fields", "exact", "fields")
 
 
+@pytest.mark.costly
 @pytest.mark.cases(12)
 @pytest.mark.parametrize(
     ("change", "words"),
@@ -134,6 +135,7 @@ def test_a_hostile_run_is_refused_by_name(tmp_path, parts, change, words):
     require_ours(caught.value, path)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("n_c", [5_000, 100_000])
 def test_a_controller_of_many_lags_is_read_and_its_poles_are_refused(tmp_path, parts, n_c):
     def change(tree, _):

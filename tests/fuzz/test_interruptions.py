@@ -157,6 +157,7 @@ KINDS = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.long
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a full device")
 @pytest.mark.parametrize("name", COMMANDS)

@@ -187,6 +187,7 @@ OF_THE_CHECK = (
 )  # fmt: skip
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("sql", [*SQL, *OF_SIGNALS, *OF_THE_CHECK])
 def test_rows_that_are_edited_are_seen(whole, tmp_path, sql):
     """By who has no digest: SQLite finds nothing wrong."""
@@ -291,6 +292,7 @@ def recompute(connection):
         execute("UPDATE chunk SET digest = ? WHERE chunk = ?", (new, number))
 
 
+@pytest.mark.costly
 def test_right_digests_make_no_wrong_plan_and_no_crash(whole, tmp_path, in_full):
     data, _ = whole
     rng = random.Random(4)

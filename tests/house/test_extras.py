@@ -40,6 +40,7 @@ def libraries_of(path):
         yield from {name.partition(".")[0] for name in found} - OWN - set(sys.stdlib_module_names)
 
 
+@pytest.mark.costly
 def test_every_library_is_required_or_in_an_extra():
     required = {IMPORTED_AS.get(name, name) for name in names(PROJECT["dependencies"])}
     assert not required & set(EXTRAS)
@@ -63,12 +64,14 @@ def run(code, *arguments, cwd=ROOT):
 COMMAND = "from rcac_numeric.cli.__main__ import main\nmain()"
 
 
+@pytest.mark.costly
 def test_the_core_verifies_an_example_without_any_extra():
     out = run(COMMAND, "verify", "4.7")
     assert out.returncode == 0, out.stderr
     assert "-36/25" in out.stdout and not out.stderr
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("option", [["--plot", "4.7.png"], ["--page", "4.7.html"]])
 def test_a_picture_is_refused_before_anything_runs(option, tmp_path):
     out = run(COMMAND, "verify", "4.7", *(str(tmp_path / o) if "." in o else o for o in option))
@@ -100,6 +103,7 @@ print("all of them")
     assert out.stdout == "all of them\n", out.stderr
 
 
+@pytest.mark.costly
 def test_packages_are_walked_and_names_taken_without_any_extra():
     out = run(
         """

@@ -42,6 +42,7 @@ def answers(ground_types):
     return done.stdout
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("ground_types", ["python", "gmpy"])
 def test_answers_do_not_depend_on_the_ground_types(ground_types):
     """Of flint's numbers none may reach SymPy as an exponent or a coefficient of another kind."""

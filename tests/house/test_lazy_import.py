@@ -34,6 +34,7 @@ def test_every_public_name_exists_and_is_documented():
         assert value.__doc__, name
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("first", ["TransferFunction", "StandardProblem", "Realisation"])
 def test_no_submodule_shadows_a_function(first):
     code = (

@@ -65,6 +65,7 @@ def asked_for(tree):
                 yield home, node.attr
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_what_is_asked_for_is_there(path):
     code = []

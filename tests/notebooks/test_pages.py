@@ -79,6 +79,7 @@ def test_pages_are_short(page):
     assert len(page.read_text().splitlines()) < 330
 
 
+@pytest.mark.costly
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_pages_run_and_their_figures_have_labels_and_captions(page, in_full, tmp_path, monkeypatch):

@@ -51,6 +51,7 @@ def test_every_named_theorem_and_committed_definition_is_declared_where_it_says(
         assert re.search(rf"\b{short}\b", lines[module][declarations()[name].line - 1]), name
 
 
+@pytest.mark.costly
 def test_blanks_are_comments_and_nothing_else():
     for _, path in files():
         text = path.read_text()
@@ -58,6 +59,7 @@ def test_blanks_are_comments_and_nothing_else():
         assert blanked(text).split() == without_comments(text).split()
 
 
+@pytest.mark.costly
 def test_links_of_the_pages_lead_to_the_declaration():
     pages = rocq_pages({"theorems.Diophantine.lemma_1": ["lemma-1"]})
     assert pages.keys() == dict(files()).keys()

@@ -155,6 +155,7 @@ def test_a_check_that_does_not_exist_is_named():
             resolve("symbolic", check)
 
 
+@pytest.mark.costly
 def test_the_page_holds_every_entry_and_check():
     text = page(ENTRIES)
     for entry in ENTRIES:

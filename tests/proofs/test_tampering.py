@@ -84,6 +84,7 @@ def test_a_tampering_of_every_kind_is_caught(tree, edited, in_full):
     assert unseen == []
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("change", HARMLESS)
 def test_what_claims_nothing_needs_no_signature(tree, edited, change):
     edited(change)

@@ -218,6 +218,7 @@ def test_every_live_class_is_copied_here():
     assert set(LIVE) == NO_DATA - set(OTHERWISE) - ESTIMATORS  # tests/rcac_numeric/estimation
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("cls", LIVE, ids=lambda cls: cls.__name__)
 @pytest.mark.parametrize(
     "copied",

@@ -43,6 +43,7 @@ def zero(matrix):
     return matrix.applyfunc(lambda e: sympy.simplify(sympy.expand(e))).is_zero_matrix
 
 
+@pytest.mark.costly
 @settings(max_examples=15)
 @given(disguised())
 def test_blocks_that_were_disguised_are_found(case):
@@ -109,6 +110,7 @@ SYMBOLIC = [
 ]
 
 
+@pytest.mark.costly
 @settings(max_examples=12)
 @given(st.sampled_from(SYMBOLIC), st.sampled_from(["rational", "complex"]), st.data())
 def test_a_form_with_symbols_holds_at_every_point_that_is_not_excepted(matrix, over, data):

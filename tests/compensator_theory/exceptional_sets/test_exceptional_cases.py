@@ -386,6 +386,7 @@ def cases_of(index):
     return exceptional_cases(function, *arguments, **options)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("index", range(len(PLAIN)))
 @given(values=st.lists(st.integers(-2, 2), min_size=3, max_size=3))
 def test_plain_answers_hold_where_the_cases_say(index, values):

@@ -57,6 +57,7 @@ def peak(G):
     return best
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(stable_matrices())
 def test_the_norm_is_the_peak(G):
@@ -84,6 +85,7 @@ def test_bounded_real_on_both_sides_of_the_norm(G):
             assert decide_bounded_real((G / found.value).tolist(), "s").holds
 
 
+@pytest.mark.costly
 @fewer(4)
 @given(stable_matrices(max_size=1))
 def test_discrete_time_is_the_half_plane_mapped(G):
@@ -158,6 +160,7 @@ def test_the_real_part_decides(G):
         assert decided.holds
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("text", "holds"),
     [("s", True), ("1/s", True), ("s + 1/s", True), ("s**2", False), ("1/s**2", False),

@@ -208,6 +208,7 @@ def test_symbols_say_where_they_hold():
     assert found.order == 1 and a in found.exceptional
 
 
+@pytest.mark.costly
 @fewer(6)
 @given(transfer_matrices(extra=1), st.sampled_from([0, -1, -2, 1, Rational(1, 3)]))
 def test_laurent_against_derivatives(G, point):

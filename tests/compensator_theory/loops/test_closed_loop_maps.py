@@ -67,6 +67,7 @@ def test_poles_are_those_of_the_state_space_loop(k_c, data):
     assert closed_loop_polynomial(problem, N_c, D_c) == characteristic_polynomial(closed, q)
 
 
+@pytest.mark.costly
 @given(loops(has_direct_term=True))
 def test_closed_loop_is_2_9_at_rational_points(case):
     problem, P, Q, n_c = case

@@ -152,6 +152,7 @@ def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):
         assert finite < 1e-9 and away < 1
 
 
+@pytest.mark.costly
 @given(polynomials(min_degree=0, max_degree=2), st.integers(1, 3))
 def test_the_whole_polynomial_converges_after_division(numerator, k):
     """The closed-loop polynomial over `growth` at points, against the spectral factor."""

@@ -48,6 +48,7 @@ def scalar(time):
 SYMBOLS = sympy.symbols("a b c d p q r")
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", FORMULAS)
 @fewer(2)
 @given(values=st.lists(st.integers(-4, 6), min_size=7, max_size=7))
@@ -95,6 +96,7 @@ def test_published_formulas():
     assert "> 0" in str(double) and double._repr_latex_().startswith("$")
 
 
+@pytest.mark.costly
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("name", ["w", "w_0", "w_1", "p0", "p1", "p2", "s", "lamda"])
 def test_a_symbol_may_have_any_name(name):

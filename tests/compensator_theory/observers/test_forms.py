@@ -76,6 +76,7 @@ def minimal_loops(draw, excess, max_order=3):
     return realisation(plant), realisation(compensator).in_basis(lower * upper), roots
 
 
+@pytest.mark.costly
 @given(minimal_loops(excess=0))
 def test_every_real_invariant_subspace_of_a_minimal_loop_gives_a_form(loop):
     plant, compensator, roots = loop
@@ -89,6 +90,7 @@ def test_every_real_invariant_subspace_of_a_minimal_loop_gives_a_form(loop):
     assert decision.answer is (plant.n % 2 == 0 or any(root.is_real for root in roots))
 
 
+@pytest.mark.costly
 @given(minimal_loops(excess=-1, max_order=2))
 def test_fewer_states_observe_a_function_of_the_state(loop):
     plant, compensator, _ = loop

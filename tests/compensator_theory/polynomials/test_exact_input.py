@@ -101,6 +101,7 @@ def test_refused_text(text):
         parse_expression(text)
 
 
+@pytest.mark.costly
 @given(st.text(max_size=40))
 def test_arbitrary_text_is_read_or_refused(text):
     try:
@@ -147,6 +148,7 @@ def test_expansions_without_end_are_refused(text):
         parse_expression(text)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "text",
     ["(s + 1)**1000", "(a*s + b)**120", "(a + b + s)**30", "(sqrt(2) + s)**40",

@@ -43,6 +43,7 @@ def near(found, expected):
     return abs(found - expected) <= 1e-40 * abs(expected)
 
 
+@pytest.mark.costly
 @few
 @given(gains=st.tuples(surds, surds) | st.tuples(same_field, same_field))
 def test_loops_of_two_fields_have_their_own_values(gains):

@@ -1,5 +1,6 @@
 """Greatest common divisors over fields of symbols, by roots that are known."""
 
+import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,6 +32,7 @@ def test_shared_roots_are_the_greatest_common_divisor(shared, one, two):
     assert found is None or monic(found) == common_divisor(p, q)
 
 
+@pytest.mark.costly
 def test_what_sympys_heuristic_gives_up_on():
     """Its gcd raises HeuristicGCDFailed in the field of e^-h and tan(h/2)."""
     sampled = matched("(s**2 + 1)**2/((s + 1)**2 + 1)**2", "1/10").realisation

@@ -165,6 +165,7 @@ def test_a_section_takes_one_parameter_away():
     assert str(there) == "c in (-oo, 0): d in (2/c, 0)\nc in (0, oo): d in (0, 2/c)"
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "call",
     [

@@ -229,6 +229,7 @@ def test_a_chain_of_a_complex_pair():
     assert found.K == lower.K == both.K
 
 
+@pytest.mark.costly
 @fewer(4)
 @given(pairs(), st.data())
 def test_complex_eigenvectors_in_reach_are_assigned(pair, data):

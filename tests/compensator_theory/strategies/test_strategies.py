@@ -195,6 +195,7 @@ def test_corners_occur_as_often_as_they_should(strategy, condition, least, most)
     assert least <= share(strategy, condition) <= most
 
 
+@pytest.mark.costly
 def test_kinds_of_matrices_are_what_they_say():
     @settings(max_examples=40)
     @given(ours.hurwitz_matrices(2), ours.schur_matrices(3), ours.symmetric_matrices(2),

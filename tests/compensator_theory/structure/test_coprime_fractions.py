@@ -41,6 +41,7 @@ def is_unimodular(matrix):
     return all(e.is_polynomial(s) for e in entries) and determinant.is_number and determinant != 0
 
 
+@pytest.mark.costly
 @given(polynomial_matrices())
 def test_the_hermite_form(P):
     found = hermite_form(P)
@@ -99,6 +100,7 @@ def test_both_fractions_are_the_transfer_matrix(G):
     assert expanded(found.D_l.as_matrix() * N - d * found.N_l.as_matrix()).is_zero_matrix
 
 
+@pytest.mark.costly
 @given(transfer_matrices(extra=1))
 def test_they_are_coprime_and_of_least_degree(G):
     found = coprime_fractions(G)

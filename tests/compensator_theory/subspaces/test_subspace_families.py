@@ -141,6 +141,7 @@ def derogatory(draw):
     return blocks, matrix, part, draw(st.sampled_from(powers))
 
 
+@pytest.mark.costly
 @settings(max_examples=10, phases=[Phase.generate])
 @given(derogatory(), st.data())
 def test_families_are_invariant_and_have_as_many_parameters(case, data):

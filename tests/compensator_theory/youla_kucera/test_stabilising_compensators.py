@@ -63,6 +63,7 @@ def loop_matrix(plant, compensator, sign):
     ]))  # fmt: skip
 
 
+@pytest.mark.costly
 @fewer(2)
 @given(families(), st.data())
 def test_the_poles_of_the_loop(family, data):
@@ -75,6 +76,7 @@ def test_the_poles_of_the_loop(family, data):
     assert compensator.n == family.plant.n + Q.n and compensator.feedback == family.feedback
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(families(), st.data())
 def test_the_parameter_comes_back(family, data):
@@ -90,6 +92,7 @@ def test_the_parameter_comes_back(family, data):
         assert family.stabilises(compensator) == expected
 
 
+@pytest.mark.costly
 @fewer(3)
 @given(families(), st.data())
 def test_the_closed_loop_is_affine_in_the_parameter(family, data):
@@ -126,6 +129,7 @@ def test_both_fractions_are_the_plant(family):
         assert all(part[i, j].is_proper for i in range(part.shape[0]) for j in range(part.shape[1]))
 
 
+@pytest.mark.costly
 @fewer(2)
 @given(rationals(), rationals())
 def test_placed_compensators_are_members(pole, zero):

@@ -115,6 +115,7 @@ def test_what_reads_its_arguments_can_be_replaced(name):
         assert replace(value, numerator=[0.0, 0.0, 3.0], exact=None).relative_degree == 2
 
 
+@pytest.mark.costly
 def test_in_a_fresh_process():
     made = {name: make() for name, make in MAKERS.items()}
     code = "import sys, pickle as p; sys.stdout.buffer.write(p.dumps(p.load(sys.stdin.buffer)))"

@@ -192,6 +192,7 @@ def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
     assert np.allclose(given.poles, other.poles) and given.unanswered["convergence"]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("size", [1e-300, 1e-150, 1e-8, 1e20, 1e80])
 def test_extreme_coefficients_are_reported_without_a_warning_or_a_foreign_error(size):
     plant = standard_plant("(q - 1.1)/((q - 0.9)*(q - 0.95))")
@@ -210,6 +211,7 @@ def test_a_diverged_controller_is_refused():
         check_controller(np.ones(9), np.ones(9), theta=[1.0, 1e150], structure=iir(n_c=1))
 
 
+@pytest.mark.costly
 def test_an_unstable_loop_and_several_inputs():
     unstable = check_controller(
         np.zeros(20), np.zeros(20), z=np.ones(20), w=np.ones(20), theta=[0.1, 0.2],

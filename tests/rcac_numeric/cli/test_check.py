@@ -49,6 +49,7 @@ def write_csv(path, signals, names=None):
     return path
 
 
+@pytest.mark.costly
 def test_the_worked_example(tmp_path):
     picture = tmp_path / "check.png"
     result = run(OCTAVE, "--plant", CASE, "--plot", picture)

@@ -29,6 +29,7 @@ def test_a_plant_becomes_a_file(tmp_path):
     assert experiment.main_run.saturation.high == 2.0
 
 
+@pytest.mark.costly
 def test_the_record_is_json():
     record = json.loads(run(*LAG, *SAID, "--json").output)
     assert record["verdict"]["use"] in ("RCAC", "fixed")
@@ -84,6 +85,7 @@ def test_a_file_answers_what_it_can(tmp_path):
     assert run(file, "--assume", "--seeds", "1").exit_code == 0
 
 
+@pytest.mark.costly
 def test_tune_writes_what_it_found(tmp_path):
     path = tmp_path / "tuned.toml"
     result = CliRunner().invoke(

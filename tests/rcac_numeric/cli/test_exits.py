@@ -196,6 +196,7 @@ def test_two_numbers_are_not_one():
         assert wrong.exit_code == 2 and words in wrong.stderr, wrong.stderr
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     ("command", "limit"),
     [
@@ -223,6 +224,7 @@ def test_what_is_no_budget(text):
     assert placed("-1 -2").exit_code == 0, "a limit ends with its command"
 
 
+@pytest.mark.costly
 def test_coefficients_below_the_normal_range_are_no_defect(tmp_path):
     import numpy as np
 

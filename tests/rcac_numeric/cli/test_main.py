@@ -99,6 +99,7 @@ def test_report_of_an_example(rcac, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.costly
 def test_the_figures_of_an_example(rcac, tmp_path):
     result = rcac("verify", "4.7", "--figures", str(tmp_path / "new" / "folder"))
     assert result.exit_code == 0 and "Figures: 3 in" in result.output
@@ -136,6 +137,7 @@ def test_a_users_case(rcac, case):
     assert result.exit_code == 0 and "My plant" in result.output
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("number", "words"),
@@ -193,6 +195,7 @@ verdict = "holds"
 """
 
 
+@pytest.mark.costly
 def test_vector_signals(rcac, case, tmp_path):
     """Poles, match and picture of a 2 x 2 loop; the exact comparison is for scalar ones."""
     result = rcac("verify", case(VECTOR_CASE), "--plot", tmp_path / "sheet.pdf")
@@ -209,6 +212,7 @@ def test_a_changed_verdict_is_status_1(rcac, case):
     assert "does not hold" in result.output and "was: holds" in result.output
 
 
+@pytest.mark.costly
 def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
     warnings_before = np.geterr()
     picture = tmp_path / "diverged.svg"

@@ -123,6 +123,7 @@ def test_the_engine_follows_the_reference(data, l_u, l_y, l_z, rule, filter_form
         assert np.abs(getattr(run, name) - getattr(exact, name)).max() <= 1e-10 * size, name
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("structure", ["iir", "pid"])
 @pytest.mark.parametrize("update", UPDATES)
 @pytest.mark.parametrize("name", ADDITIONS)
@@ -141,6 +142,7 @@ def test_a_run_cut_in_two_is_the_run(name, update, structure):
         assert rest.bounded == whole.bounded
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("form", ["predictor", "filter"])
 @pytest.mark.parametrize("name", ADDITIONS)
 def test_a_controller_at_a_device_is_the_one_in_the_loop(name, form, tmp_path):

@@ -38,6 +38,7 @@ def drawn(rng, n_c, l_u=1, l_in=2, strictly=True):
     return Compensator(past_u=P, past_y=Q)
 
 
+@pytest.mark.costly
 @given(
     seed=seeds, orders=st.lists(st.integers(0, 3), min_size=2, max_size=4), l_u=st.integers(1, 2)
 )
@@ -78,6 +79,7 @@ def of_error(gain):
     return Compensator(past_u=[[[1.0]]], past_y=[[[0.0, 0.0]], [[gain, 0.0]]])
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("value", [-1.0, 0.0, 2.0, 7.5, 10.0, 30.0])
 def test_held_at_a_value_it_is_the_fixed_controller(value):
     schedule = GainSchedule([0, 10], [of_error(0.001), of_error(0.004)], variable="r", l_r=1)
@@ -135,6 +137,7 @@ def scheduled():
     return GainSchedule([0, 2], [of_error(0.001), of_error(0.004)], variable="r", l_r=1)
 
 
+@pytest.mark.costly
 def test_a_run_is_resumed_shown_and_healthy(tmp_path):
     w = exogenous([Levels([0.0, 1.0, 2.0], hold=200), Step(0.0), Step(0.0)], 600)
     whole, first = simulate(PLANT, scheduled(), w), simulate(PLANT, scheduled(), w[:250])

@@ -31,6 +31,7 @@ def weight_of(structure, prior, target=TARGET):
     return made.update.R_theta
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("structure", [iir(3), pid("PD"), feedforward(2)])
 def test_sizes_are_those_of_a_white_record(structure):
     """The mean over 2e5 samples: within 5 standard errors of what it estimates."""

@@ -76,6 +76,7 @@ class Loop:
         self.k += 1
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("update", [UD, Covariance])
 @pytest.mark.parametrize("R_u", [0.0, 0.01, 1.0])
 @pytest.mark.parametrize("name", [None, *FUNCTIONS])

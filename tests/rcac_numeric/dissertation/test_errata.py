@@ -28,6 +28,7 @@ def test_every_chapter_has_some():
     assert {entry.chapter for entry in ERRATA} == set(CHAPTERS) - {"9"}
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("erratum", OF["check"], ids=named)
 def test_the_check_holds(erratum):
     checked = check_erratum(erratum)
@@ -66,6 +67,7 @@ def test_no_wording_that_the_ledger_refutes_is_missing():
     assert refuted - known == READING_NOTES
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("erratum", OF["example"], ids=named)
 def test_the_claim_exists_and_its_verdict_goes_with_the_kind(erratum):
     """A misprint shows as one, and what depends on something does."""

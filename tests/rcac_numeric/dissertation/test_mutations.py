@@ -61,6 +61,7 @@ def test_a_change_of_the_file_turns_every_claim_that_holds(number, request):
     assert all(any(text.startswith(words) for words in known) for text in left), left
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("number", example_ids())
 def test_nan_satisfies_no_check(number):
     """Whatever a check asks for: values that are none are not inside."""

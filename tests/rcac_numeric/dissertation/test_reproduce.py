@@ -143,6 +143,7 @@ def test_a_quick_look_repeats_less_and_says_so():
     assert "k_w = 50, 1e-20, UD" not in quick.reduced_runs
 
 
+@pytest.mark.costly
 def test_an_archive_holds_what_a_reader_needs(experiments, tmp_path):
     found = reproduce(experiments, tmp_path)
     for name in ("a.zip", "b.zip"):

@@ -175,6 +175,7 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
             assert np.abs(mixed.theta_final - single.theta_final).max() <= bounds["theta_final"]
 
 
+@pytest.mark.costly
 @given(batches(most=9))
 @hypothesis_settings(max_examples=20)
 def test_every_instruction_set_does_the_same(cases):

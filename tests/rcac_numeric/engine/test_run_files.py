@@ -21,6 +21,7 @@ SPECIFICATIONS = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.cases(15)
 @pytest.mark.parametrize("of", SPECIFICATIONS, ids=str)
 def test_every_kind_of_run_comes_back_bit_for_bit(of, tmp_path):
@@ -49,6 +50,7 @@ def test_a_loaded_run_goes_on_as_the_saved_one_would(tmp_path_factory, seed):
     assert first == second and np.array_equal(first.theta, second.theta)
 
 
+@pytest.mark.costly
 def test_no_damaged_file_is_read(tmp_path):
     """Every byte of the arrays and of the tree is under the checksum or the archive's own."""
     run, file = samples.run(3), tmp_path / "run.npz"
@@ -114,6 +116,7 @@ def test_a_plant_made_of_functions_is_asked_for(tmp_path):
         load_run(file, plant=other)
 
 
+@pytest.mark.costly
 def test_tables_hold_the_arrays():
     run = load_example("6.4").main_run.execute().first.run
     frame, data = run.to_pandas(), run.to_xarray()

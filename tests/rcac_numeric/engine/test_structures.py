@@ -22,6 +22,7 @@ from tests.support.strategies import seeds, sizes
 from tests.support.textbook_loop import assert_follows
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", KINDS)
 @given(st.data(), sizes, sizes, sizes, st.integers(1, 2), seeds)
 def test_every_structure_follows_the_text(kind, data, l_u, l_y, l_z, l_r, seed):
@@ -88,6 +89,7 @@ def test_decentralised_controllers_follow_the_text(data, l_u, l_y, l_z, shared_u
     assert_follows(run, parts, shared_u=shared_u)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", ["fb_fir", "iir", "pid", "fir_integrator", "table"])
 @given(st.data(), sizes, seeds)
 def test_a_decentralised_compensator_is_the_frozen_sum(kind, data, l_y, seed):

@@ -47,6 +47,7 @@ EXPENSIVE = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", EXPENSIVE)
 def test_no_time_at_all_is_one_step(name):
     """However much a step costs, and in lanes one of each."""
@@ -92,6 +93,7 @@ def test_few_steps_are_begun_when_the_time_is_up(quick, last):
     assert late <= (1 if slow > MOST or not quick else MOST)
 
 
+@pytest.mark.costly
 @given(sizes, sizes, sizes, seeds, st.data())
 @hypothesis_settings(max_examples=15)
 def test_where_it_is_cut_changes_nothing(l_u, l_y, l_z, seed, data):

@@ -86,6 +86,7 @@ def test_ud_keeps_ten_digits_for_every_R_theta(name, k_w, lost_at_1e_10, lost_at
             )
 
 
+@pytest.mark.costly
 @pytest.mark.long
 @pytest.mark.parametrize("lambda_", [1.0, 0.9999])
 def test_a_million_steps_with_80_coefficients(in_full, lambda_):

@@ -78,6 +78,7 @@ def settings_of(parts, transitions, mu, kind=EKF):
     return IMM(filters, transitions, mu)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 @given(seed=seeds)
 def test_it_is_the_textbook_in_50_digits(kind, seed):

@@ -43,6 +43,7 @@ def changing_noises(seed, steps, R_0):
     return 0.1 + 10 * rng.random(steps), 0.1 + 10 * rng.random((steps, 1, 1)) * R_0 + np.eye(2)
 
 
+@pytest.mark.costly
 @every_filter
 @given(seed=seeds)
 def test_noises_that_change(make, seed):
@@ -166,6 +167,7 @@ def test_the_model_may_be_written_in_sympy_or_in_python(kind):
     assert relative_error(python.x, symbolic.x) < tolerance
 
 
+@pytest.mark.costly
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @every_filter
 def test_steps_are_those_of_the_record(make):
@@ -182,6 +184,7 @@ def test_steps_are_those_of_the_record(make):
         assert np.array_equal(stepwise.innovation, found.innovation[k])
 
 
+@pytest.mark.costly
 @every_filter
 def test_it_is_saved_and_resumed(make, tmp_path):
     y, u = pendulum_record(6, steps=60)
@@ -326,6 +329,7 @@ def test_the_nile(make):
     assert found.deviation[-1, 0] ** 2 == pytest.approx(predicted - q, rel=1e-9)
 
 
+@pytest.mark.costly
 def test_univariate_nonstationary_growth():
     """The model of Gordon, Salmond and Smith (1993), on which the EKF is known to fail.
 

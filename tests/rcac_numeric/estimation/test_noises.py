@@ -193,6 +193,7 @@ def exact_information(settings, changes, steps):
     return np.array([[np.trace(a @ b) / 2 for b in moved] for a in moved])
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("A", [[[0.7, 0.3], [0, -0.4]], [[1.0, 0.5], [0, 0.9]]])
 def test_the_information_is_that_of_a_step_of_a_long_record(A):
     """Exact information of 81 steps less that of 80: what is left of the start decays as A does."""
@@ -264,6 +265,7 @@ TRUTH = EKF(
 )  # fmt: skip
 
 
+@pytest.mark.costly
 def test_the_true_covariances_are_found(in_full):
     """Maximum likelihood is asymptotically normal with the inverse of the information.
 

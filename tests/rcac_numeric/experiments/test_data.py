@@ -24,6 +24,7 @@ sys.stdout.buffer.write(pickle.dumps((first, second)))
 """
 
 
+@pytest.mark.costly
 @pytest.mark.cases(20)
 @pytest.mark.parametrize("number", example_ids())
 def test_every_example_pickles_and_compares(number):
@@ -46,6 +47,7 @@ def test_a_verification_pickles_and_compares():
     assert [v.verdict for v in again.verdicts] == [v.verdict for v in verification.verdicts]
 
 
+@pytest.mark.costly
 def test_in_a_fresh_process():
     data = (load_example("2.6"), verify(load_example("4.7")))
     result = subprocess.run(

@@ -44,6 +44,7 @@ def verifications(request):
     return Verifications(in_full=request.config.getoption("--long"))
 
 
+@pytest.mark.costly
 @pytest.mark.cases(30)
 @pytest.mark.parametrize("number", example_ids())
 def test_every_verdict_of_record_holds(number, verifications):
@@ -94,6 +95,7 @@ def interval_checks(claim):
     return [check for check in claim.checks if isinstance(check, Check)]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("number", [n for n in example_ids() if not n.startswith(WITHOUT_TARGET)])
 def test_every_target_model_is_held_against_what_the_loop_made_of_it(number):
     """The match at steps 10^3, 10^4 and 10^5, and the split of the residual at the same ones."""
@@ -155,6 +157,7 @@ def test_4_6_rounding_makes_the_ordering(verifications):
         assert max(plain) > 10 * min(plain) and np.median(plain) < 0.5 * exact[0]
 
 
+@pytest.mark.costly
 def test_2_8_diverges_as_written_and_says_so(verifications):
     verification = verifications["2.8"]
     assert verification.diverged == ["as written", "as written, R_theta = 1e6"]

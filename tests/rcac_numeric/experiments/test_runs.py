@@ -37,6 +37,7 @@ def same(a, b):
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
 
 
+@pytest.mark.costly
 @settings(max_examples=10)
 @given(seed=st.integers(0, 1000), seeds=st.integers(2, 5))
 def test_seeds_are_the_single_runs_bit_for_bit(seed, seeds):
@@ -81,6 +82,7 @@ def test_what_is_refused(run, message):
         case(**run)
 
 
+@pytest.mark.costly
 @settings(max_examples=10)
 @given(k=st.integers(4, 59), stride=st.sampled_from([1, 4, 7]))
 def test_a_run_cut_off_is_the_shorter_run(k, stride):

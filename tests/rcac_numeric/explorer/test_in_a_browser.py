@@ -279,6 +279,7 @@ def test_dozens_of_drags_leave_the_rings_in_the_disk_and_the_console_silent(open
         assert len(page.inner_text("#sentence")) > 20 and not page.inner_text("#wrong")
 
 
+@pytest.mark.costly
 def test_where_a_ring_is_let_go_there_it_is_asked_for(opened):
     page = opened()
     page.get_by_role("button", name="An unstable plant").click()
@@ -320,6 +321,7 @@ def test_the_keyboard_moves_adds_and_removes_rings(opened):
     assert settle(page)["dials"]["n_c"] == 4
 
 
+@pytest.mark.costly
 def test_a_finger_moves_a_ring_and_not_the_page(opened):
     page = opened(390, touch=True)
     page.get_by_role("button", name="An unstable plant").click()
@@ -362,6 +364,7 @@ def test_nothing_is_wider_than_the_window(opened, scheme):
     assert paper == ("rgb(255, 255, 255)" if scheme == "light" else "rgb(19, 21, 25)")
 
 
+@pytest.mark.costly
 def test_the_pictures_hold_lines_in_both_schemes(opened):
     page = opened()
     ink = """id => {
@@ -403,6 +406,7 @@ def test_a_wrong_formula_is_one_line_and_the_last_picture_stays(opened):
     assert not settle(page)["wrong"] and page.get_attribute("#G", "aria-invalid") is None
 
 
+@pytest.mark.costly
 def test_a_typed_plant_is_told_its_zeros_and_keeps_them_in_its_file(opened, monkeypatch):
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
     page = opened()
@@ -414,6 +418,7 @@ def test_a_typed_plant_is_told_its_zeros_and_keeps_them_in_its_file(opened, monk
     assert (numerator.LC(), denominator.degree()) == (Fraction(2, 3), 3)
 
 
+@pytest.mark.costly
 def test_the_words_of_a_file_are_words(opened):
     page = opened()
     assert "</script><b>Mine</b>" in page.inner_text("#scenes")
@@ -478,6 +483,7 @@ def test_decimals_are_read_and_written_exactly(scripts):
     assert [Fraction(text) for text in found] == [Fraction(text) for text in texts]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "text",
     ["(q + 2)/(q^2 - 2q + 1.04)", "1/(3q - 1)", "-(q-.5)(q+3)/q**3", "2/(q-1) - 1/(q - 0.25)",
@@ -492,6 +498,7 @@ def test_a_formula_is_read_as_python_reads_it(scripts, text):
         assert same_bits(part, rounded([c / lead for c in poly.all_coeffs()], "p"))
 
 
+@pytest.mark.costly
 def test_roots_are_as_good_as_their_coefficients(scripts):
     """The residual of each root is a few roundings of the polynomial's terms, in 40 digits."""
     generator = np.random.default_rng(4)

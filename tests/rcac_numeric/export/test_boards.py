@@ -37,6 +37,7 @@ int run(void) {
 """
 
 
+@pytest.mark.costly
 @pytest.mark.skipif(
     cortex.missing() is not None, reason="the tools for a Cortex-M are not installed"
 )

@@ -300,6 +300,7 @@ FAST = ("-ffast-math", "-funsafe-math-optimizations")
 PX4 = ("-fno-signed-zeros", "-fno-trapping-math", "-freciprocal-math", "-fno-math-errno")
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("real", ["float64", "float32"])
 def test_fast_math_does_not_reach_the_core(real):

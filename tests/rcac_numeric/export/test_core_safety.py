@@ -124,6 +124,7 @@ FUZZED = {
 }
 
 
+@pytest.mark.costly
 @pytest.mark.long
 @pytest.mark.parametrize("name", FUZZED)
 def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name):
@@ -178,6 +179,7 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 
 
+@pytest.mark.costly
 @pytest.mark.long
 @pytest.mark.skipif(shutil.which("clang") is None, reason="clang is not installed")
 def test_the_analyser_of_clang_finds_nothing(tmp_path, in_full):
@@ -234,6 +236,7 @@ def test_float32_follows_float64(case, seed, cc):
         assert not is_bound or gaps[0] < 1e-4 * largest + 300 * gaps[1]
 
 
+@pytest.mark.costly
 @pytest.mark.long
 def test_forgetting_without_excitation_does_not_leave_float32(in_full):
     """D <= D(0) holds where P would grow like lambda^-k."""

@@ -138,6 +138,7 @@ def test_drawn_settings_with_missing_samples_and_an_actuator(case, supervision, 
     hold_together(case, supervision, seed, strictly_proper=True)
 
 
+@pytest.mark.costly
 @draws(3)
 @given(core_settings(), supervisions, seeds)
 def test_drawn_settings_with_missing_samples(case, supervision, seed):

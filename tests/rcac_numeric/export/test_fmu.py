@@ -94,6 +94,7 @@ class Slave:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version):
     from fmpy.validation import validate_fmu
@@ -187,6 +188,7 @@ def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version)
     slave.close()
 
 
+@pytest.mark.costly
 def test_an_fmu_from_a_shell(tmp_path):
     file = tmp_path / "c.fmu"
     run = CliRunner().invoke
@@ -223,6 +225,7 @@ def test_what_an_fmu_cannot_be(tmp_path):
         export_fmu(SETTINGS, tmp_path / "c.zip", sample_time=0.1)
 
 
+@pytest.mark.costly
 def test_another_step_is_refused(tmp_path):
     file = export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1)
     slave = Slave(str(file), "2.0")

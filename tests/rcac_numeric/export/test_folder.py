@@ -74,6 +74,7 @@ def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
     assert with_one.is_verified == (building.compiler() is not None)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(4)
 @compiles
 @pytest.mark.parametrize("real", ["float64", "float32"])
@@ -101,6 +102,7 @@ def test_the_replay_of_the_folder(tmp_path, controller, real):
         assert float(rms[1]) == pytest.approx(float(rms[2]), rel=1e-2) != 0
 
 
+@pytest.mark.costly
 @compiles
 def test_a_controller_that_was_changed_by_hand_is_noticed(tmp_path):
     """The positive control of the replay: every table matters."""
@@ -180,6 +182,7 @@ def test_two_controllers_in_one_program(tmp_path):
     assert subprocess.run([program], check=False).returncode == 0
 
 
+@pytest.mark.costly
 @compiles
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no CMake on this machine")
 def test_the_folder_is_a_cmake_package(tmp_path):
@@ -272,6 +275,7 @@ def test_other_arguments_that_do_not_fit(tmp_path):
         )  # fmt: skip
 
 
+@pytest.mark.costly
 def test_the_ranges_of_float32(tmp_path):
     tiny = replace(SETTINGS, update=UD(1e-41))
     with pytest.raises(InputError, match="1e-40"):

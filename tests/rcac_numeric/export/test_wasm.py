@@ -82,6 +82,7 @@ def agree(answer, recording):
     assert np.array(answer["again"]).tobytes() == recording.u[50:].tobytes()
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("name", CASES)
 def test_the_bits_in_chromium(tmp_path, name):

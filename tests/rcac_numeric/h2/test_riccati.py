@@ -43,6 +43,7 @@ def newton(case, gain, digits=50, steps=8):
         return np.array(P.tolist(), dtype=float)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("case", CASES)
 def test_published_equations(case):
     found = solve_dare(case.A, case.B, *case.weights)
@@ -97,6 +98,7 @@ def chain(numerator, last_row=(0.1, 0.2, 0.5)):
     return A, np.eye(n)[:, [n - 1]], E_1
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "numerator, last_row, zero",
     [

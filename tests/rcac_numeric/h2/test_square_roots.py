@@ -49,6 +49,7 @@ def test_the_design_that_was_refused():
         lqg(plant, form="filter")
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("seed", range(20))
 def test_hard_designs_against_sixty_digits(seed):
     plant = hard_design(seed)

@@ -74,6 +74,7 @@ def test_what_is_not_square_or_too_large_is_not_asked():
     assert direction_errors(large, fir(np.eye(6))) == ()
 
 
+@pytest.mark.costly
 def test_verify_says_it_in_its_lines_and_in_json(tmp_path):
     """The acceptance: `rcac verify` of a user's file with T1."""
     file = tmp_path / "case.toml"

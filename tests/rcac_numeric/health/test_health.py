@@ -87,6 +87,7 @@ def test_a_motor_that_blew_up_on_the_way_does_not_end_green(motor):
     json.dumps(record, allow_nan=False)
 
 
+@pytest.mark.costly
 def test_text_and_page_begin_with_what_the_record_says(motor):
     text, body = str(motor), case_of(motor).body
     first = text.split("\n\n", maxsplit=1)[0]

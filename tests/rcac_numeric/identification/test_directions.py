@@ -37,6 +37,7 @@ def test_without_noise_they_are_exact(poles):
     assert abs(np.vdot(wanted, eta)) > (1 - 1e-12) * np.linalg.norm(eta)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("poles", POLES.values(), ids=POLES)
 def test_noise_as_large_as_the_input(poles):
     """1000 steps carry a target: four seeds of four, at most 7 % above LQG."""

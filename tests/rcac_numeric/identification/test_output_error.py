@@ -49,6 +49,7 @@ def test_white_noise_is_left_as_it_was():
     assert abs(np.var(found.residual) / noise**2 - 1) < 5 * np.sqrt(2 / 4000)
 
 
+@pytest.mark.costly
 def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
     """100 records of y(k) = 0.8 y(k-1) + u(k-1), in white noise of the output."""
     steps, noise, a, b = 500, 0.5, 0.8, 1.0

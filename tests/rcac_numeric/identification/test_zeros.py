@@ -76,6 +76,7 @@ def aircraft_error(plant, u, y):
     return max(np.abs(found.zeros - zero).min() for zero in plant_zeros(plant))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("condition", ["nominal", "off-nominal"])
 def test_noise_free_windows_at_mu_10_give_the_zeros_of_the_aircraft(condition):
     """Section 3.6: windows of 70, n_mod = 4; the sampling zero included.

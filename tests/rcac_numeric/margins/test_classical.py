@@ -288,6 +288,7 @@ def assert_crossovers_match_a_grid(loop, L_at):
         assert ((phases >= omega[i] - 1e-9) & (phases <= omega[i + 1] + 1e-9)).any()
 
 
+@pytest.mark.costly
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_crossovers_of_a_loop_with_50_lags(seed):
@@ -348,6 +349,7 @@ def test_a_slow_integrator_has_a_crossover_and_at_both_ends_of_the_circle(g):
         assert margins.gain_down.value == 0 and margins.gain_down.radius_at != 1
 
 
+@pytest.mark.costly
 @settings(max_examples=100)
 @given(seeds)
 def test_no_gain_below_one_is_lost_to_poles_on_the_circle(seed):

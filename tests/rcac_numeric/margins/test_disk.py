@@ -20,6 +20,7 @@ from rcac_numeric.margins.peaks import hinf_norm
 from tests.support.loops import random_loop, seeds
 
 
+@pytest.mark.costly
 @settings(max_examples=25)
 @given(seeds)
 def test_the_peaks_are_not_below_any_grid_and_are_reached(seed):
@@ -66,6 +67,7 @@ def test_without_coupling_the_disk_is_that_of_the_worse_channel():
         assert np.isclose(multivariable_disk_margin(loop, at=at).alpha, min(alone))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("at", ["u", "y"])
 def test_simultaneous_factors_within_the_disk_keep_the_loop_stable(at):
     loop = two_channels(0.7)
@@ -179,6 +181,7 @@ def spinning_satellite(units=(1.0, 1.0)):
     return ClosedLoop(plant, Compensator(np.zeros((1, 2, 2)), Q))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("unit", [1.0, 10.0, 1000.0])
 def test_the_spinning_satellite(unit):
     """By hand, at omega = 0: S - T = [[a, -b], [b', -1]], a = 19/21, b b' = 400/21."""

@@ -105,6 +105,7 @@ def value_of(system, point):
     return np.linalg.solve(np.eye(2) - int(system.sign) * through @ back, through)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "system",
     [G, Series(G, H), Parallel(G, H), Feedback(G, H), Feedback(Series(G, H), G, 1),

@@ -66,6 +66,7 @@ def test_views_widths_and_axes():
             margins.plot(wrong[0], **wrong[1])
 
 
+@pytest.mark.costly
 def test_an_unstable_loop_has_a_picture_without_margins():
     gain, phase = stability_margins("1/(s - 2)", feedback=-1).plot("bode").axes
     assert gain.get_title() == "no gain margin"

@@ -48,6 +48,7 @@ def test_a_phase_that_turns_is_followed():
     assert np.abs(np.diff(second)).max() < 0.2 and abs(second - first).max() > np.pi
 
 
+@pytest.mark.costly
 def test_the_phases_of_example_2_3_lie_on_each_other():
     match = verify(load_example("2.3")).main.first.match
     first, second = phases(match.wanted[:, 0, 0], match.reached[:, 0, 0])

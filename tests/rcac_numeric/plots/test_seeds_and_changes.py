@@ -80,6 +80,7 @@ def test_frequency_responses_of_seeds_are_a_median_in_a_band(changing, kind):
     assert heights.max() == pytest.approx(np.max(every))
 
 
+@pytest.mark.costly
 def test_several_lqg_designs_stand_in_one_pair_of_axes():
     example = load_example("4.5")
     (run,) = [replace(example.runs["as printed"], steps=300, stride=100, seeds=1)]
@@ -108,6 +109,7 @@ def test_two_target_models_are_both_drawn():
     assert sum("G_f" in label for label in drawn) == 2
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("magnitude", [False, True])
 def test_a_run_that_diverged_does_not_blow_up_the_axis(magnitude):
     found = verify(replace(load_example("2.5"), claims=()))

@@ -65,6 +65,7 @@ def test_a_changed_verdict_is_said_first(example):
     assert "was: not reproduced" in as_text(sheet)
 
 
+@pytest.mark.costly
 @settings(max_examples=15)
 @given(plants(), seeds, st.integers(0, 2))
 def test_any_check_has_a_strict_record_with_the_numbers_that_are_said(plant, seed, n_c):

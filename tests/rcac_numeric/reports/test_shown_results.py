@@ -75,6 +75,7 @@ def test_a_loop_goes_out_with_its_sample_time():
         np.testing.assert_allclose(out(point)[:1, :2], w_to_z, rtol=1e-9)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("form", ["predictor", "filter"])
 def test_lqg_shows_its_numbers_and_its_picture(form):
     design = lqg(standard_plant("(q - 2)/(q**2 - 1/4)"), form=form)

@@ -206,6 +206,7 @@ def test_other_versions_are_refused_unless_they_are_meant(tmp_path, monkeypatch,
         replay_run(store, 0)
 
 
+@pytest.mark.costly
 def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, small_chunks):
     """It is killed from outside while it works."""
     killed = []
@@ -220,6 +221,7 @@ def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, sm
     assert killed and read_table(tmp_path / "store.sqlite") == read_table(undisturbed)
 
 
+@pytest.mark.costly
 def test_a_run_that_ends_its_worker_is_one_run_that_failed(tmp_path, small_chunks, monkeypatch):
     monkeypatch.setattr("rcac_numeric.sweeps.running.schedule.TRIES", 1)
     values = [1.0, 2.0, studies.DEADLY, 4.0, 5.0]
@@ -397,6 +399,7 @@ def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
     assert read_table(store) == read_table(undisturbed)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", ["0", "1"])
 def test_ctrl_c_says_how_to_go_on(tmp_path, workers, at_a_terminal):

@@ -83,6 +83,7 @@ def test_a_map_has_its_values_where_they_belong():
         found.grid("median", "n_c", "way")
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("by", [["gain"], ["way"], ["gain", "n_c"], ["way", "n_c"]])
 def test_a_picture_shows_every_group(by):
     figure = plot_summary(summarise(table(1), "rms", by))

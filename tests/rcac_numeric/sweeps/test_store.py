@@ -35,6 +35,7 @@ def stored(tmp_path):
     return path
 
 
+@pytest.mark.costly
 def test_a_damaged_header_is_named(stored):
     data = bytearray(stored.read_bytes())
     data[:16] = b"not a database!!"

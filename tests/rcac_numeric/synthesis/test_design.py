@@ -165,6 +165,7 @@ def in_its_own_units():
                   dead_time=2.0, sample_time=1.0, seeds=1, steps=200)  # fmt: skip
 
 
+@pytest.mark.costly
 @settings(max_examples=3)
 @given(u=EXPONENTS, y=EXPONENTS, t=EXPONENTS)
 @example(u=6.0, y=-6.0, t=6.0)
@@ -309,6 +310,7 @@ def test_the_limits_scale_what_nobody_said():
     assert sizes[1] == pytest.approx(10 * sizes[0])
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize(
     "arguments",
     [

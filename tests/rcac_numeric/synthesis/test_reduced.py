@@ -59,6 +59,7 @@ def ladder_of(G, disturbance=Step(0.5), noise=0.01, command=None, dead_time=3.0,
 # A structure.
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("structure", [pid("PI"), pid("PID"), fir_integrator(8), fir(15), OWN])
 def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
     ladder = ladder_of(LAGS)
@@ -80,6 +81,7 @@ def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
     assert errors[1] < 1.1 * errors[0]
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("structure", [pid("PI"), OWN])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
     """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
@@ -115,6 +117,7 @@ def test_other_structures_are_refused_by_name(structure, words):
         design(LAGS, sample_time=1.0, structure=structure)
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("structure", [pid("DI"), fir(6), fir_integrator(5), OWN])
 def test_a_reduced_design_has_lqg_beside_it_and_a_file(structure):
     found = design(
@@ -127,6 +130,7 @@ def test_a_reduced_design_has_lqg_beside_it_and_a_file(structure):
     assert found.settings.structure == structure
 
 
+@pytest.mark.costly
 def test_tuning_leaves_the_order_of_a_structure():
     found = design(LAGS, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300)
     tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)

@@ -80,6 +80,7 @@ def test_every_error_is_rid_of_every_constant(made):
     assert np.abs(to_e).max() < 1e-2 * plant.low_gain
 
 
+@pytest.mark.costly
 def test_the_target_is_what_the_reference_loop_is(made):
     plant, found, settings_ = made
     omega = np.linspace(0, np.pi, 400)

@@ -32,6 +32,7 @@ def tuned(found):
     return tune(found, 8, held_out=2, seeds=3)
 
 
+@pytest.mark.costly
 def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
     by_name = {one.name: one for one in tuned.candidates}
     assert set(by_name) == {FIXED, RULE, *map(str, range(1, 9))}
@@ -67,6 +68,7 @@ def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
     assert compared(trials.in_threads(), RCAC, RULE) == tuned.beside_rule
 
 
+@pytest.mark.costly
 def test_the_seed_repeats_it(found):
     one, again, other = (tune(found, 1, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
     assert again.candidates == one.candidates and equal(again.settings, one.settings)
@@ -168,6 +170,7 @@ def test_processes_leave_the_same_runs(found, tmp_path):
         assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
 
 
+@pytest.mark.costly
 def test_a_store_of_another_design_is_refused(found, tmp_path):
     arguments = {"budget": 1, "held_out": 1, "seeds": 1, "store": tmp_path / "runs", "workers": 0}
     tune(found, **arguments)

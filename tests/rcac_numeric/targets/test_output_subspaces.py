@@ -81,6 +81,7 @@ def tall_plants(draw, extra=st.integers(0, 2)):
     return Plant(A=A, B=B, D_1=B, C=E_1, D_0=E_2, E_1=E_1, E_2=E_2)
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(tall_plants())
 def test_they_are_the_zeros_of_the_squared_plant(plant):
@@ -90,6 +91,7 @@ def test_they_are_the_zeros_of_the_squared_plant(plant):
     assert len(found.nmp_zeros) == outside.sum()
 
 
+@pytest.mark.costly
 @settings(max_examples=20)
 @given(tall_plants(extra=st.just(0)))
 def test_of_a_square_plant_they_are_the_transmission_zeros(plant):

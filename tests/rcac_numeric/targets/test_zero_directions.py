@@ -38,6 +38,7 @@ def fir(*taps):
     return TargetModel(np.array([np.zeros_like(taps[0]), *taps]))
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [2, 3])
 def test_directions_of_plants_are_the_eigenvectors(kind, size):
@@ -76,6 +77,7 @@ def test_a_zero_exactly_on_the_unit_circle_counts_as_nmp(X, zeros):
         assert abs(abs(np.vdot(directions(poles, X, zero), eta)) - 1) < 1e-10
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("name", PLANTS)
 def test_four_plants(name):
     plant, _, _, largest = case(name)
@@ -103,6 +105,7 @@ def test_a_delay_alone_is_matched_by_cancelling_the_zero(name):
     assert nearest < 1e-6
 
 
+@pytest.mark.costly
 def test_every_wrong_form_has_its_name():
     for name in PLANTS:
         plant, zero, X, _ = case(name)

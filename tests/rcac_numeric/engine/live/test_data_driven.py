@@ -65,6 +65,7 @@ def ratio(plant, run):
     return float(h2_cost(plant, run.compensator).value / lqg(plant).cost.value)
 
 
+@pytest.mark.costly
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("name", CASES)
 def test_every_seed_is_bounded_without_knowing_the_zero(name, in_full):

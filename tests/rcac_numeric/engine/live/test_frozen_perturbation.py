@@ -72,6 +72,7 @@ def test_commands_are_read_too():
     assert abs(found[-1]) < 1e-12 * np.abs(run.u).max() and np.abs(found).max() > 1e-3
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("zero", [1.1, 1.5])
 def test_it_shows_what_u_shows(zero, in_full):
     """The zero from u~ is as near as from u: the median error is at most twice as large."""
@@ -91,6 +92,7 @@ def test_it_shows_what_u_shows(zero, in_full):
     assert frozen <= 2 * plain < 0.02
 
 
+@pytest.mark.costly
 def test_the_cost_of_loops_that_learn_from_it(in_full):
     """Every seed is bounded, at most 7 % above LQG's cost."""
     plant = standard_plant(ZERO.format(1.1))
@@ -103,6 +105,7 @@ def test_the_cost_of_loops_that_learn_from_it(in_full):
         assert h2_cost(plant, run.compensator).value <= 1.07 * best
 
 
+@pytest.mark.costly
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_a_run_cut_or_driven_step_by_step_is_the_run():
     plant = standard_plant(ZERO.format(1.5))

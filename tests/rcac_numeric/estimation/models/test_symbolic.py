@@ -73,6 +73,7 @@ def test_a_tape_is_its_formulas(formulas):
     assert np.allclose(found, exact.real, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.costly
 @few
 @given(first=expressions, second=expressions)
 def test_the_kernel_runs_the_tape(first, second):

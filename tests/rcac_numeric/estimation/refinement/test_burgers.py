@@ -8,6 +8,7 @@ freely: what is not linear in it is a known input of RCMR, computed from the mod
 import contextlib
 
 import numpy as np
+import pytest
 from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
@@ -77,6 +78,7 @@ def test_the_force_is_found(in_full):
         assert abs(kappa[-1] - KAPPA) < 1e-4 and abs(kappa[2000:] - KAPPA).max() < 0.3
 
 
+@pytest.mark.costly
 def test_with_noise_it_is_the_least_squares_fit_of_the_whole_record():
     """The oracle simulates the record for each kappa, and minimises its error."""
     inlet = inlet_of(0, 4000)

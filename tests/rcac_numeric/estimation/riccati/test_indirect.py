@@ -63,6 +63,7 @@ def flown(controller, steps, observed=False):
     return np.array(phi) - STEP
 
 
+@pytest.mark.costly
 def test_example_8_6(in_full):
     """Full-state feedback follows after the transition, with A_21 not quite right."""
     controller = IndirectController(indirect())
@@ -146,6 +147,7 @@ def test_simulate_is_a_loop_of_ones_own(observed):
     assert np.allclose(run.theta_final, theta[-1], rtol=1e-9)
 
 
+@pytest.mark.costly
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @both
 @pytest.mark.parametrize("cut", [1, 99, 101, 249, 250, 399])

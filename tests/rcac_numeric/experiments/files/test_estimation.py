@@ -123,6 +123,7 @@ def test_what_it_is_not(found):
         verify(load_example("2.2")).plot(FigureRequest("estimates", "None."))
 
 
+@pytest.mark.costly
 def test_the_command_and_its_page(tmp_path):
     page = tmp_path / "page.html"
     result = CliRunner().invoke(

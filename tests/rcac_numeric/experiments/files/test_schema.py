@@ -46,6 +46,7 @@ def shipped_files():
             yield pytest.param(tomllib.loads(path.read_text()), id=path.stem)
 
 
+@pytest.mark.costly
 def test_the_schema_is_one():
     jsonschema.Draft202012Validator.check_schema(json_schema())
 

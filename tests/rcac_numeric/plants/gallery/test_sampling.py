@@ -114,6 +114,7 @@ def test_sampling_zeros_approach_those_of_euler_and_frobenius():
     assert gaps[1] / gaps[2] == pytest.approx(2, rel=0.1)
 
 
+@pytest.mark.costly
 def test_the_zero_of_example_1_3_leaves_the_disk_below_a_period_of_about_0_2_s():
     h = critical_period(rohrs_plant(), 0.05, 0.5)
     assert h == pytest.approx(0.2, abs=0.005)

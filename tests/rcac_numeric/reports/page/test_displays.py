@@ -35,6 +35,7 @@ def test_an_entry_takes_the_type_that_it_stands_for(kind, shown, made):
     assert hints["return"] is made or made in str(hints["return"])
 
 
+@pytest.mark.costly
 def test_every_result_that_asks_the_table_stands_in_it():
     """A class that calls picture_of(self) has a picture, and so on."""
     tables = {

@@ -55,6 +55,7 @@ def opened(browser, url):
         page.close()
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [360, 1280])
 def test_nothing_is_wider_than_the_window(opened, width, scheme):
@@ -64,6 +65,7 @@ def test_nothing_is_wider_than_the_window(opened, width, scheme):
     assert paper == ("rgb(255, 255, 255)" if scheme == "light" else "rgb(19, 21, 25)")
 
 
+@pytest.mark.costly
 def test_all_that_is_read_stands_in_a_landmark(opened):
     found = opened().evaluate("[...document.body.children].map(part => part.tagName)")
     assert set(found) == {"A", "HEADER", "MAIN", "SCRIPT"} and found.count("A") == 1
@@ -102,6 +104,7 @@ def test_every_picture_is_there_and_not_empty(opened):
     assert len(sizes) == asked > 4 and min(sizes) > 1000
 
 
+@pytest.mark.costly
 def test_filters_work_and_stand_in_the_address(opened):
     page = opened()
     page.keyboard.press("/")

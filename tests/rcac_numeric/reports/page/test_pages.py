@@ -213,6 +213,7 @@ def test_the_policy_lets_run_what_is_ours_and_nothing_else(gallery):
     assert "<script" not in before and "<style" not in before and "<link" not in before
 
 
+@pytest.mark.costly
 @pytest.mark.parametrize("field", ["id", "title", "source", "body", "details", "settings"])
 def test_a_script_in_any_field_is_words_or_has_no_hash(cases, field):
     """The body is HTML that was made from words; kept cases are files, and may hold anything."""
