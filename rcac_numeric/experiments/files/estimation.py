@@ -32,12 +32,13 @@ from rcac_numeric.experiments.format.values import (
     Real,
     Text,
 )
+from rcac_numeric.experiments.judging.claim import Claim
 from rcac_numeric.experiments.judging.reading import (
-    ClaimTable,
     OpenItems,
     OpenTable,
     check_table,
     claim_table,
+    claims_of,
     completed_runs,
     completion_name,
     opens,
@@ -166,7 +167,7 @@ class EstimationFile(Heading):
         "What the estimators of all runs begin with.",
     ] = None
     claims: Annotated[
-        list[ClaimTable],
+        list[Claim],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
@@ -206,7 +207,7 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     errors.raise_any()
     _require_budget(studies, budget)
     items = OpenItems.of(read.open)
-    claims = [claim for one in read.claims for claim in one.claims(tuple(studies), items)]
+    claims = [claim for one in read.claims for claim in claims_of(one, tuple(studies), items)]
     completions = {}
     for of_run, values in completed_runs(claims, items):
         tables = raw[of_run]
