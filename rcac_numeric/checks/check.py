@@ -80,7 +80,7 @@ class ControllerCheck(Value):
         How far the log's y is from what the plant makes of the logged u; None for a run of ours
         with its own plant.
     decision : Decision or str or None
-        Which problem the log is of, where that was asked of it; a text says why it could not be.
+        Which problem the log is of, where that was to be decided; a text says why it could not be.
     unanswered : mapping
         From what could not be answered to the reason.
     """
@@ -107,7 +107,7 @@ class ControllerCheck(Value):
 
     @property
     def is_undecided(self) -> bool:
-        """Whether the problem was asked of the log, which does not tell."""
+        """Whether the problem was to be decided and the log leaves it open."""
         return self.decision is not None and (
             isinstance(self.decision, str) or self.decision.is_undecided
         )
