@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from rcac_numeric.arrays.validation import (
     rounded,
     signal_array,
 )
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
@@ -185,7 +185,7 @@ class Run(Value):
     def _timed(self, compensator: Compensator) -> Compensator:
         if self.sample_time in (None, compensator.sample_time):
             return compensator
-        return replace(compensator, sample_time=self.sample_time)
+        return replaced(compensator, sample_time=self.sample_time)
 
     @property
     def k(self) -> Array:
