@@ -30,10 +30,9 @@ from rcac_numeric.experiments.files.runs import (
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
 from rcac_numeric.experiments.format.values import ListOf
-from rcac_numeric.experiments.judging.claim import Claim
+from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.reading import (
     OpenItems,
-    OpenTable,
     claims_of,
     completed_runs,
     completion_name,
@@ -77,7 +76,7 @@ class File(Heading):
         "What is drawn of it; a sheet on the main run where they are left out.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[OpenTable],
+        list[OpenItem],
         opens(OPEN_VALUE),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)

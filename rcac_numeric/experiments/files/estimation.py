@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation.estimators import (
     ExtendedFilter,
@@ -32,10 +33,9 @@ from rcac_numeric.experiments.format.values import (
     Real,
     Text,
 )
-from rcac_numeric.experiments.judging.claim import Claim
+from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.reading import (
     OpenItems,
-    OpenTable,
     check_table,
     claim_table,
     claims_of,
@@ -126,7 +126,7 @@ BEGINNING = "What differs from those."
 
 
 @attrs.frozen(eq=False)
-class EstimationValue:
+class EstimationValue(Value):
     """One of the values that a reader would try: its name, and what it changes."""
 
     name: Annotated[str, "What it is called; claims refer to it."]
@@ -177,7 +177,7 @@ class EstimationFile(Heading):
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[OpenTable],
+        list[OpenItem],
         opens(Table(EstimationValue)),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)

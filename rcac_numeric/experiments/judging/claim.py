@@ -110,14 +110,23 @@ class Refused(Value):
         return f"no answer: {self.silence}"
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class OpenItem(Value):
-    """Something that a source leaves open."""
+    """Something that the source leaves open."""
 
-    what: str
-    chosen: str
-    reason: str = ""
-    completions: tuple[str, ...] = ()
+    what: Annotated[str, "Its name; claims refer to it."]
+    chosen: Annotated[str, "What the runs have, in words."]
+    reason: Annotated[str, "What the source says of it, and why this was chosen."] = ""
+    values: Annotated[
+        Sequence[Any],
+        "The others of the set that a reader would try: each has a name and the tables that it "
+        "changes, as a run has. They run with `rcac verify --completions`.",
+    ] = ()
+
+    @property
+    def completions(self) -> tuple[str, ...]:
+        """The names of its values."""
+        return tuple(value.name for value in self.values)
 
 
 QUOTE = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import attrs
 
@@ -154,23 +154,9 @@ def _map(read: Claim, run: str, runs: Sequence[str], items: OpenItems) -> dict[s
     }
 
 
-@attrs.frozen(eq=False)
-class OpenTable(Value):
-    """Something that the source leaves open."""
-
-    what: Annotated[str, "Its name; claims refer to it."]
-    chosen: Annotated[str, "What the runs have, in words."]
-    reason: Annotated[str, "What the source says of it, and why this was chosen."] = ""
-    values: Annotated[
-        Sequence[Any],
-        "The others of the set that a reader would try: each has a name and the tables that it "
-        "changes, as a run has. They run with `rcac verify --completions`.",
-    ] = ()
-
-
-def open_table(value: Table[Any]) -> Table[OpenTable]:
+def open_table(value: Table[Any]) -> Table[OpenItem]:
     """An item of [[open]], whose values are of this table."""
-    return Table(OpenTable, forms={"values": ListOf(value)})
+    return Table(OpenItem, forms={"values": ListOf(value)})
 
 
 def opens(value: Table[Any]) -> ListOf:
@@ -186,19 +172,15 @@ class OpenItems(Value):
     tables: Mapping[str, Mapping[str, Any]]
 
     @classmethod
-    def of(cls, read: Sequence[OpenTable]) -> OpenItems:
+    def of(cls, items: Sequence[OpenItem]) -> OpenItems:
         """From the items of [[open]]."""
-        items: list[OpenItem] = []
         tables: dict[str, dict[str, Any]] = {}
-        for entry in read:
-            names = tuple(value.name for value in entry.values)
-            items.append(OpenItem(entry.what, entry.chosen, entry.reason, names))
-            for value in entry.values:
-                changes = attrs.asdict(value, recurse=False)
-                name = changes.pop("name")
-                if name in tables:
-                    raise InputError(f"[[open]] has two values {brief(name)}; name each its own.")
-                tables[name] = {key: v for key, v in changes.items() if v is not None}
+        for value in (value for item in items for value in item.values):
+            changes = attrs.asdict(value, recurse=False)
+            name = changes.pop("name")
+            if name in tables:
+                raise InputError(f"[[open]] has two values {brief(name)}; name each its own.")
+            tables[name] = {key: v for key, v in changes.items() if v is not None}
         whats = [item.what for item in items]
         if twice := next((what for what in whats if whats.count(what) > 1), None):
             raise InputError(f"[[open]] names {brief(twice)} twice; give each item its own name.")
