@@ -37,8 +37,8 @@ VERDICTS = {
     NOT_REPRODUCED: "it holds for none of the completions that were tried, though the same checks "
     "succeed on a run where they should; that is said of our runs, which may miss what the author "
     "did",
-    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is mended, and "
-    "named",
+    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is corrected, "
+    "and named",
     UNDETERMINED: "rounding or chance decides, or nothing could be measured",
 }
 RECORDS = (*dict.fromkeys((*VERDICTS, *OUTCOMES)),)
@@ -147,7 +147,7 @@ class Claim(Value):
     place: Annotated[str, QUOTE] = ""
     reading: Annotated[str, "How words that leave room are read."] = ""
     misprint: Annotated[
-        str, "The slip of the print that is mended for the checks to be the right ones."
+        str, "The slip of the print that is corrected for the checks to be the right ones."
     ] = ""
     completion: Annotated[str, "What was chosen where the source is silent."] = ""
     run: Annotated[
