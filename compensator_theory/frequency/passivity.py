@@ -30,8 +30,8 @@ class RealnessDecision(ExactValue):
     question : {"positive real", "bounded real"}
     holds : bool
     poles : RootCount or None
-        Of the transfer matrix if bounded real was asked; of its Cayley transform (G - I)(G + I)^-1
-        if positive real was, None where that is undefined, because det(G + I) = 0 for all s. All
+        Of the transfer matrix for bounded real; of its Cayley transform (G - I)(G + I)^-1
+        for positive real, None where that is undefined, because det(G + I) = 0 for all s. All
         are stable where the answer is yes.
     spectrum : tuple of sympy.Poly
         In w = omega^2, or tan^2(theta/2) at z = exp(j theta): sums of principal minors of I - G*G

@@ -101,9 +101,10 @@ def controlled_invariant_subspaces(
 
     Notes
     -----
-    Where V* is zero, every output can be told from every other. The dual subspaces are those of the
-    transposed plant. Source: W. M. Wonham, Linear Multivariable Control (1985), Chapters 4 and 5;
-    H. L. Trentelman, A. A. Stoorvogel, M. Hautus, Control Theory for Linear Systems (2001), Ch. 7.
+    Where V* is zero the plant is strongly observable: y determines x whatever u is. The dual
+    subspaces are those of the transposed plant. Source: W. M. Wonham, Linear Multivariable Control
+    (1985), Chapters 4 and 5; H. L. Trentelman, A. A. Stoorvogel, M. Hautus, Control Theory for
+    Linear Systems (2001), Ch. 7.
 
     Examples
     --------

@@ -111,7 +111,7 @@ class ExactComparison(Value):
         """Whether coefficients of this structure place `asked`; None for one not from y to u alone.
 
         Its compensators and those that place `asked` are two affine sets; they meet, or they are
-        apart, which is said from 1e-9 of what they are made of on.
+        apart: by more than 1e-9 of their entries.
         """
         if (structure.l_u, structure.l_y, structure.l_r) != (1, 1, 0) or self.asked is None:
             return None

@@ -204,6 +204,13 @@ def number(value: object, name: str) -> float:
     return float(real_array(value, name))  # type: ignore[arg-type]
 
 
+def positive_time(value: object, name: str) -> float:
+    """`value` as a positive number of seconds."""
+    if not (period := number(value, name)) > 0:
+        raise InputError(f"{name} = {value} must be positive, in seconds.")
+    return period
+
+
 def complex_number(value: object, name: str) -> complex:
     """`value`, a number or a text, as a finite complex number of float64."""
     read = exact.exact_number(value)

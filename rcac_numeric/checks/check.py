@@ -17,7 +17,7 @@ from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
-from rcac_numeric.arrays.validation import instance_of, integer, number
+from rcac_numeric.arrays.validation import instance_of, integer, positive_time
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.hypotheses import Decision
 from rcac_numeric.checks.logs import ControllerLog
@@ -80,7 +80,7 @@ class ControllerCheck(Value):
         How far the log's y is from what the plant makes of the logged u; None for a run of ours
         with its own plant.
     decision : Decision or str or None
-        Which problem the log is of, where that was asked of it; a text says why it could not be.
+        Which problem the log is of, where that was to be decided; a text says why it could not be.
     unanswered : mapping
         From what could not be answered to the reason.
     """
@@ -107,7 +107,7 @@ class ControllerCheck(Value):
 
     @property
     def is_undecided(self) -> bool:
-        """Whether the problem was asked of the log, which does not tell."""
+        """Whether the problem was to be decided and the log leaves it open."""
         return self.decision is not None and (
             isinstance(self.decision, str) or self.decision.is_undecided
         )
@@ -231,8 +231,8 @@ def check_controller(
     log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
-    if sample_time is not None and not number(sample_time, "sample_time") > 0:
-        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
     if k_w is not None:
         integer(k_w, "k_w")
     fixed = fixed_compensator(log, structure, compensator)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.validation import optional_array_like, real_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.signals.data_files import read_variables
@@ -26,7 +27,7 @@ TIMES = ("k", "n", "i", "t", "step", "steps", "time", "index", "sample", "second
 COMPARED = 1000
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False)
 class ControllerLog(Value):
     """What was recorded of a controller in its loop; one row for each step k = 0, 1, ....
 
@@ -57,46 +58,36 @@ class ControllerLog(Value):
     3
     """
 
-    u: Array
-    y: Array
-    z: Array | None
-    w: Array | None
-    r: Array | None
-    theta: Array | None
-    D_c: Array | None
-    N_c: Array | None
-    source: str
+    u: Array = attrs.field(converter=optional_array_like)
+    y: Array = attrs.field(converter=optional_array_like)
+    z: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    w: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    r: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    theta: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    D_c: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    N_c: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
+    source: str = attrs.field(default="the log", kw_only=True)
 
-    def __init__(
-        self,
-        u: ArrayLike | None,
-        y: ArrayLike | None,
-        *,
-        z: ArrayLike | None = None,
-        w: ArrayLike | None = None,
-        r: ArrayLike | None = None,
-        theta: ArrayLike | None = None,
-        D_c: ArrayLike | None = None,
-        N_c: ArrayLike | None = None,
-        source: str = "the log",
-    ) -> None:
-        keep = object.__setattr__
-        keep(self, "source", source)
+    def __attrs_post_init__(self) -> None:
+        keep = partial(object.__setattr__, self)
         steps = 0
-        for name, value in zip(SIGNALS, (u, y, z, w, r), strict=True):
+        for name in SIGNALS:
+            value = getattr(self, name)
             if value is None and name in ("u", "y"):
-                raise InputError(f"{source}: the signal {name} is needed.")
+                raise InputError(f"{self.source}: the signal {name} is needed.")
             signal = None if value is None else self._signal(name, value)
             if signal is not None and steps not in (0, len(signal)):
                 raise InputError(
-                    f"{source}: {name} has {len(signal)} steps where u has {steps}."
+                    f"{self.source}: {name} has {len(signal)} steps where u has {steps}."
                     + self._transposed(name, signal, steps)
                 )
             steps = steps or (0 if signal is None else len(signal))
-            keep(self, name, signal)
-        keep(self, "theta", None if theta is None else self._coefficients(theta, steps))
-        for name, value in (("D_c", D_c), ("N_c", N_c)):
-            keep(self, name, None if value is None else self._polynomial(name, value))
+            keep(name, signal)
+        if self.theta is not None:
+            keep("theta", self._coefficients(self.theta, steps))
+        for name in ("D_c", "N_c"):
+            if (value := getattr(self, name)) is not None:
+                keep(name, self._polynomial(name, value))
 
     @property
     def steps(self) -> int:

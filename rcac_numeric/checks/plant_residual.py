@@ -36,7 +36,7 @@ class PlantResidual(Value):
         Root mean square of e about its mean, and of y(k) - y(k-1).
     best : float or None
         Of the least-squares fit with as many past steps; None for a log too short to fit one.
-    mend : str
+    remedy : str
         A simple change of u with which the plant explains the log; empty where none does.
     offset : float
         Length of the mean of e: a constant disturbance, or an offset of u or y, makes it, and
@@ -46,7 +46,7 @@ class PlantResidual(Value):
     rms: float
     change: float
     best: float | None
-    mend: str = ""
+    remedy: str = ""
     offset: float = 0.0
 
     @property
@@ -57,7 +57,7 @@ class PlantResidual(Value):
     @property
     def is_doubtful(self) -> bool:
         """Whether the log seems to be of another plant."""
-        if self.mend:
+        if self.remedy:
             return True
         worse = self.best is None or self.rms > TIMES_WORSE * self.best
         unexplained = UNEXPLAINED if self.best is not None else 1.0
@@ -77,8 +77,8 @@ class PlantResidual(Value):
             fits = self.relative <= UNEXPLAINED
             words = "fits the log" if fits else "is not contradicted by the log, noise apart"
             return f"The plant {words}: {size}."
-        if self.mend:
-            return f"The log is NOT of this plant: {size}. Look at {self.mend}."
+        if self.remedy:
+            return f"The log is NOT of this plant: {size}. Look at {self.remedy}."
         if self.is_contradicted:
             return (
                 f"The log is NOT explained by this plant and contradicts it: {size}, so that y "
@@ -140,7 +140,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
             * size
             < found.rms
         ):
-            return replace(found, mend=words)
+            return replace(found, remedy=words)
     return found
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.record_files import is_record
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.checks.case_files import k_w_of, plant_and_tables, read_structure, read_target
 from rcac_numeric.checks.check import ControllerCheck, check_controller
@@ -112,7 +113,7 @@ def check(
                 own, target=None if target is None else target_model(target),
                 noise=parse_noise(noise), k_w=k_w, sample_time=sample_time, tolerance=tolerance,
             )  # fmt: skip
-            found = replace(found, log=replace(found.log, source=str(log)))
+            found = replace(found, log=replaced(found.log, source=str(log)))
             show(check_sheet(found), as_json, picture, found.plot)
             return _status(found)
         if controller is not None and (structure is not None or n_c is not None):

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import number, real_array, require_dense, rounded
+from rcac_numeric.arrays.validation import (
+    array_like,
+    positive_time,
+    reads,
+    real_array,
+    require_dense,
+    rounded,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
 from rcac_numeric.signals.text_tables import as_number
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Compensator(Value):
     """The difference equation (2.28) with constant coefficients.
 
@@ -43,14 +51,14 @@ class Compensator(Value):
     (array([ 1., -1.]), array([0. , 0.5]))
     """
 
-    past_u: Array
-    past_y: Array
-    sample_time: float | None = field(default=None, compare=False, repr=False)
+    past_u: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    past_y: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    sample_time: float | None = attrs.field(
+        default=None, eq=False, repr=False, metadata=reads(positive_time, optional=True)
+    )
 
-    def __init__(
-        self, past_u: ArrayLike, past_y: ArrayLike, sample_time: float | None = None
-    ) -> None:
-        P, Q = real_array(past_u, "past_u"), real_array(past_y, "past_y")
+    def __attrs_post_init__(self) -> None:
+        P, Q = self.past_u, self.past_y
         fits = (
             P.ndim == 3
             and Q.ndim == 3
@@ -62,12 +70,6 @@ class Compensator(Value):
                 f"past_u has shape {P.shape} and past_y {Q.shape}; (n_c, l_u, l_u) and "
                 "(n_c + 1, l_u, l_y) are needed."
             )
-        object.__setattr__(self, "past_u", P)
-        object.__setattr__(self, "past_y", Q)
-        if sample_time is not None and not number(sample_time, "sample_time") > 0:
-            raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
-        period = None if sample_time is None else float(sample_time)
-        object.__setattr__(self, "sample_time", period)
 
     @property
     def n_c(self) -> int:

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, items, number, one_of, real_array, vector
+from rcac_numeric.arrays.validation import (
+    array_like,
+    integer,
+    items,
+    number,
+    one_of,
+    reads,
+    real_array,
+    vector,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Standing
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.stepwise import StepwiseController
@@ -21,7 +31,7 @@ BETWEEN = 32  # parts of an interval at whose ends poles are looked at
 ROUNDING = 1e-6  # of poles that meet
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class GainSchedule(StepwiseController):
     r"""Compensators for values of a scheduling variable, interpolated between them.
 
@@ -74,23 +84,17 @@ class GainSchedule(StepwiseController):
     [0.0, 1.0, 1.0]
     """
 
-    values: Array
-    compensators: tuple[Compensator, ...]
-    variable: str
-    component: int
-    commands: int
+    values: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    compensators: Sequence[Compensator] = attrs.field(metadata=reads(items, kind=Compensator))
+    variable: Literal["y", "r"] = attrs.field(
+        default="y", metadata=reads(one_of, choices=("y", "r"))
+    )
+    component: int = 0
+    commands: int = attrs.field(default=0, alias="l_r")
 
-    def __init__(
-        self,
-        values: ArrayLike,
-        compensators: Iterable[Compensator],
-        variable: str = "y",
-        component: int = 0,
-        l_r: int = 0,
-    ) -> None:
+    def __attrs_post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
-        set_("values", real_array(values, "values").reshape(-1))
-        set_("compensators", items(compensators, "compensators", Compensator))
+        set_("values", self.values.reshape(-1))
         count = len(self.compensators)
         if count != len(self.values) or count < 2:
             raise InputError(
@@ -106,12 +110,13 @@ class GainSchedule(StepwiseController):
                     f"compensator {j} has (l_u, l_y) = {size}, compensator 0 {sizes[0]}: there is "
                     "nothing between them."
                 )
-        set_("commands", integer(l_r, "l_r", at_most=sizes[0][1]))
-        set_("variable", one_of(variable, "variable", ("y", "r")))
-        width = self.l_y if variable == "y" else self.l_r
+        set_("commands", integer(self.commands, "l_r", at_most=sizes[0][1]))
+        width = self.l_y if self.variable == "y" else self.l_r
         if width == 0:
-            raise InputError(f"variable = {variable!r}, and the compensators read no {variable}.")
-        set_("component", integer(component, "component", at_most=width - 1))
+            raise InputError(
+                f"variable = {self.variable!r}, and the compensators read no {self.variable}."
+            )
+        set_("component", integer(self.component, "component", at_most=width - 1))
         for j in range(count - 1):
             self._require_poles_between(j)
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.validation import instance_of, integer, items
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.jobs import PreparedRun, in_slices, run_to_end
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -123,13 +123,18 @@ def simulate_many(
                 f"case {number} is {case!r}; SimulationCase(plant, settings, w) is needed."
             )
         try:
-            prepared.append(PreparedRun(case.plant, case.settings, case.w, **case.options))
+            prepared.append(_prepared(case))
         except TypeError as error:
             raise InputError(f"the options of case {number}: {error}.") from None
         except InputError as error:
             raise InputError(f"case {number}: {error}") from None
     run_to_end(prepared, workers, lanes)
     return [one.result() for one in prepared]
+
+
+def _prepared(case: SimulationCase) -> PreparedRun:
+    controllers_of(case.settings)  # refuses steps in Python, whose errors are none of a batch
+    return PreparedRun(case.plant, case.settings, case.w, **case.options)
 
 
 T = TypeVar("T")
@@ -230,7 +235,7 @@ def simulate_stream(
     workers = integer(os.cpu_count() or 1 if threads is None else threads, "threads", at_least=1)
     instance_of(lanes, "lanes", bool)
     integer(at_once, "at_once", at_least=1)
-    return _results(iter(cases), reduce, workers, lanes, at_once, progress or _silence)
+    return _results(iter(cases), reduce, workers, lanes, at_once, progress)
 
 
 def _results(
@@ -239,14 +244,15 @@ def _results(
     threads: int,
     lanes: bool,
     at_once: int,
-    progress: Callable[[int], None],
+    progress: Callable[[int], None] | None,
 ) -> Iterator[CaseResult[Any]]:
     first = handed_out = 0
     while batch := list(islice(cases, at_once)):
         for result in _of_batch(batch, first, reduce, threads, lanes):
             handed_out += 1
             yield result
-            progress(handed_out)
+            if progress is not None:
+                progress(handed_out)
         first += len(batch)
 
 
@@ -263,7 +269,7 @@ def _of_batch(
         try:
             if not isinstance(case, SimulationCase):
                 raise InputError(f"{case!r} is no SimulationCase(plant, settings, w).")
-            prepared.append(PreparedRun(case.plant, case.settings, case.w, **case.options))
+            prepared.append(_prepared(case))
             numbers.append(number)
         except (CompensatorError, TypeError) as error:
             yield CaseResult(number, REFUSED, None, str(error))
@@ -284,7 +290,3 @@ def _result(
         return CaseResult(number, run.outcome, reduce(number, run), run.failure)
     except Exception as error:  # of the user's own function
         return CaseResult(number, REDUCER_FAILED, None, f"{type(error).__name__}: {error}")
-
-
-def _silence(count: int) -> None:
-    """Say nothing of how far it is."""

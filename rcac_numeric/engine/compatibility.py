@@ -43,22 +43,15 @@ def command_position(plant: AnyPlant, l_r: int) -> int:
 
 def require_fit(plant: AnyPlant, controller: AnyController) -> None:
     """Raise where a plant and a controller do not fit together."""
+    if isinstance(controller, StepwiseController):
+        _require_stepwise_fits(plant, controller)
+        return
     for one in controllers_of(controller):
         if isinstance(one, ControllerSettings):
             _require_settings_fit(plant, one)
         else:
             _require_fixed_fits(plant, one)
         command_position(plant, one.l_r)
-
-
-def require_stepwise_fits(plant: AnyPlant, controller: StepwiseController) -> None:
-    """Raise where a plant and a stepwise controller do not fit together."""
-    _require_sizes(plant, l_u=controller.l_u, l_y=controller.l_y)
-    if plant.y_needs_u:
-        raise ImproperError(
-            f"a {type(controller).__name__} computes u(k) from y(k), but D_0 is not zero, so that "
-            "they depend on each other. Delay the control in the plant by a step."
-        )
 
 
 def _require_settings_fit(plant: AnyPlant, controller: ControllerSettings) -> None:
@@ -78,6 +71,16 @@ def _require_fixed_fits(plant: AnyPlant, controller: FixedController) -> None:
     _require_sizes(plant, l_u=c.l_u, l_y=c.l_y - controller.l_r)
     if c.past_y[0].any() and plant.y_needs_u:
         raise _algebraic_loop()
+
+
+def _require_stepwise_fits(plant: AnyPlant, controller: StepwiseController) -> None:
+    _require_sizes(plant, l_u=controller.l_u, l_y=controller.l_y)
+    if plant.y_needs_u:
+        raise ImproperError(
+            f"a {type(controller).__name__} computes u(k) from y(k), but D_0 is not zero, so that "
+            "they depend on each other. Delay the control in the plant by a step."
+        )
+    command_position(plant, controller.l_r)
 
 
 def _require_sizes(plant: AnyPlant, **sizes: int) -> None:

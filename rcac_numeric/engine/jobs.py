@@ -14,6 +14,7 @@ from rcac_numeric.arrays.validation import instance_of, integer, number, real_ar
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.supervision import Supervision, SupervisionRecord
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
@@ -29,9 +30,10 @@ from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
-from rcac_numeric.engine.live.learner import DataDrivenLearner, LearningLoop
+from rcac_numeric.engine.live.learner import DataDrivenLearner, LearningLoop, Restorable
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
+from rcac_numeric.engine.stepwise import StepwiseLoop
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
 
@@ -60,7 +62,7 @@ class PreparedRun:
         self._failures = Failures()
         self.changes: list[AppliedChange] = []
         body = compiled_plant(plant, self.x_0, self._failures)
-        self._controllers = controllers_of(settings)
+        self._controllers = _compiled_controllers(settings, saturation, supervision)
         if saturation is not None:
             instance_of(saturation, "saturation", Saturation)
         if supervision is not None:
@@ -78,14 +80,15 @@ class PreparedRun:
             compiled_controller(one, plant.l_z, self._failures, supervision=self.supervision)
             for one in self._controllers
         ]
-        self._loop = self._compiled_loop(body)
+        parts = self._controllers or (settings,)
+        l_r = max(one.l_r for one in parts)
+        self._command = command_position(plant, l_r), l_r
+        self._loop = self._loop_of(body)
         self.learner = _learner(self._controllers)
         whole = self._loop if self.learner is None else LearningLoop(self._loop, self.learner)
-        self._whole: _kernel.Loop | LearningLoop = whole
+        self._whole: Restorable = whole
         if self.learner is not None:
             self._kernels[0].freeze(True)  # until there is a target model
-        l_r = max(one.l_r for one in self._controllers)
-        self._command = command_position(plant, l_r), l_r
         self.first_step = 0
         if start is not None:
             self._continue(start)
@@ -93,23 +96,35 @@ class PreparedRun:
         self.u, self.y, self.z = (np.empty((steps, n)) for n in (plant.l_u, plant.l_y, plant.l_z))
         self.u_applied = self.u if saturation is None else np.empty_like(self.u)
         # What the kernel calls theta of a fixed controller never changes: it is kept once.
-        self._adapts = any(one.l_theta for one in self._controllers)
+        self._adapts = any(one.l_theta for one in parts)
         kept_every = self.stride if self._adapts else max(steps, 1)
-        self._theta = np.empty((-(-steps // kept_every), sum(k.theta.size for k in self._kernels)))
+        self._theta = np.empty((-(-steps // kept_every), self._loop.theta_before().size))
         applied = None if saturation is None else self.u_applied
-        self.job = _kernel.Job(
-            self._loop, self.w, self.u, applied, self.y, self.z, self._theta, kept_every
-        )
+        outputs = self.y, self.z, self._theta, kept_every
+        self.job: _kernel.Job | StepwiseLoop
+        if isinstance(self._loop, StepwiseLoop):
+            self.job = self._loop.job(self.w, self.u, *outputs)
+        else:
+            self.job = _kernel.Job(self._loop, self.w, self.u, applied, *outputs)
         self._hold, self._learnt, self._looked_at = steps, 0, -1
 
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
+        if isinstance(self._loop, StepwiseLoop) and not self._loop.resumes:
+            raise InputError(
+                "a schedule with state_map or delay is not continued with a stepwise controller: "
+                "run it whole."
+            )
         saved_state(start, "start").restored(
             "loop", self._name,
-            save=self._whole.save, restore=self._whole.restore, steps=lambda: self._kernels[0].k,
+            save=self._whole.save, restore=self._whole.restore, steps=lambda: self._k,
         )  # fmt: skip
         self.first_step = start.k
+
+    @property
+    def _k(self) -> int:
+        return self._loop.k if isinstance(self._loop, StepwiseLoop) else self._kernels[0].k
 
     def hold(self, row: int) -> None:
         """Let the job go no further than so many rows."""
@@ -148,6 +163,8 @@ class PreparedRun:
     def _name(self) -> str:
         """What a state of this loop is recognised by."""
         parts = (self.plant, self.settings, self.saturation)
+        if isinstance(self._loop, StepwiseLoop):
+            return fingerprint(parts[:2])
         return fingerprint(parts if self.supervision is None else (*parts, self.supervision))
 
     @property
@@ -166,8 +183,8 @@ class PreparedRun:
         """What the job has done so far, as a run; with the state that it can go on from.
 
         A function of the user that failed is an outcome, "plant failed" or "weight failed", and
-        `Run.failure` says how. Where the job was interrupted in a function of the user, its state
-        is in the middle of a step, and none is handed out.
+        `Run.failure` says how. Where the job was interrupted in a function of the user, or in a
+        step that is Python, its state is in the middle of a step, and none is handed out.
         """
         done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
         if self.learner is not None and outcome == 0:
@@ -180,7 +197,7 @@ class PreparedRun:
         )
         stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
         state = None
-        if with_state and outcome == 0 and not (stopped and self._failures.guards_something):
+        if with_state and outcome == 0 and self._is_whole(stopped):
             scale = scale_of(self._before, self.w[:done], self.x_0)
             values, k = self._whole.save(), self.first_step + done
             state = SavedState.taken("loop", k, values, self._name, scale)
@@ -208,7 +225,7 @@ class PreparedRun:
             saturation=self.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
-            failure=self._failures.words,
+            failure=self._failures.words or getattr(self._loop, "failure", ""),
             changes=tuple(self.changes),
             D_f=self._fitted(outcome),
             supervision=self._noted(),
@@ -223,6 +240,12 @@ class PreparedRun:
                 "attribute run of this error.",
                 run,
             ) from self._failures.error
+
+    def _is_whole(self, stopped: bool) -> bool:
+        """Whether a state is that between two steps, and all that later steps depend on."""
+        if isinstance(self._loop, StepwiseLoop):
+            return self._loop.resumes and not self._loop.in_step
+        return not (stopped and self._failures.guards_something)
 
     def _name_of(self, outcome: int) -> str:
         if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:
@@ -248,12 +271,15 @@ class PreparedRun:
     def _last(self, outcome: int) -> Array:
         if not self._adapts:
             return np.zeros(0)
-        if outcome == 0:
+        if outcome == 0 and self._kernels:
             return np.concatenate([kernel.theta for kernel in self._kernels])
         return self._loop.theta_before()
 
-    def _compiled_loop(self, body: _kernel.Plant) -> _kernel.Loop:
+    def _loop_of(self, body: _kernel.Plant) -> _kernel.Loop | StepwiseLoop:
         plant, settings, saturation = self.plant, self.settings, self.saturation
+        limit, r_in_w = self.divergence_limit, self._command[0]
+        if isinstance(settings, StepwiseController):
+            return StepwiseLoop(plant, settings, body, self._failures, limit, r_in_w)
         no_bounds = (np.zeros(0), np.zeros(0), np.zeros(0))
         low, high, rate = no_bounds if saturation is None else saturation.bounds(plant.l_u)
         shared = settings.shared_u if isinstance(settings, Decentralized) else True
@@ -270,11 +296,31 @@ class PreparedRun:
             low=low,
             high=high,
             rate=rate,
-            limit=self.divergence_limit,
+            limit=limit,
             stop_where_unsupported=any(stops),
             shared_u=shared,
-            r_in_w=command_position(plant, max(one.l_r for one in self._controllers)),
+            r_in_w=r_in_w,
         )
+
+
+def _compiled_controllers(
+    settings: AnyController, saturation: Saturation | None, supervision: Supervision | None
+) -> tuple[OneController, ...]:
+    """Those of which the kernel makes the steps: none where they are Python."""
+    if not isinstance(settings, StepwiseController):
+        return controllers_of(settings)
+    name = type(settings).__name__
+    if saturation is not None:
+        raise InputError(
+            f"a {name} is run without saturation: it would not know which part of u was applied. "
+            "Leave saturation out."
+        )
+    if supervision is not None:
+        raise InputError(
+            f"a {name} is run without supervision, which watches P of an RCAC controller; leave "
+            "supervision out."
+        )
+    return ()
 
 
 def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None:
@@ -338,13 +384,15 @@ def in_slices(
     prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
 ) -> Iterator[None]:
     """Run every job to its end; hands over after each slice of time, and once at the end."""
-    jobs = [one.job for one in prepared]
+    jobs = [one.job for one in prepared if isinstance(one.job, _kernel.Job)]
+    stepwise = [one.job for one in prepared if isinstance(one.job, StepwiseLoop)]
     go_on = True
     for one in prepared:
         one.proceed()
     while go_on:
         try:
             go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
+            go_on = sum(job.go_on(CHUNK) for job in stepwise) > 0 or go_on
             go_on = sum(one.proceed() for one in prepared) > 0 or go_on  # each of them proceeds
         except KeyboardInterrupt:
             if not keep:

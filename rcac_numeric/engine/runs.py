@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from rcac_numeric.arrays.validation import (
     rounded,
     signal_array,
 )
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
@@ -33,7 +33,6 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.supervision import (
     SupervisionEvent,
@@ -51,12 +50,7 @@ from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
-from rcac_numeric.engine.compatibility import (
-    AnyController,
-    controllers_of,
-    require_fit,
-    require_stepwise_fits,
-)
+from rcac_numeric.engine.compatibility import AnyController, require_fit
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -191,7 +185,7 @@ class Run(Value):
     def _timed(self, compensator: Compensator) -> Compensator:
         if self.sample_time in (None, compensator.sample_time):
             return compensator
-        return replace(compensator, sample_time=self.sample_time)
+        return replaced(compensator, sample_time=self.sample_time)
 
     @property
     def k(self) -> Array:
@@ -333,12 +327,7 @@ def require_consistent(run: Run) -> None:
     plant, settings = run.plant, run.settings
     for one in _linear_plants(plant):
         _require_exact_form(one)
-    if isinstance(settings, StepwiseController):
-        require_stepwise_fits(plant, settings)
-        l_theta = settings.l_theta
-    else:
-        require_fit(plant, settings)
-        l_theta = sum(one.l_theta for one in controllers_of(settings))
+    require_fit(plant, settings)
     integer(run.stride, "stride", at_least=1)
     integer(run.first_step, "first_step", at_most=2**53)
     integer(run.guard_first_step, "guard_first_step", at_least=-1)
@@ -353,8 +342,8 @@ def require_consistent(run: Run) -> None:
         "u_applied": (steps, plant.l_u),
         "y": (steps, plant.l_y),
         "z": (steps, plant.l_z),
-        "theta": (-(-steps // run.stride), l_theta),
-        "theta_final": (l_theta,),
+        "theta": (-(-steps // run.stride), settings.l_theta),
+        "theta_final": (settings.l_theta,),
     }
     if run.x_0 is not None:
         real_array(run.x_0, "x_0")

@@ -45,8 +45,9 @@ class LearnedTarget(Value):
 class TargetLearner(Standing):
     """A hook of `simulate` that identifies the NMP zeros of G_zu and gives RCAC their target model.
 
-    Before every step at which it is asked it identifies the last `window` samples; where they carry
-    a target model, (2.49) or (2.50), whose NMP zeros differ from those in use, that becomes G_f.
+    Before every step at which it is called it identifies the last `window` samples; where they
+    carry a target model, (2.49) or (2.50), whose NMP zeros differ from those in use, that becomes
+    G_f.
 
     Parameters
     ----------
@@ -127,7 +128,7 @@ class TargetLearner(Standing):
 
     @property
     def windows(self) -> tuple[LearnedTarget, ...]:
-        """What was found at each step at which it was asked."""
+        """What was found at each step at which it was called."""
         return tuple(self._found)
 
     def __call__(self, run: Run) -> ControllerChange | None:

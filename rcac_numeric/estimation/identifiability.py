@@ -29,7 +29,7 @@ class NoiseInformation(Value):
     ----------
     Q_deviation : array, shape (n, n)
         Asymptotic standard deviations of the entries of an efficient estimate of Q; infinite where
-        an entry cannot be told, zero where it is known.
+        an entry cannot be identified, zero where it is known.
     R_deviation : array, shape (l_y, l_y)
         The same of R.
     unidentified : tuple of pairs of arrays
@@ -44,7 +44,7 @@ class NoiseInformation(Value):
     steps: int
 
     def __str__(self) -> str:
-        """What cannot be told, in words."""
+        """What cannot be identified, in words."""
         if not self.unidentified:
             return "every entry of Q and R that is learned shows in the measurements."
         words = [
@@ -73,7 +73,7 @@ def noise_information(
         tr(Phi^-1 dPhi/da Phi^-1 dPhi/db) / 2,
 
     also where A is not stable. Phi is linear in Q and R, so a direction without information is one
-    along which the spectrum stays what it is: of Q at most n l_y combinations can be told.
+    along which the spectrum stays what it is: of Q at most n l_y combinations can be identified.
 
     Parameters
     ----------

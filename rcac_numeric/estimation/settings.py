@@ -112,7 +112,7 @@ class UKF(KalmanSettings):
         Covariance of that belief.
     alpha : float, optional
         How far the points spread; max(n, 3) by default, 3 as for a Gaussian kurtosis. Below n the
-        centre has a negative weight, and P may lose its definiteness, which is then said.
+        centre has a negative weight, and P may lose its definiteness, which is then reported.
     beta : float
         How much more the centre weighs in covariances than in means; 0 by default, and 2 as Wan and
         van der Merwe propose for Gaussian beliefs.

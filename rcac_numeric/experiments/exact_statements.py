@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
@@ -14,6 +14,7 @@ import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.matrices.exact_matrices import exact_matrix
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.format.values import Exact, Sign
 
@@ -342,9 +343,9 @@ STATEMENTS: dict[str, Statement] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class ExactCheck(Value):
-    """A statement that is so or is not, decided exactly.
+    """A statement that is decided exactly.
 
     Attributes
     ----------
@@ -365,12 +366,14 @@ class ExactCheck(Value):
     (True, '1 common roots')
     """
 
-    statement: str
-    system: ExactSystem
-    arguments: Mapping[str, object] = field(default_factory=dict)
+    statement: Annotated[str, "What is stated."]
+    system: ExactSystem = attrs.field(factory=ExactSystem)
+    arguments: Mapping[str, Any] = attrs.field(factory=dict)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "arguments", dict(self.arguments))
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.statement, Part):  # as a file's table is read
+            object.__setattr__(self, "arguments", self.statement.arguments)
+            object.__setattr__(self, "statement", self.statement.make.__name__)
         if self.statement not in STATEMENTS:
             raise InputError(
                 f"there is no statement {self.statement!r}; known are {', '.join(STATEMENTS)}."

@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
-from rcac_numeric.arrays.validation import number, one_of
+from rcac_numeric.arrays.validation import one_of, positive_time
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -91,8 +91,7 @@ def export_fmu(
     if target.suffix != ".fmu":
         raise InputError(f"{path}: the name of an FMU must end in .fmu.")
     one_of(version, "version", VERSIONS)
-    if not number(sample_time, "sample_time") > 0:
-        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    positive_time(sample_time, "sample_time")
     source: Any = controller
     if isinstance(controller, Run):
         saturation = controller.saturation if saturation is None else saturation

@@ -1,4 +1,4 @@
-"""When a loop is not healthy: the rules, their thresholds, and the mend of each."""
+"""When a loop is not healthy: the rules, their thresholds, and the remedy of each."""
 
 from __future__ import annotations
 
@@ -55,11 +55,11 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
     errors = _target_errors(found)
     learnt, directed = tuple(learning_warnings(run)), _direction_errors(found)
     steps = [w.next_step for w in learnt] + [e.next_step for e in (*errors, *directed)]
-    mends = [*dict.fromkeys(steps)]
-    at_first = [*_sampling_zeros(found), *mends]  # before R_theta, which may make it worse
+    remedies = [*dict.fromkeys(steps)]
+    at_first = [*_sampling_zeros(found), *remedies]  # before R_theta, which may make it worse
     rules = (
-        _ended_badly(run, mends),
-        _unstable(health, mends),
+        _ended_badly(run, remedies),
+        _unstable(health, remedies),
         _transients(health, run, at_first),
         _control(health, run, found, at_first),
         _worse(health, run),
@@ -74,7 +74,7 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
     )
     warnings = [warning for rule in rules for warning in rule]
     warnings += [w for w in learnt if warnings or w.code not in CAUSES]
-    if warnings:  # a loop that does well with another G_f than the plant's needs no mend
+    if warnings:  # a loop that does well with another G_f than the plant's needs no remedy
         warnings += [_of_target(error) for error in errors]
     warnings += [_of_target(error) for error in directed]  # what hides from z is said in any case
     warnings = _with_road(warnings, found)
@@ -141,31 +141,31 @@ def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[Healt
     return tuple(sorted(found, key=lambda warning: not warning.is_grave))
 
 
-def _ended_badly(run: Run, mends: list[str]) -> Iterator[HealthWarning]:
+def _ended_badly(run: Run, remedies: list[str]) -> Iterator[HealthWarning]:
     if run.outcome == "completed":
         return
     sentence = f"The run ended at step {run.first_step + run.steps}: {run.outcome}."
     if run.failure:
         sentence = f"{sentence[:-1]} ({run.failure.rstrip('.')})."
     if run.outcome in ("plant failed", "weight failed"):
-        step = "mend the function that failed"
+        step = "correct the function that failed"
     else:
-        step = OUTCOMES.get(run.outcome) or _or(mends, SOFTER, "the sign of H and d_zu")
+        step = OUTCOMES.get(run.outcome) or _or(remedies, SOFTER, "the sign of H and d_zu")
     yield HealthWarning("diverged", sentence, step, is_grave=run.outcome != "interrupted")
 
 
-def _unstable(health: LoopHealth, mends: list[str]) -> Iterator[HealthWarning]:
+def _unstable(health: LoopHealth, remedies: list[str]) -> Iterator[HealthWarning]:
     if health.is_stable is False:
         yield HealthWarning(
             "unstable",
             "With the final controller held fixed the loop is unstable, spectral radius "
             f"{health.spectral_radius:.6g}.",
-            _or(mends, SOFTER, "the sign of H and d_zu", "a larger n_c", "more steps"),
+            _or(remedies, SOFTER, "the sign of H and d_zu", "a larger n_c", "more steps"),
             is_grave=True,
         )
 
 
-def _transients(health: LoopHealth, run: Run, mends: list[str]) -> Iterator[HealthWarning]:
+def _transients(health: LoopHealth, run: Run, remedies: list[str]) -> Iterator[HealthWarning]:
     z = health.signals["z"]
     if z.after is None or z.late is None:
         return
@@ -176,7 +176,7 @@ def _transients(health: LoopHealth, run: Run, mends: list[str]) -> Iterator[Heal
             "large transient",
             f"While theta adapted |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
             "all that acts on the loop or is left at its end.",
-            _or(mends, SOFTER, "a saturation of u, handed over as u_applied"),
+            _or(remedies, SOFTER, "a saturation of u, handed over as u_applied"),
             is_grave=z.after.peak > GRAVE * scale or not _ends_well(health),
         )
 
@@ -195,7 +195,7 @@ def _largest(health: LoopHealth) -> float:
 
 
 def _control(
-    health: LoopHealth, run: Run, found: LoopAnalysis, mends: list[str]
+    health: LoopHealth, run: Run, found: LoopAnalysis, remedies: list[str]
 ) -> Iterator[HealthWarning]:
     u = health.signals["u"].after
     first = _first_gain(found)
@@ -209,7 +209,7 @@ def _control(
             "large control",
             f"|u| reached {u.peak:.3g}; {scale:.2g} moves z in one step by as much as w and z ask "
             "for.",
-            _or(mends, SOFTER, "a saturation of u, handed over as u_applied", "a weight R_u"),
+            _or(remedies, SOFTER, "a saturation of u, handed over as u_applied", "a weight R_u"),
             is_grave=u.peak > GRAVE * scale or not _ends_well(health),
         )
 
@@ -232,10 +232,10 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
     """By trial where the plant is known; else by the growth of P alone."""
     record, kick = health.supervision, health.next_disturbance
     grown = "" if record is None else f"P grew to {record.growth:.2g} times P(0), and "
-    mend = "CappedForgetting or SubspaceForgetting in the place of lambda, or lambda = 1"
+    remedy = "CappedForgetting or SubspaceForgetting in the place of lambda, or lambda = 1"
     if record is None or record.growth <= 1:
         grown = ""
-        mend = (
+        remedy = (
             "a larger R_theta, or a dither: P(0) is what directions without excitation still have"
         )
     if kick is not None and kick.ratio > KICKED:
@@ -244,7 +244,7 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
             "windup",
             _capital(f"{grown}the next disturbance, a fifth of w at most, may take z to {reached}, "
                      f"and to {kick.frozen:.3g} with theta held."),
-            mend,
+            remedy,
             is_grave=kick.ratio > FAR,
         )  # fmt: skip
     elif kick is None and record is not None and (count := record.troubles.get("windup")):
@@ -252,7 +252,7 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
             "windup",
             f"From step {count.first} on, in {count.steps} steps, P was up to {count.worst:.2g} "
             "times P(0): the next disturbance meets a gain that no data support.",
-            mend,
+            remedy,
             is_grave=not {"bounded", "frozen", "reset", "to fallback"} & set(record.troubles),
         )
 
@@ -318,7 +318,7 @@ def warnings_of_controller(
         words = "the fallback makes u" if record.in_fallback else "theta is held"
         found.append(HealthWarning(
             "stopped", f"By the policy of the supervision {words}.",
-            "mend what its record says, then Controller.resume()",
+            "correct what its record reports, then Controller.resume()",
         ))  # fmt: skip
     if health.guard_count:
         found.append(HealthWarning(
@@ -427,7 +427,7 @@ def _target_errors(found: LoopAnalysis) -> tuple[TargetError, ...]:
 
 def _sampling_zeros(found: LoopAnalysis) -> tuple[str, ...]:
     try:
-        return sampling_zero_mends(found.plant, found.compared_with)
+        return sampling_zero_remedies(found.plant, found.compared_with)
     except CompensatorError:
         return ()
 
@@ -461,7 +461,7 @@ def _peak(values: np.ndarray | None) -> float:
 
 
 def _or(*steps: list[str] | str) -> str:
-    """The mends that the evidence names, and otherwise the usual ones in their order."""
+    """The remedies that the evidence names, and otherwise the usual ones in their order."""
     named = [step for group in steps if isinstance(group, list) for step in group]
     usual = [step for step in steps if isinstance(step, str)]
     return "; then ".join([*named, *usual][:3])
@@ -481,7 +481,7 @@ CODES = {
     "on the input side": "zero on the input side",
     "in another direction": "zero in another direction",
 }
-MEND = 'zero_direction_target(plant), in a file model = "zero directions"'
+REMEDY = 'zero_direction_target(plant), in a file model = "zero directions"'
 
 
 def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
@@ -494,7 +494,7 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ..
     check = check_directions(target, plant)
     forms = [form for form in check.forms if form != "kept"]
     return tuple(
-        TargetError(CODES[form], f"{sentence}.", MEND)
+        TargetError(CODES[form], f"{sentence}.", REMEDY)
         for form, sentence in zip(forms, check.warnings, strict=True)
     )
 
@@ -616,12 +616,12 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-# Sampling zeros near -1 that a target model has the controller cancel, and their mend.
+# Sampling zeros near -1 that a target model has the controller cancel, and their remedy.
 
 RINGING = 0.9  # a cancelled zero of this modulus or more rings for tens of steps
 
 
-def sampling_zero_mends(plant: Plant, target: TargetModel) -> tuple[str, ...]:
+def sampling_zero_remedies(plant: Plant, target: TargetModel) -> tuple[str, ...]:
     """What to try where G_f asks for the cancellation of a zero of G_zu in (-1, -0.9].
 
     The controller pole that cancels it rings at half the sampling frequency, and a larger R_theta

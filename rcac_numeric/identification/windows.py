@@ -94,7 +94,7 @@ def identify_windows(
     U, Y = as_signal(u, "u"), as_signal(y, "y")
     if len(U) != len(Y):
         raise InputError(f"u has {len(U)} steps and y has {len(Y)}; they must be equally long.")
-    integer(mu, "mu", at_least=1), integer(n_mod, "n_mod")  # what no window could mend
+    integer(mu, "mu", at_least=1), integer(n_mod, "n_mod")  # what no window could help
     length = integer(window, "window", at_least=1)
     stride = length if step is None else integer(step, "step", at_least=1)
     if len(U) < length:

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from compensator_theory import figures
-from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.loop_analysis import attempted
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, picture_of
-from rcac_numeric.arrays.validation import number
+from rcac_numeric.arrays.validation import positive_time
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
@@ -209,8 +208,8 @@ def stability_margins(
     opened = broken_loop(loop, at=at, channel=channel, feedback=feedback)
     if sample_time is None and isinstance(getattr(loop, "dt", None), float):
         sample_time = loop.dt
-    if sample_time is not None and not number(sample_time, "sample_time") > 0:
-        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
     gains, phases = gain_crossovers(opened), phase_crossovers(opened)
     radius = opened.radius()
     stable = opened.is_stable

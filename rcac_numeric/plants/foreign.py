@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,8 @@ import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.validation import instance_of, number, one_of, rounded
+from rcac_numeric.arrays.validation import instance_of, one_of, positive_time, rounded
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import Plant
@@ -71,8 +71,8 @@ def plant_of(
     in discrete time; say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").
     """
     one_of(method, "method", METHODS)
-    if sample_time is not None and not number(sample_time, "sample_time") > 0:
-        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
     if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_own(system):
         own: AnyPlant = system
         return own
@@ -90,7 +90,7 @@ def plant_of(
         )
     period = own_period if own_period is not None else sample_time
     if not is_foreign(system):
-        return replace(standard_plant(system), sample_time=period)
+        return replaced(standard_plant(system), sample_time=period)
     A, B, C, D = (_float(found, name) for name in "ABCD")
     return _verified(_matched(A, B, C, D, period), system, found, "")
 

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
 import compensator_theory
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import matrix, number, require_dense
+from rcac_numeric.arrays.validation import (
+    array_like,
+    matrix,
+    optional_array_like,
+    positive_time,
+    reads,
+    require_dense,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import matrix_latex
 from rcac_numeric.plants.any_plant import blocks_of_w
@@ -25,7 +33,7 @@ if TYPE_CHECKING:
 MATRICES = ("A", "B", "D_1", "C", "D_0", "D_2", "E_1", "E_2", "E_0")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class Plant(Value):
     """The linear plant of the standard problem.
 
@@ -57,56 +65,40 @@ class Plant(Value):
     Plant(n=1, l_u=1, l_w=1, l_y=1, l_z=1)
     """
 
-    A: Array
-    B: Array
-    D_1: Array
-    C: Array
-    D_0: Array
-    D_2: Array
-    E_1: Array
-    E_2: Array
-    E_0: Array
-    blocks: Mapping[str, int]
-    exact: compensator_theory.StandardProblem | None = field(default=None)
-    sample_time: float | None = field(default=None, compare=False)
+    A: Array = attrs.field(converter=array_like)
+    B: Array = attrs.field(converter=array_like)
+    D_1: Array = attrs.field(converter=array_like)
+    C: Array = attrs.field(converter=array_like)
+    D_0: Array = attrs.field(default=None, converter=optional_array_like)
+    D_2: Array = attrs.field(default=None, converter=optional_array_like)
+    E_1: Array = attrs.field(default=None, converter=optional_array_like)
+    E_2: Array = attrs.field(default=None, converter=optional_array_like)
+    E_0: Array = attrs.field(default=None, converter=optional_array_like)
+    blocks: Mapping[str, int] = attrs.field(factory=dict)
+    exact: compensator_theory.StandardProblem | None = None
+    sample_time: float | None = attrs.field(
+        default=None, eq=False, metadata=reads(positive_time, optional=True)
+    )
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        B: ArrayLike,
-        D_1: ArrayLike,
-        C: ArrayLike,
-        D_0: ArrayLike | None = None,
-        D_2: ArrayLike | None = None,
-        E_1: ArrayLike | None = None,
-        E_2: ArrayLike | None = None,
-        E_0: ArrayLike | None = None,
-        blocks: Mapping[str, int] | None = None,
-        exact: compensator_theory.StandardProblem | None = None,
-        sample_time: float | None = None,
-    ) -> None:
-        def read(value: ArrayLike, name: str, rows: int | None, columns: int | None) -> None:
-            object.__setattr__(self, name, matrix(value, name, (rows, columns)))
+    def __attrs_post_init__(self) -> None:
+        def read(name: str, rows: int | None, columns: int | None, default: Array) -> None:
+            given = getattr(self, name)
+            value = matrix(default if given is None else given, name, (rows, columns))
+            object.__setattr__(self, name, value)
 
-        def read_or_zero(value: ArrayLike | None, name: str, rows: int, columns: int) -> None:
-            read(np.zeros((rows, columns)) if value is None else value, name, rows, columns)
-
-        n = len(matrix(A, "A", (None, None)))
-        read(A, "A", n, n)
-        read(B, "B", n, None)
-        read(D_1, "D_1", n, None)
-        read(C, "C", None, n)
-        read(self.C if E_1 is None else E_1, "E_1", None, n)
-        read_or_zero(D_0, "D_0", self.l_y, self.l_u)
-        read_or_zero(D_2, "D_2", self.l_y, self.l_w)
-        read_or_zero(E_2, "E_2", self.l_z, self.l_u)
-        read_or_zero(E_0, "E_0", self.l_z, self.l_w)
-        object.__setattr__(self, "blocks", blocks_of_w({} if blocks is None else blocks, self.l_w))
-        object.__setattr__(self, "exact", exact)
-        if sample_time is not None and not number(sample_time, "sample_time") > 0:
-            raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
-        period = None if sample_time is None else float(sample_time)
-        object.__setattr__(self, "sample_time", period)
+        none = np.zeros((0, 0))
+        n = len(matrix(self.A, "A", (None, None)))
+        for name, rows, columns in (("A", n, n), ("B", n, None), ("D_1", n, None), ("C", None, n)):
+            read(name, rows, columns, none)
+        read("E_1", None, n, self.C)
+        for name, l_out, l_in in (
+            ("D_0", self.l_y, self.l_u),
+            ("D_2", self.l_y, self.l_w),
+            ("E_2", self.l_z, self.l_u),
+            ("E_0", self.l_z, self.l_w),
+        ):
+            read(name, l_out, l_in, np.zeros((l_out, l_in)))
+        object.__setattr__(self, "blocks", blocks_of_w(self.blocks or {}, self.l_w))
 
     @property
     def n(self) -> int:

@@ -51,7 +51,7 @@ def check_sheet(check: ControllerCheck) -> Sheet:
             *missed_poles(check.comparison, check.structure),
             *health_lines(health),
         ),
-        sections=(*sections, _unsaid(check)),
+        sections=(*sections, _unanswered(check)),
     )
 
 
@@ -211,7 +211,7 @@ def _comparison(comparison: ExactComparison) -> Section:
     return Section(blocks=tuple(blocks), record={"target": record})
 
 
-def _unsaid(check: ControllerCheck) -> Section:
+def _unanswered(check: ControllerCheck) -> Section:
     lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unanswered.items())
     return Section("What cannot be said" if lines else "", lines, {"unanswered": check.unanswered})
 

@@ -34,7 +34,7 @@ from rcac_numeric.reports.sheets.sheet import (
 
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:
-    """Stability, every warning with its mend, then sizes of signals, margins and excitation."""
+    """Stability, every warning with its remedy, then sizes of signals, margins and excitation."""
     lines = [_stability(health)]
     for warning in health.warnings:
         level: Level = "bad" if warning.is_grave else "warning"

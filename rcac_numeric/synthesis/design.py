@@ -224,7 +224,7 @@ class Design(Value):
     def frozen(self) -> ControllerSettings:
         """The fixed controller as RCAC that never updates theta(0): for `Controller` and exports.
 
-        A `FixedController` believes its own u; this one is told what the actuator made of it.
+        A `FixedController` believes its own u; this one is given what the actuator made of it.
         """
         return attrs.evolve(self.settings, freeze=[(0, None)])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from compensator_theory.errors import CompensatorError, NoSolutionError
 from rcac_numeric.analysis.closed_loop import ClosedLoop, frozen_loop
 from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
@@ -369,7 +369,7 @@ def _in_units(
     B, C = servo.B * units[0], servo.C / units[1]
     A, B, C = balanced(servo.A, B, C)
     none = np.zeros_like(B)
-    return replace(servo, A=A, B=B, C=C, E_1=C, D_1=np.hstack([none, B, none]))
+    return replaced(servo, A=A, B=B, C=C, E_1=C, D_1=np.hstack([none, B, none]))
 
 
 def _channels_of_d(plant: Plant) -> tuple[str, ...]:
@@ -400,7 +400,7 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     """Z = [e; sqrt(R_2) (u + d)], with the disturbance models on d."""
     m = plant.l_u
     none, rho = np.zeros((m, m)), np.sqrt(R_2) * np.eye(m)
-    made = replace(
+    made = replaced(
         plant,
         E_1=np.vstack([plant.E_1, np.zeros((m, plant.n))]),
         E_2=np.vstack([none, rho]),
@@ -488,7 +488,7 @@ def _powers(
     m = plant.l_u
     E_0 = np.zeros((2 * m, made.l_w))
     E_0[:m, :m] = np.eye(m)  # of the noise v only what comes back through the loop is an error
-    inputs = noise_inputs(replace(made, E_0=E_0), noise)
+    inputs = noise_inputs(replaced(made, E_0=E_0), noise)
     A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(made, parts, inputs)
     covariance = stein_solution(A, B @ B.T)
     Z, W = E_x + made.E_2 @ K_x, E_w + made.E_2 @ K_w

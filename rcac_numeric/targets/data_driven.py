@@ -66,7 +66,7 @@ class DataDriven:
     window : int
         Steps, more than 2 order; of "frozen u~" only.
     n : int, optional
-        The order of the plant, which "frozen u~" must be told: u~ -> z has the order n + n_c, and
+        The order of the plant, which "frozen u~" needs: u~ -> z has the order n + n_c, and
         a model of a lower one is refused.
 
     Raises

@@ -204,7 +204,7 @@ def test_rows_that_are_edited_are_seen(whole, tmp_path, sql):
         return
     with pytest.raises(StoreError):
         contents(path)
-    # Going on reads no rows that have ended; whatever it says, it hides nothing and mends nothing.
+    # Going on reads no rows that have ended; what it says, it hides and repairs nothing.
     edited = dump(path)
     with suppress(StoreError):
         run_study(STUDY, path, workers=0)

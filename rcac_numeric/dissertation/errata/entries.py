@@ -13,7 +13,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.values import Choice
 
 KINDS = {
-    "misprint": "a slip that a reader mends by looking twice",
+    "misprint": "a slip that a reader corrects by looking twice",
     "inconsistent": "two places of the text disagree",
     "needs a hypothesis": "true where the text means it, and false without a condition that is "
     "not written",

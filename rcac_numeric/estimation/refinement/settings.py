@@ -37,7 +37,7 @@ class RCMR(Value):
     """Retrospective cost model refinement (8.25)-(8.63), corrected.
 
     x^(k+1) = A x^(k) + D_1 w(k) + B u^(k), with the unknown subsystem u^ = G_s y_0^,
-    y_0^ = E_1 x^, refined until z = C x^ - y is small. What the text leaves open is asked here;
+    y_0^ = E_1 x^, refined until z = C x^ - y is small. What the text leaves open is a setting;
     the defaults are what works for Examples 8.1 and 8.2.
 
     Parameters

@@ -30,10 +30,10 @@ from rcac_numeric.experiments.files.runs import (
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
 from rcac_numeric.experiments.format.values import ListOf
+from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.reading import (
-    ClaimTable,
     OpenItems,
-    OpenTable,
+    claims_of,
     completed_runs,
     completion_name,
     opens,
@@ -66,7 +66,7 @@ class File(Heading):
         "Several runs, the first being the main one.",
     ] = None
     claims: Annotated[
-        list[ClaimTable],
+        list[Claim],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "What is said of it, and what decides whether it holds.",
     ] = attrs.field(factory=list)
@@ -76,7 +76,7 @@ class File(Heading):
         "What is drawn of it; a sheet on the main run where they are left out.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[OpenTable],
+        list[OpenItem],
         opens(OPEN_VALUE),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
@@ -141,7 +141,7 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
     items = OpenItems.of(read.open)
-    claims = [c for one in read.claims for c in one.claims(names, items, STANDARD_CLAIMS)]
+    claims = [c for one in read.claims for c in claims_of(one, names, items, STANDARD_CLAIMS)]
     errors, plants = Errors(), []
     common: Plant | PlantSchedule | None = None  # made once for all that take it as it is
     for run, override in zip(runs, overrides, strict=True):

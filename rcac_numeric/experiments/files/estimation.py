@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation.estimators import (
     ExtendedFilter,
@@ -32,12 +33,12 @@ from rcac_numeric.experiments.format.values import (
     Real,
     Text,
 )
+from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.reading import (
-    ClaimTable,
     OpenItems,
-    OpenTable,
     check_table,
     claim_table,
+    claims_of,
     completed_runs,
     completion_name,
     opens,
@@ -125,7 +126,7 @@ BEGINNING = "What differs from those."
 
 
 @attrs.frozen(eq=False)
-class EstimationValue:
+class EstimationValue(Value):
     """One of the values that a reader would try: its name, and what it changes."""
 
     name: Annotated[str, "What it is called; claims refer to it."]
@@ -166,7 +167,7 @@ class EstimationFile(Heading):
         "What the estimators of all runs begin with.",
     ] = None
     claims: Annotated[
-        list[ClaimTable],
+        list[Claim],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
@@ -176,7 +177,7 @@ class EstimationFile(Heading):
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[OpenTable],
+        list[OpenItem],
         opens(Table(EstimationValue)),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
@@ -206,7 +207,7 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     errors.raise_any()
     _require_budget(studies, budget)
     items = OpenItems.of(read.open)
-    claims = [claim for one in read.claims for claim in one.claims(tuple(studies), items)]
+    claims = [claim for one in read.claims for claim in claims_of(one, tuple(studies), items)]
     completions = {}
     for of_run, values in completed_runs(claims, items):
         tables = raw[of_run]

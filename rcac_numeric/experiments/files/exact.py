@@ -10,11 +10,11 @@ import attrs
 from rcac_numeric.experiments.exact_statements import STATEMENTS, ExactCheck, ExactSystem
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.documents import Heading
-from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import ListOf
-from rcac_numeric.experiments.judging.reading import ClaimTable, OpenItems, claim_table
+from rcac_numeric.experiments.judging.claim import Claim
+from rcac_numeric.experiments.judging.reading import OpenItems, claim_table, claims_of
 
 # Every statement with its arguments; the system itself is given.
 STATEMENT_KINDS: Kinds[Any] = Kinds(
@@ -22,20 +22,9 @@ STATEMENT_KINDS: Kinds[Any] = Kinds(
 )
 
 
-@attrs.frozen(eq=False)
-class StatementTable:
-    """A statement that is decided exactly."""
-
-    statement: Annotated[Part[Any], STATEMENT_KINDS, "What is stated."]
-
-    def of(self, system: ExactSystem) -> ExactCheck:
-        """The check of a system."""
-        return ExactCheck(self.statement.make.__name__, system, self.statement.arguments)
-
-
-CHECK = Table(StatementTable)
-
-
+CHECK: Table[ExactCheck] = Table(
+    ExactCheck, given=("system", "arguments"), forms={"statement": STATEMENT_KINDS}
+)
 CLAIM: Table[Any] = claim_table(CHECK, runs=False)
 
 
@@ -45,7 +34,7 @@ class ExactFile(Heading):
 
     exact: Annotated[ExactSystem, "What its statements are about."]
     claims: Annotated[
-        list[ClaimTable],
+        list[Claim],
         ListOf(CLAIM, 1, needed="an array of tables, [[claims]]"),
         "What is said of it.",
     ]
@@ -57,17 +46,15 @@ EXACT_FILE = Table(ExactFile)
 def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     """The experiment of an exact example: claims without runs."""
     read: ExactFile = EXACT_FILE.read(table, Place(file))
-
-    nothing_open = OpenItems((), {})
-
-    def decided(claim: ClaimTable) -> ClaimTable:
-        statements: Sequence[Any] = claim.checks
-        return attrs.evolve(claim, checks=[one.of(read.exact) for one in statements])
-
+    claims: list[Claim] = []
+    for one in read.claims:
+        checks: Sequence[Any] = one.checks
+        decided = [attrs.evolve(check, system=read.exact) for check in checks]
+        claims += claims_of(attrs.evolve(one, checks=decided), (), OpenItems((), {}))
     return Experiment(
         **read.words(file),
         runs={},
-        claims=[claim for one in read.claims for claim in decided(one).claims((), nothing_open)],
+        claims=claims,
         description={name: _words(value) for name, value in table["exact"].items()},
     )
 

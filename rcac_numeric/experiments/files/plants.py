@@ -451,7 +451,7 @@ def _timed(plant: Plant, sample_time: Any) -> Plant:
     """The plant with a sample time, of its exact data too."""
     period = _period(sample_time)
     known = None if plant.exact is None else replace(plant.exact, sample_time=period)
-    return replace(plant, exact=known, sample_time=float(period))
+    return replaced(plant, exact=known, sample_time=float(period))
 
 
 def _unchanging(plant: Plant | PlantSchedule) -> Plant:
@@ -473,7 +473,7 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
     problem = plant.problem
     scaled = {name: factor * getattr(problem, name) for name in ("B", "D_0", "E_2")}
     made = from_problem(replace(problem, **scaled), plant.blocks)
-    return replace(made, sample_time=plant.sample_time)
+    return replaced(made, sample_time=plant.sample_time)
 
 
 def _is_continuous(G: Any) -> bool:

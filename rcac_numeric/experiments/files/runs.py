@@ -54,7 +54,7 @@ DIFFERS = "What differs from the table of that name."
 
 
 @attrs.frozen(eq=False)
-class OpenValue:
+class OpenValue(Value):
     """One of the values that a reader would try: its name, and what it changes."""
 
     name: Annotated[str, "What it is called; claims refer to it."]

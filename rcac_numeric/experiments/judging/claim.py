@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
-from typing import Any, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
+from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.values import Integer
 
 # What comes of a claim on one completion of what its source says.
 HOLDS, FAILS = "holds", "does not hold"
@@ -34,8 +37,8 @@ VERDICTS = {
     NOT_REPRODUCED: "it holds for none of the completions that were tried, though the same checks "
     "succeed on a run where they should; that is said of our runs, which may miss what the author "
     "did",
-    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is mended, and "
-    "named",
+    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is corrected, "
+    "and named",
     UNDETERMINED: "rounding or chance decides, or nothing could be measured",
 }
 RECORDS = (*dict.fromkeys((*VERDICTS, *OUTCOMES)),)
@@ -107,45 +110,92 @@ class Refused(Value):
         return f"no answer: {self.silence}"
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class OpenItem(Value):
-    """Something that a source leaves open."""
+    """Something that the source leaves open."""
 
-    what: str
-    chosen: str
-    reason: str = ""
-    completions: tuple[str, ...] = ()
+    what: Annotated[str, "Its name; claims refer to it."]
+    chosen: Annotated[str, "What the runs have, in words."]
+    reason: Annotated[str, "What the source says of it, and why this was chosen."] = ""
+    values: Annotated[
+        Sequence[Any],
+        "The others of the set that a reader would try: each has a name and the tables that it "
+        "changes, as a run has. They run with `rcac verify --completions`.",
+    ] = ()
+
+    @property
+    def completions(self) -> tuple[str, ...]:
+        """The names of its values."""
+        return tuple(value.name for value in self.values)
 
 
-@dataclass(frozen=True, eq=False)
+QUOTE = (
+    "The words of a source, and where they stand. A claim without them is your own: it has an "
+    "outcome and no verdict."
+)
+
+
+@attrs.frozen(eq=False)
 class Claim(Value):
-    """Something said of an experiment, with the checks that decide whether it holds."""
+    """Something said of the case."""
 
-    text: str
-    checks: tuple[AnyCheck, ...]
-    quote: str = ""
-    place: str = ""
-    reading: str = ""
-    misprint: str = ""
-    completion: str = ""
-    recorded: str = ""
-    run: str = ""
-    reason: str = ""
-    over: Mapping[str, str] = field(default_factory=dict)
-    open: tuple[str, ...] = ()
-    control: str = ""
+    text: Annotated[
+        str, "What the checks decide, in words of your own; the quote where it is left out."
+    ] = ""
+    checks: Annotated[Sequence[AnyCheck], "What decides it: it holds where all of them do."] = ()
+    quote: Annotated[str, QUOTE] = ""
+    place: Annotated[str, QUOTE] = ""
+    reading: Annotated[str, "How words that leave room are read."] = ""
+    misprint: Annotated[
+        str, "The slip of the print that is corrected for the checks to be the right ones."
+    ] = ""
+    completion: Annotated[str, "What was chosen where the source is silent."] = ""
+    run: Annotated[
+        str,
+        "The run whose claim it is: checks that name none are of it. The main one where it is "
+        "left out.",
+    ] = ""
+    reason: Annotated[
+        str, "Where it does not hold, or depends on something: why, in a sentence."
+    ] = ""
+    recorded: Annotated[
+        str, "The verdict of record; exit status 1 says that a run gave another."
+    ] = ""
+    verdicts: Annotated[
+        Mapping[str, str] | None,
+        "In place of run and verdict, for several variants of a claim of your own: from the name "
+        "of each run to the outcome of record.",
+    ] = None
+    open: Annotated[
+        Sequence[str],
+        "The items of [[open]] that it is judged over, every combination of their values.",
+    ] = ()
+    over: Annotated[
+        Mapping[str, str],
+        "The map of record: from each outcome to the completions that have it, by the names of "
+        'other runs and of the values of [[open]], several joined by "; ". "the rest" are all '
+        "that are not named.",
+    ] = attrs.field(factory=dict)
+    control: Annotated[
+        str, "A run on which the same checks must succeed; without that a failure shows nothing."
+    ] = ""
+    standard: Annotated[
+        str,
+        "In place of text and checks: the name of a claim that every case with a target model can "
+        "make of a run that keeps theta at steps 10^3, 10^4 and 10^5.",
+    ] = ""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "over", dict(self.over))
+    def __attrs_post_init__(self) -> None:
+        text = self.text or self.quote or self.standard
         if bool(self.quote) != bool(self.place):
-            raise InputError(f"the claim {self.text!r} needs quote and place, or neither.")
+            raise InputError(f"the claim {text!r} needs quote and place, or neither.")
         for name in ("reading", "misprint"):
             if getattr(self, name) and not self.quote:
-                raise InputError(f"the claim {self.text!r} has {name} without a quote.")
+                raise InputError(f"the claim {text!r} has {name} without a quote.")
         allowed = VERDICTS if self.quote else OUTCOMES
         if self.recorded and self.recorded not in allowed:
             raise InputError(
-                f"the claim {self.text!r} has verdict = {self.recorded!r}; one that "
+                f"the claim {text!r} has verdict = {self.recorded!r}; one that "
                 f"{'quotes' if self.quote else 'is our own, without a quote,'} has one of "
                 f"{', '.join(allowed)}."
             )
@@ -261,7 +311,7 @@ def outcome_of(results: tuple[Answer, ...]) -> str:
 def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str]) -> Verdict:
     """The verdict of a claim from what ran."""
 
-    def answers(checks: tuple[AnyCheck, ...]) -> Iterator[Answer]:
+    def answers(checks: Sequence[AnyCheck]) -> Iterator[Answer]:
         for check in checks:
             try:
                 yield check.evaluate(results)
@@ -275,46 +325,88 @@ def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str
     return Verdict(claim, own, others, control, is_reduced=bool(needed & reduced))
 
 
-STATISTICS = ("each", "median")
 CONFIDENCE = 0.95
 
 
-@dataclass(frozen=True, eq=False)
+INTERVAL = "The interval; one of them is needed, or `quoted`."
+
+
+@attrs.frozen(eq=False)
 class Check(Value):
     """A measure of one run and the interval in which it must lie."""
 
-    measure: str
-    run: str
-    at_least: float = -np.inf
-    at_most: float = np.inf
-    relative_to: str = ""
-    statistic: str = "each"
-    arguments: Mapping[str, object] = field(default_factory=dict)
-    share: float = 1.0
-    until: int | None = None
-    quoted: str = ""
+    measure: Annotated[str, "What is measured."]
+    run: Annotated[
+        str, "Of which run; that of the claim, or the main one, where it is left out."
+    ] = ""
+    relative_to: Annotated[
+        str, "Another run, whose measure it is divided by, repetition by repetition."
+    ] = ""
+    statistic: Annotated[
+        Literal["each", "median"],
+        "Whether every seed or repetition must lie in the interval, or the median.",
+    ] = "each"
+    share: Annotated[
+        float, 'With "each": the least share of them that must lie in the interval.'
+    ] = 1.0
+    until: Annotated[
+        int | None,
+        Integer(1),
+        "A step at which theta is kept: the run is cut off before it, so that its controller is "
+        "the one that is then in force and its plant that of the step before.",
+    ] = None
+    at_least: Annotated[float | None, INTERVAL] = None
+    at_most: Annotated[float | None, INTERVAL] = None
+    quoted: Annotated[
+        str,
+        "In place of them: a number as the source prints it. The interval is half a unit of its "
+        "last digit on both sides; where the measure has the key `value`, which is that number "
+        "then, the measure may be as large as that half unit.",
+    ] = ""
+    within: Annotated[float | None, "With `quoted`: how far from it, as a share of it."] = None
+    arguments: Mapping[str, Any] = attrs.field(factory=dict)
 
-    def __post_init__(self) -> None:
-        for name in ("measure", "run", "relative_to", "statistic", "quoted"):
-            instance_of(getattr(self, name), name, str)
-        one_of(self.statistic, "statistic", STATISTICS)
-        object.__setattr__(self, "arguments", dict(self.arguments))
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.measure, Part):  # as a file's table is read
+            object.__setattr__(self, "arguments", self.measure.arguments)
+            object.__setattr__(self, "measure", self.measure.make.__name__)
         if not 0 < number(self.share, "share") <= 1:
             raise InputError(f"share = {self.share} must be above 0 and at most 1.")
         if self.share < 1 and self.statistic != "each":
             raise InputError(f"share = {self.share} is for statistic = 'each'; leave it out.")
-        if self.until is not None:
-            integer(self.until, "until", at_least=1)
-        if not (self.at_least > -np.inf or self.at_most < np.inf):
+        low, high = self.interval
+        if not (low > -np.inf or high < np.inf):
             raise InputError(
                 f"the check of {self.measure!r} needs at_least, at_most or both: a check without "
                 "a bound cannot fail."
             )
-        if self.at_least > self.at_most:
+        if low > high:
             raise InputError(
-                f"the check of {self.measure!r} asks for at least {self.at_least} and at most "
-                f"{self.at_most}, which no number is."
+                f"the check of {self.measure!r} asks for at least {low} and at most {high}, which "
+                "no number is."
             )
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """In which the measure must lie."""
+        if not self.quoted:
+            if self.within is not None:
+                raise InputError(
+                    f"within = {self.within} says how far from a number; give quoted too."
+                )
+            low = -np.inf if self.at_least is None else self.at_least
+            return low, np.inf if self.at_most is None else self.at_most
+        if self.at_least is not None or self.at_most is not None:
+            raise InputError(
+                f"quoted = {self.quoted!r} is the interval; leave at_least and at_most out."
+            )
+        low, high = quoted_interval(self.quoted, self.within)
+        value = self.arguments.get("value")
+        if value is None:
+            return low, high
+        if value != float(self.quoted):
+            raise InputError(f"value = {value} is not the quoted {self.quoted}.")
+        return -np.inf, (high - low) / 2
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -324,7 +416,7 @@ class Check(Value):
     def moved(self, moves: Mapping[str, str]) -> Check:
         """The same check of other runs."""
         other = moves.get(self.relative_to, self.relative_to) if self.relative_to else ""
-        return replace(self, run=moves.get(self.run, self.run), relative_to=other)
+        return attrs.evolve(self, run=moves.get(self.run, self.run), relative_to=other)
 
     def evaluate(self, results: Mapping[str, Measured]) -> CheckResult:
         """Measure it."""
@@ -410,7 +502,8 @@ class CheckResult(Value):
         return f"{name}{step}{ratio} ({self.check.run}): {value}{silence}"
 
     def _inside(self, value: float) -> bool:
-        return self.check.at_least <= value <= self.check.at_most
+        low, high = self.check.interval
+        return low <= value <= high
 
     def _words(self, value: float) -> str:
         """Five digits, or as many more as it takes to stand on its side of the bounds."""

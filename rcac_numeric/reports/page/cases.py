@@ -36,7 +36,7 @@ class ClaimRow(Value):
     measured, verdict, words : str
         What was measured; the verdict, and the verdict with what it depends on.
     notes : tuple of str
-        What is mended or chosen, for which completions it holds, on which run its checks succeed.
+        What is corrected or chosen, for which completions it holds, where its checks succeed.
     reason, run, was : str
         Why it does not hold; the variant that it is judged on; the verdict of record where another
         one came out.
@@ -153,7 +153,7 @@ def case_of(verification: Verification) -> Case:
 
 def _row(verdict: Verdict) -> ClaimRow:
     claim = verdict.claim
-    mended = [("misprint", claim.misprint), ("chosen", claim.completion)]
+    corrected = [("misprint", claim.misprint), ("chosen", claim.completion)]
     return ClaimRow(
         whose=claim.whose,
         quote=claim.quote,
@@ -163,7 +163,7 @@ def _row(verdict: Verdict) -> ClaimRow:
         measured=verdict.measured,
         verdict=verdict.verdict,
         words=verdict.words,
-        notes=(*(f"{name}: {mend}" for name, mend in mended if mend), *map_lines(verdict)),
+        notes=(*(f"{name}: {words}" for name, words in corrected if words), *map_lines(verdict)),
         reason="" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else claim.reason,
         run=claim.run,
         was=claim.recorded if verdict.has_changed else "",

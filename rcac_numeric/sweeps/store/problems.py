@@ -40,7 +40,7 @@ def damaged(path: Path, what: str) -> str:
 
 
 def without_study(path: Path, what: str) -> str:
-    """That a file cannot say what its runs are, which nothing in it can mend."""
+    """That a file cannot say what its runs are, which nothing in it can repair."""
     return (
         f"{path} is damaged or no store of a study: {what}. Nothing was changed. Without its study "
         "nothing in it can be checked or repaired; take it from a copy, or run the study into "

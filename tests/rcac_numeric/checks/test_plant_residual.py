@@ -73,7 +73,7 @@ def test_a_simple_mistake_is_named(words, change):
     plant = standard_plant("(q - 0.2)/(q*(q - 0.8))")
     y = response(plant, u, 0.01 * rng.standard_normal((300, 1)), np.zeros(2))
     found = plant_residual(ControllerLog(change(u), y), plant)
-    assert found.is_doubtful and words in found.mend and words in str(found)
+    assert found.is_doubtful and words in found.remedy and words in str(found)
 
 
 def test_the_command_is_known_where_it_was_logged():

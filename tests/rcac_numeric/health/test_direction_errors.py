@@ -50,7 +50,7 @@ def health_of(plant, target, steps=400):
 @pytest.mark.costly
 @pytest.mark.parametrize("name", WRONG)
 def test_every_form_that_hides_an_instability_is_named(name):
-    """Also of a loop that has not diverged yet, and with the mend that cures it."""
+    """Also of a loop that has not diverged yet, and with the remedy that cures it."""
     plant, target, code = WRONG[name]
     found = [w for w in health_of(plant, target).warnings if w.code == code]
     assert len(found) == 1 and "1.5" in found[0].sentence

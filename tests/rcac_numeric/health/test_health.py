@@ -1,4 +1,4 @@
-"""The health of a loop: what is wrong is said first, with the mend that cures it."""
+"""The health of a loop: what is wrong is said first, with the remedy that cures it."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What a run that learns its target model is warned of, and that the named mend cures it."""
+"""What a run that learns its target model is warned of, and that the named remedy cures it."""
 
 import numpy as np
 import pytest

@@ -18,7 +18,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.health.rules import sampling_zero_mends
+from rcac_numeric.health.rules import sampling_zero_remedies
 from rcac_numeric.targets import modelling_information
 
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)
@@ -62,7 +62,7 @@ def test_only_real_zeros_near_minus_one_that_the_target_lacks(zeros, left):
     d_zu = modelling_information(plant).d_zu
 
     def said(told):
-        return sampling_zero_mends(plant, fir_target(ModellingInformation(d_zu, 1, told)))
+        return sampling_zero_remedies(plant, fir_target(ModellingInformation(d_zu, 1, told)))
 
     assert bool(said([])) == bool(left) and all(zero in said([])[0] for zero in left)
     assert said([-1] * len(left)) == ()
