@@ -60,10 +60,12 @@ smartquotes_action = "De"  # dashes and dots; a quote after a letter is a transp
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # of a cell that hangs; a busy machine takes its time
 nb_merge_streams = True
 # Figures as a notebook shows them, twice as fine; and no setting of whoever builds.
 os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
+# Their matrices are small: several threads wait for each other, where other work shares the cores.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # What is not in a wheel and some pages read: examples and the ledger.
 os.environ["CHECKOUT"] = str(ROOT)
 
@@ -77,7 +79,7 @@ if repository := PROJECT.get("urls", {}).get("Repository"):
 html_title = "compensator-theory"
 html_static_path = ["_static"]
 html_css_files = ["pictures.css"]
-html_js_files = [("reachable.js", {"defer": "defer"})]
+html_js_files = [(name, {"defer": "defer"}) for name in ("reachable.js", "search_words.js")]
 # The explorer, which is built with the pages: _static/explorer.html.
 explorer_folder = Path(tempfile.mkdtemp())
 html_static_path.append(str(explorer_folder))

@@ -8,7 +8,7 @@ import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from docs.reference_pages import PACKAGES, ROOT, public_names, public_path
+from docs.reference_pages import PACKAGES, ROOT, place, public_names, public_path
 from proofs.ledger.ledger import ledger
 from rcac_numeric.dissertation.errata.reading import find_errata
 
@@ -60,8 +60,9 @@ def equations() -> dict[str, Places]:
         public = {
             (home, name): public_path(package, name) for name, home in public_names(package).items()
         }
-        for path in sorted((ROOT / package).rglob("*.py")):
-            module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        folder = place(package)
+        for path in sorted(folder.rglob("*.py")):
+            module = ".".join(path.relative_to(folder.parent).with_suffix("").parts)
             module = module.removesuffix(".__init__")
             for owner, text in texts(path.read_text()):
                 for number in cited(text):

@@ -112,7 +112,7 @@ def namespaces(package: str) -> list[str]:
     >>> namespaces("compensator_theory")[:3]
     ['compensator_theory', 'compensator_theory.bezout', 'compensator_theory.canonical_forms']
     """
-    top = _stubbed(_place(package) / "__init__.pyi", package)
+    top = _stubbed(place(package) / "__init__.pyi", package)
     modules = [name for name, home in top.items() if home == package]
     return [package, *sorted(f"{package}.{name}" for name in modules if name != "strategies")]
 
@@ -130,7 +130,7 @@ def public_path(package: str, name: str) -> str:
     return next(f"{space}.{name}" for space in namespaces(package) if name in _names(space))
 
 
-def _place(space: str) -> Path:
+def place(space: str) -> Path:
     """Where the module is installed: in a checkout, or where a wheel laid it."""
     package, *inner = space.split(".")
     found = find_spec(package)
@@ -140,7 +140,7 @@ def _place(space: str) -> Path:
 
 
 def _names(space: str) -> dict[str, str]:
-    path = _place(space)
+    path = place(space)
     if path.is_dir():
         return _stubbed(path / "__init__.pyi", space)
     stub = path.with_suffix(".pyi")
@@ -226,7 +226,7 @@ def _name_page(group: Group, name: str, home: str) -> str:
         directive = f".. currentmodule:: {module}\n\n.. {kind}:: {name}"
         if name[0].isupper():
             directive += "\n   :members:\n   :inherited-members:"
-    is_folder = ROOT.joinpath(*home.split(".")).is_dir()
+    is_folder = place(home).is_dir()
     folder = home if is_folder else home.rpartition(".")[0]
     return (
         f"{ORPHAN}# {public_path(group.package, name)}\n\n"
@@ -284,7 +284,7 @@ def _automodule(module: str, public: list[str]) -> str:
 
 def _documented(module: str) -> Iterator[str]:
     """What a module itself makes and describes: no imported name, no alias of a type."""
-    path = ROOT.joinpath(*module.split("."))
+    path = place(module)
     body = _parsed(path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).body
     for node, after in zip(body, [*body[1:], None], strict=True):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -297,7 +297,7 @@ def _documented(module: str) -> Iterator[str]:
 
 
 def _modules(folder: str) -> Iterator[str]:
-    directory = ROOT.joinpath(*folder.split("."))
+    directory = place(folder)
     init = directory / "__init__.py"
     is_namespace = "lazy_loader" in init.read_text()  # its names are those of its files
     if not is_namespace and len(init.read_text().splitlines()) > 3:
@@ -319,14 +319,14 @@ def _table(head: str, rows: list[tuple[str, str]]) -> str:
 
 
 def _sentence(folder: str) -> str:
-    path = ROOT.joinpath(*folder.split("."))
+    path = place(folder)
     text = (path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).read_text()
     return (ast.get_docstring(ast.parse(text)) or "").split("\n\n")[0].replace("\n", " ")
 
 
 def _summary(module: str, name: str) -> str:
     """The first sentence of what stands under a name."""
-    path = ROOT.joinpath(*module.split("."))
+    path = place(module)
     if (path / name).is_dir():
         return _sentence(f"{module}.{name}")
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")

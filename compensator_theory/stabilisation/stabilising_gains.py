@@ -64,6 +64,11 @@ def stabilising_gains(
     s**3 + 3*s**2 + 2*s + k is stable for k in (0, 6)
     >>> print(stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1))
     a in (0, oo): k in (0, a**2 + a)
+
+    All PI controllers k (1 + r/s) that stabilise an unstable plant:
+
+    >>> print(stabilising_gains("1/((s - 1)*(s + 2))", "1 + r/s", feedback=-1))
+    r in (0, 1): k in (-2/(r - 1), oo)
     """
     polynomial, k = _polynomial(plant, compensator, feedback, gain, variable)
     others = sorted(polynomial.free_symbols_in_domain - {k}, key=str)
