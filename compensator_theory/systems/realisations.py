@@ -265,7 +265,7 @@ class Realisation(System):
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
         scalar = self.transfer_matrix().scalar()
-        return replace(scalar, feedback=self.feedback)
+        return scalar if self.feedback is None else replace(scalar, feedback=self.feedback)
 
     def in_basis(self, T: MatrixLike) -> Realisation:
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
