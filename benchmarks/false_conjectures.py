@@ -39,12 +39,12 @@ def sees_all(A: Matrix, C: Matrix) -> bool:
 
 def hurwitz(A: Matrix) -> bool:
     """Whether every eigenvalue has a negative real part."""
-    return decide_stability(characteristic_polynomial(A, s), time="continuous").is_stable is True
+    return decide_stability(characteristic_polynomial(A, s)).is_stable is True
 
 
 def schur(A: Matrix) -> bool:
     """Whether every eigenvalue has modulus below 1."""
-    return decide_stability(characteristic_polynomial(A, s), time="discrete").is_stable is True
+    return decide_stability(characteristic_polynomial(A, Symbol("z"))).is_stable is True
 
 
 def semidefinite(M: Matrix) -> bool:

@@ -80,7 +80,7 @@ def half_plane_matrix(
     if discrete:
         bottom = half_plane_image(bottom, size)
         tops = [[half_plane_image(entry, size) for entry in row] for row in tops]
-    count = count_roots(bottom, time="continuous")
+    count = count_roots(bottom.replace(s, Symbol("s")))
     missing = size - int(bottom.degree())
     poles = RootCount(count.stable, count.boundary + missing, count.unstable)
     return HalfPlaneMatrix(tuple(map(tuple, tops)), bottom, poles, discrete)

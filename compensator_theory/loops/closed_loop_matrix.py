@@ -7,6 +7,7 @@ from sympy import ImmutableMatrix, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 
 
 def closed_loop_matrix(
@@ -63,6 +64,7 @@ def closed_loop_matrix(
             f"the plant is written in {G.variable} and the compensator in {G_c.variable}; they "
             "need the same variable"
         )
+    shared_sample_time(G, G_c)
     if G_c.D.shape != G.D.T.shape:
         raise InputError(
             f"the compensator maps {G_c.B.cols} to {G_c.C.rows} signals, but the plant has "

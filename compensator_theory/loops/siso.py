@@ -15,6 +15,7 @@ from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.realisations import Realisation
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,
     require_proper,
@@ -145,6 +146,7 @@ def read_loop(
             f"the plant is written in the variable {G.variable} and the {name} in {G_c.variable}; "
             "they need the same variable"
         )
+    shared_sample_time(G, G_c)
     agreed_sign(G_c, feedback)
     return G, G_c
 
@@ -174,12 +176,10 @@ def siso_loop(
     return G, G_c
 
 
-System = TypeVar("System", TransferFunction, TransferMatrix)
+Read = TypeVar("Read", TransferFunction, TransferMatrix)
 
 
-def in_variable_of(
-    G: System, part: Any, read: Callable[[Any, str | Symbol | None], System]
-) -> System:
+def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None], Read]) -> Read:
     """Read what stands beside G; only another operator is another variable.
 
     Parameters

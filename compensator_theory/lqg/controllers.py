@@ -172,8 +172,8 @@ class LQGController(ExactValue):
             for i in range(rows)
         )
         if (rows, columns) == (1, 1):
-            return TransferFunction(entries[0][0], bottom)
-        return TransferMatrix(entries, bottom)
+            return TransferFunction(entries[0][0], bottom, sample_time=self.plant.sample_time)
+        return TransferMatrix(entries, bottom, sample_time=self.plant.sample_time)
 
     @staticmethod
     def _polynomial(descending: list[flint.fmpq_poly], work: Arithmetic, s: Symbol) -> Poly:

@@ -127,7 +127,9 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
     )
     exact = None
     if numerator.radius == 0 == denominator.radius:
-        exact = TransferFunction(numerator.centre, denominator.centre)
+        exact = TransferFunction(
+            numerator.centre, denominator.centre, sample_time=plant.sample_time
+        )
     return HighAuthorityTarget(N_zu.LC(), d_zu, d_yw, exact, numerator, denominator)
 
 

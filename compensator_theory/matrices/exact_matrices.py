@@ -78,7 +78,9 @@ def _read_at_once(value: Any, name: str) -> RationalMatrix | None:
     ask("entries", len(value) * len(value[0]), f"the matrix {name}")
     kinds = {type(entry) for row in value for entry in row}
     if kinds == {int}:
-        return _asked(from_flint(flint.fmpq_mat(flint.fmpz_mat(value))), name)
+        longest = max(*map(max, value), -min(map(min, value))).bit_length()
+        ask("digits", decimal_digits(longest), "a number")
+        return from_flint(flint.fmpq_mat(flint.fmpz_mat(value)))
     if not all(kind in (int, float, Fraction) or issubclass(kind, Rational) for kind in kinds):
         return None
     entries = [_number(entry) for row in value for entry in row]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import sympy
-from sympy import Expr, Matrix
+from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.matrices.flint_matrices import symbols_in
+from compensator_theory.matrices.fraction_free import RationalFunctions
 
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
@@ -26,17 +27,25 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
     (a, a - 1, b + 1)
     """
-    found: dict[Expr, None] = {}
-    for divisor in dict.fromkeys(divisors):
-        if not divisor.free_symbols:
-            continue
-        for side in sympy.fraction(sympy.cancel(divisor)):
-            for factor, _ in sympy.factor_list(side)[1]:
-                if not factor.is_nonzero:
-                    found[factor] = None
+    given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
+    found = {factor: None for factor in _factors(given) if not factor.is_nonzero}
     return tuple(
         sorted(found, key=lambda f: (sympy.Poly(f).total_degree(), sympy.count_ops(f), str(f)))
     )
+
+
+def _factors(divisors: list[Expr]) -> Iterator[Expr]:
+    """Numerators and denominators in factors, by python-flint where it can read them."""
+    row = ImmutableMatrix(1, len(divisors), divisors)
+    if (work := RationalFunctions.of(row)) is None:
+        for divisor in divisors:
+            for side in sympy.fraction(sympy.cancel(divisor)):
+                yield from (factor for factor, _ in sympy.factor_list(side)[1])
+        return
+    for divisor in divisors:
+        for side in work.lowest(*work.read(divisor)):
+            for factor, _ in side.factor()[1]:
+                yield work.expression(-factor if factor.leading_coefficient() < 0 else factor)
 
 
 def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
@@ -49,11 +58,14 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     >>> denominators_of([Matrix([["1/a", "2*b"]])])
     [a]
     """
-    bottoms = (
-        sympy.fraction(sympy.cancel(entry))[1]
-        for matrix in matrices
-        if symbols_in(matrix)
-        for entry in matrix
-        if entry.free_symbols
-    )
-    return [bottom for bottom in dict.fromkeys(bottoms) if bottom.free_symbols]
+    bottoms: dict[Expr, None] = {}
+    for matrix in filter(symbols_in, matrices):
+        work = RationalFunctions.of(matrix)
+        for entry in matrix:
+            if work is None:
+                bottoms[sympy.fraction(sympy.cancel(entry))[1]] = None
+            elif entry.free_symbols:
+                below = work.lowest(*work.read(entry))[1]
+                if not below.is_constant():
+                    bottoms[work.expression(below)] = None
+    return [bottom for bottom in bottoms if bottom.free_symbols]

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from functools import reduce
+from functools import lru_cache, reduce
 from math import prod
 from typing import TypeAlias
 
 import flint
 import sympy
-from sympy import QQ, ZZ, Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import QQ, Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy.polys.polyclasses import DMP
+from sympy.polys.rings import PolyElement
+
+from compensator_theory.polynomials.poly import canonical, from_coefficients
 
 Fraction: TypeAlias = tuple[flint.fmpz_mpoly, flint.fmpz_mpoly]
 """Numerator and denominator, not in lowest terms."""
 LARGEST_POWER = 200
+REMEMBERED = 100_000
+"""Terms of fractions that were read or written, for each set of symbols."""
 
 
 class NotRationalError(Exception):
@@ -34,14 +40,15 @@ class RationalFunctions:
     """
 
     def __init__(self, symbols: Iterable[Symbol]) -> None:
-        ordered = Poly(sympy.Add(*symbols), domain=ZZ).gens  # SymPy's order, which decides signs
-        self.ring = ZZ.poly_ring(*ordered).ring
+        """Make one; `in_symbols` has those of the last computations, with what they read."""
+        ordered = Poly(sympy.Add(*symbols), domain=QQ).gens  # SymPy's order, which decides signs
+        self.rational = QQ.poly_ring(*ordered).ring
         names = [f"x{i}" for i in range(len(ordered))]
         self.context = flint.fmpz_mpoly_ctx.get(names, flint.Ordering.lex)
         self.zero, self.one = self.context.constant(0), self.context.constant(1)
-        self.known: dict[Expr, Fraction] = {
-            symbol: (x, self.one) for symbol, x in zip(ordered, self.context.gens(), strict=True)
-        }
+        self.known: dict[Expr, Fraction] = {}
+        self.size = 0
+        self.variables = dict(zip(ordered, self.context.gens(), strict=True))
 
     @classmethod
     def of(cls, *matrices: Matrix) -> RationalFunctions | None:
@@ -49,7 +56,7 @@ class RationalFunctions:
         symbols = set().union(*(matrix.free_symbols for matrix in matrices))
         if not symbols or not all(isinstance(symbol, Symbol) for symbol in symbols):
             return None
-        found = cls(symbols)
+        found = in_symbols(frozenset(symbols))
         try:
             for matrix in matrices:
                 for entry in matrix.todok().values():
@@ -61,11 +68,21 @@ class RationalFunctions:
     def read(self, expression: Expr) -> Fraction:
         """Return an expression as a fraction; parts that occur again are read once."""
         found = self.known.get(expression)
-        if found is None:
-            found = self.known[expression] = self._computed(expression)
-        return found
+        return self._remembered(expression, *self._computed(expression)) if found is None else found
+
+    def _remembered(
+        self, expression: Expr, above: flint.fmpz_mpoly, below: flint.fmpz_mpoly
+    ) -> Fraction:
+        """Keep what an expression is, so that the next matrix with it is read at once."""
+        self.size += 1 + len(above) + len(below)
+        if self.size > REMEMBERED:
+            self.known, self.size = {}, 0
+        self.known[expression] = above, below
+        return above, below
 
     def _computed(self, expression: Expr) -> Fraction:
+        if (x := self.variables.get(expression)) is not None:
+            return x, self.one
         if expression.is_Rational:
             return self.one * int(expression.p), self.one * int(expression.q)
         if expression.is_Add:
@@ -103,15 +120,49 @@ class RationalFunctions:
         """Return a fraction in lowest terms, as SymPy's fields write it."""
         if above.is_zero():
             return sympy.Integer(0)
+        above, below = self.lowest(above, below)
+        found = self.expression(above) / self.expression(below)
+        self._remembered(found, above, below)
+        return found
+
+    def lowest(self, above: flint.fmpz_mpoly, below: flint.fmpz_mpoly) -> Fraction:
+        """Return a fraction in lowest terms, its denominator with a positive leading one."""
+        if below.is_one():
+            return above, below
         shared = above.gcd(below)
         if below.leading_coefficient() < 0:
             shared = -shared
-        return self.expression(above / shared) / self.expression(below / shared)
+        return above / shared, below / shared
 
     def expression(self, poly: flint.fmpz_mpoly, over: int = 1) -> Expr:
         """Return a polynomial as an expression, over a number."""
+        return self._in_ring(poly, over).as_expr()
+
+    def polynomial(self, descending: Sequence[Fraction], variable: Symbol) -> Poly:
+        """Return the polynomial with these coefficients, the first of them not zero."""
+        lowest = [self.lowest(*pair) for pair in descending]
+        if not all(below.is_constant() for _, below in lowest):
+            return from_coefficients([self.write(*pair) for pair in lowest], variable)
+        values = [self._in_ring(p, int(q.leading_coefficient())) for p, q in lowest]
+        return canonical(Poly.new(DMP(values, self.rational.to_domain(), 0), variable))
+
+    def _in_ring(self, poly: flint.fmpz_mpoly, over: int) -> PolyElement:
         terms = {tuple(map(int, p)): QQ(int(c), over) for p, c in poly.to_dict().items()}
-        return self.ring.clone(domain=QQ).from_dict(terms).as_expr()
+        return self.rational.from_dict(terms)
+
+
+@lru_cache(maxsize=8)
+def in_symbols(symbols: frozenset[Symbol]) -> RationalFunctions:
+    """Return the reader for these symbols, the same one again with what it has read.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.fraction_free import in_symbols
+    >>> in_symbols(frozenset({a})) is in_symbols(frozenset({a}))
+    True
+    """
+    return RationalFunctions(symbols)
 
 
 class SymbolicRows:
@@ -228,15 +279,43 @@ def symbolic_product(*factors: Matrix) -> ImmutableMatrix | None:
     return ImmutableMatrix(len(found), len(found[0]), entries)
 
 
+def symbolic_characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly | None:
+    r"""Return det(sI - A) by Faddeev and LeVerrier; None for other than rational functions over QQ.
+
+    .. math:: M_1 = I, \quad c_k = -\mathrm{tr}(A M_k)/k, \quad M_{k+1} = A M_k + c_k I
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import s
+    >>> from compensator_theory.matrices.fraction_free import symbolic_characteristic_polynomial
+    >>> symbolic_characteristic_polynomial(Matrix([["1/a", 1], [0, "b"]]), s).as_expr().factor()
+    (-b + s)*(a*s - 1)/a
+    """
+    if (work := RationalFunctions.of(matrix)) is None:
+        return None
+    n = int(matrix.rows)
+    flat, common = work.over_one(list(matrix))
+    A = [flat[k : k + n] for k in range(0, n * n, n)]
+    found, below, product = [(work.one, work.one)], work.one, [list(row) for row in A]
+    for k in range(1, n + 1):
+        below = below * common
+        c = -sum((product[i][i] for i in range(n)), start=work.zero) / k
+        found.append((c, below))
+        for i in range(n):
+            product[i][i] = product[i][i] + c
+        if k < n:
+            product = _multiplied(work, A, product)
+    return work.polynomial(found, variable)
+
+
 Grid: TypeAlias = list[list[flint.fmpz_mpoly]]
 
 
 def _multiplied(work: RationalFunctions, left: Grid, right: Grid) -> Grid:
     columns = list(zip(*right, strict=True))
-    return [
-        [sum((x * y for x, y in zip(row, c, strict=True)), start=work.zero) for c in columns]
-        for row in left
-    ]
+    rows = [[(k, x) for k, x in enumerate(row) if not x.is_zero()] for row in left]
+    return [[sum((x * c[k] for k, x in row), start=work.zero) for c in columns] for row in rows]
 
 
 def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
@@ -256,7 +335,7 @@ def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
     """
     given = list(expressions)
     symbols = {x for x in set().union(*(e.free_symbols for e in given)) if isinstance(x, Symbol)}
-    work = RationalFunctions(symbols) if symbols else None
+    work = in_symbols(frozenset(symbols)) if symbols else None
     found: list[bool | None] = []
     for expression in given:
         known: bool | None = None

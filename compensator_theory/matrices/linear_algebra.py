@@ -22,7 +22,11 @@ from compensator_theory.matrices.flint_matrices import (
     zero_matrix,
 )
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
-from compensator_theory.matrices.fraction_free import SymbolicRows, symbolic_product
+from compensator_theory.matrices.fraction_free import (
+    SymbolicRows,
+    symbolic_characteristic_polynomial,
+    symbolic_product,
+)
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 
@@ -85,6 +89,8 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
         return canonical(Poly(1, variable))
     if (raw := rational_in_flint(matrix)) is not None:
         return from_flint_polynomial(raw.charpoly(), variable)
+    if (symbolic := symbolic_characteristic_polynomial(matrix, variable)) is not None:
+        return symbolic
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     domain = domain_matrix.domain
     return canonical(Poly([domain.to_sympy(c) for c in domain_matrix.charpoly()], variable))

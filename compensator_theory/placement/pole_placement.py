@@ -148,7 +148,7 @@ def place_poles(
     _check_degrees(G, n_c, m_hat)
     _check_fixed_poles(G, goal)
     pair, homogeneous = _solve(G, goal, n_c, m_hat, feedback)
-    placement = replace(_placement(G, goal, n_c, feedback, pair, homogeneous), roots=roots)
+    placement = _placement(G, goal, n_c, feedback, pair, homogeneous, roots)
     return _exactly_proper(placement) if properness == "exactly proper" else placement
 
 
@@ -303,6 +303,7 @@ def _placement(
     feedback: int,
     pair: Pair,
     homogeneous: tuple[Pair, ...],
+    roots: tuple[Expr, ...] | None,
 ) -> PolePlacement:
     D_c, N_c = pair
     if D_c.degree() < n_c:
@@ -314,7 +315,7 @@ def _placement(
     leading = D_c.LC()
     exchanged = tuple((d_numerator, d_denominator) for d_denominator, d_numerator in homogeneous)
     return PolePlacement(
-        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), exchanged
+        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), exchanged, roots
     )
 
 

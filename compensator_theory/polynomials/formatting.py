@@ -67,6 +67,8 @@ def in_least_domain(poly: Poly) -> Poly | None:
     used: set[int] = set()
     divides = False
     for numerator, denominator in _sides(poly):
+        if domain.is_PolynomialRing and len(used) == len(domain.symbols):
+            break
         for side in (numerator, denominator):
             for powers in side or ():
                 used.update(i for i, power in enumerate(powers) if power)

@@ -214,6 +214,8 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     Poly(1/a*s + 2/a, s, domain='QQ(a)')
     """
     number = sympy.sympify(factor)
+    if number is sympy.S.One:
+        return canonical(poly)
     if number.is_Rational and poly.domain.is_QQ:
         return poly.mul_ground(QQ(int(number.p), int(number.q)))
     return canonical(poly * from_expression(number, poly.gen))

@@ -24,9 +24,11 @@ from compensator_theory.polynomials.quotients import multiplied_out
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.variables import (
     Readable,
+    Time,
+    agreed_time,
     as_symbol,
-    require_time,
     shared_variable,
+    variable_in,
 )
 
 PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
@@ -90,19 +92,19 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
 
 def polynomial_in_time(
     obj: PolynomialLike, time: object, variable: str | Symbol | None = None
-) -> Poly:
-    """Read a polynomial whose time domain is given: a list of coefficients needs no variable then.
+) -> tuple[Poly, Time]:
+    """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere.
 
     Examples
     --------
     >>> from compensator_theory.polynomials.reading import polynomial_in_time
-    >>> polynomial_in_time([1, 2], "discrete")
-    Poly(q + 2, q, domain='QQ')
+    >>> polynomial_in_time([1, 2], "discrete"), polynomial_in_time("s + 2", None)[1]
+    ((Poly(q + 2, q, domain='QQ'), 'discrete'), 'continuous')
     """
-    wanted = require_time(time)
-    if variable is None and is_list(obj):
-        variable = "s" if wanted == "continuous" else "q"
-    return polynomial(obj, variable)
+    if variable is None and time is not None and is_list(obj):
+        variable = variable_in(time, None, "the polynomial")
+    poly = polynomial(obj, variable)
+    return poly, agreed_time(time, poly.gen)
 
 
 def in_one_variable(
@@ -126,9 +128,9 @@ def in_one_variable(
     (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
     """
     if variable is None:
-        read = tuple(obj for obj in objects if isinstance(obj, Poly) and _is_read(obj))
+        read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
         if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
-            return read  # what is read already costs nothing
+            return tuple(map(canonical, read))  # what is read already costs next to nothing
     parts = [_shown(obj) for obj in objects]
     shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
     if variable is None and default is not None and not shows:
@@ -149,8 +151,8 @@ def is_list(obj: object) -> bool:
     return isinstance(obj, Iterable) and not isinstance(obj, str | Poly | Expr)
 
 
-def _is_read(poly: Poly) -> bool:
-    return len(poly.gens) == 1 and poly.gen.is_Symbol and bool(poly.domain.is_QQ)
+def _shows_variable(poly: Poly) -> bool:
+    return len(poly.gens) == 1 and bool(poly.gen.is_Symbol)
 
 
 def _shown(obj: PolynomialLike) -> Readable:

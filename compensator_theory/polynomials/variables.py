@@ -139,6 +139,29 @@ def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbo
     return symbol
 
 
+def agreed_time(time: object, variable: Symbol) -> Time:
+    """Return the time domain that s, z and q show; of another variable it has to be named.
+
+    Examples
+    --------
+    >>> from sympy.abc import s, x
+    >>> from compensator_theory.polynomials.variables import agreed_time
+    >>> agreed_time(None, s), agreed_time("discrete", x)
+    ('continuous', 'discrete')
+    """
+    if time is None:
+        if not is_operator(variable):
+            raise InputError(
+                f"{variable} does not show the time domain, and what is stable depends on it; "
+                "write time='continuous' or time='discrete', or use s, z or q"
+            )
+        return time_of(variable, "stability")
+    wanted = require_time(time)
+    if is_operator(variable):
+        variable_in(wanted, variable, "the question")
+    return wanted
+
+
 def require_discrete(variable: Symbol, what: str) -> None:
     """Refuse a variable other than z and q.
 

@@ -134,7 +134,7 @@ def _is_nonnegative(value: Expr) -> bool | None:
 
 
 def count_roots(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:
     r"""Count the stable roots, those on the boundary of stability and the unstable ones, exactly.
 
@@ -147,15 +147,17 @@ def count_roots(
     ----------
     poly : polynomial
         Rational coefficients, not zero.
-    time : {"continuous", "discrete"}
-        Whether stable means left of the imaginary axis, or inside the unit circle.
+    time : {"continuous", "discrete"}, optional
+        Whether stable means left of the imaginary axis, or inside the unit circle; default as for
+        :func:`decide_stability`.
     variable : str or Symbol, optional
         Default: evident; of a list of coefficients s, in discrete time q.
 
     Raises
     ------
     InputError
-        If the polynomial is zero or has symbolic coefficients, or `time` is neither.
+        If the polynomial is zero or has symbolic coefficients, or `time` is missing or not that
+        of the variable.
 
     Notes
     -----
@@ -171,12 +173,13 @@ def count_roots(
     Examples
     --------
     >>> from compensator_theory import count_roots
-    >>> print(count_roots("s**4 + s**3 + 2*s**2 + 2*s + 5", time="continuous"))
+    >>> print(count_roots("s**4 + s**3 + 2*s**2 + 2*s + 5"))
     2 stable, 0 on the boundary, 2 unstable
-    >>> print(count_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
+    >>> print(count_roots("q*(q + 1)**2*(q - 3)"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    poly = require_rational(polynomial_in_time(poly, time, variable))
+    poly, time = polynomial_in_time(poly, time, variable)
+    poly = require_rational(poly)
     degree = int(poly.degree())
     if time == "discrete":
         poly = half_plane_image(poly, degree)

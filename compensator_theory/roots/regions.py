@@ -14,7 +14,7 @@ from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
 def locate_roots(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:
     r"""Locate every root by its certified ball, relative to the boundary of stability.
 
@@ -22,15 +22,17 @@ def locate_roots(
     ----------
     poly : polynomial
         Rational coefficients, not zero.
-    time : {"continuous", "discrete"}
-        Whether the boundary is the imaginary axis or the unit circle.
+    time : {"continuous", "discrete"}, optional
+        Whether the boundary is the imaginary axis or the unit circle; default as for
+        :func:`decide_stability`.
     variable : str or Symbol, optional
         Default: evident; of a list of coefficients s, in discrete time q.
 
     Raises
     ------
     InputError
-        If the polynomial is zero or has symbolic coefficients, or `time` is neither.
+        If the polynomial is zero or has symbolic coefficients, or `time` is missing or not that
+        of the variable.
 
     Notes
     -----
@@ -44,12 +46,13 @@ def locate_roots(
     Examples
     --------
     >>> from compensator_theory import locate_roots
-    >>> print(locate_roots("(s + 1)**2*(s**2 + 2)*s", time="continuous"))
+    >>> print(locate_roots("(s + 1)**2*(s**2 + 2)*s"))
     2 stable, 3 on the boundary, 0 unstable
-    >>> print(locate_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
+    >>> print(locate_roots("q*(q + 1)**2*(q - 3)"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    poly = require_rational(polynomial_in_time(poly, time, variable))
+    poly, time = polynomial_in_time(poly, time, variable)
+    poly = require_rational(poly)
     s, discrete = poly.gen, time == "discrete"
     mirrored = reciprocal_polynomial(poly) if discrete else poly.compose(Poly(-s, s, domain=QQ))
     paired = poly.gcd(mirrored)

@@ -7,7 +7,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial_in_time
+from compensator_theory.polynomials.reading import PolynomialLike, is_list, polynomial
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.regions import locate_roots
 
@@ -55,7 +55,9 @@ def reflection_coefficients(
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
     (2,)
     """
-    poly = require_rational(polynomial_in_time(poly, "discrete", variable))
+    poly = require_rational(
+        polynomial(poly, "q" if variable is None and is_list(poly) else variable)
+    )
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]
     found = []
@@ -106,8 +108,7 @@ def _is_schur(poly: flint.fmpz_poly) -> bool:
             answer = _schur_in_balls([flint.arb(c) for c in descending])
         if answer is not None:
             return answer
-    s = Poly(descending, *Poly("s").gens, domain=QQ)
-    return locate_roots(s, time="discrete").unstable == 0
+    return locate_roots(Poly(descending, Symbol("z"), domain=QQ)).unstable == 0
 
 
 def _schur_in_balls(row: list[flint.arb]) -> bool | None:

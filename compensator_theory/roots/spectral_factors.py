@@ -14,7 +14,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.polynomials.variables import Time, agreed_time
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import count_roots, require_rational
 from compensator_theory.roots.enclosures import (
@@ -115,7 +115,7 @@ def spectral_factor(
     D: PolynomialLike | None = None,
     r: object = 0,
     *,
-    time: Time,
+    time: Time | None = None,
     digits: int = 30,
     variable: str | Symbol | None = None,
 ) -> SpectralFactor:
@@ -130,8 +130,9 @@ def spectral_factor(
         Rational coefficients; D may be left out.
     r : number
         At least 0.
-    time : {"continuous", "discrete"}
-        Whether the boundary is the imaginary axis or the unit circle.
+    time : {"continuous", "discrete"}, optional
+        Whether the boundary is the imaginary axis or the unit circle; default as for
+        :func:`decide_stability`.
     digits : int
         Where the factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
     variable : str or Symbol, optional
@@ -150,7 +151,8 @@ def spectral_factor(
     NoSolutionError
         If the right side is zero, or vanishes on the imaginary axis, so that no factor is Hurwitz.
     InputError
-        If r is negative, a coefficient is symbolic, or `time` is neither.
+        If r is negative, a coefficient is symbolic, or `time` is missing or not that of the
+        variable.
 
     Notes
     -----
@@ -163,17 +165,17 @@ def spectral_factor(
     Examples
     --------
     >>> from compensator_theory import spectral_factor
-    >>> high_authority = spectral_factor("3*(z - 2)*(z - 1/2)", "z**3", time="discrete")
+    >>> high_authority = spectral_factor("3*(z - 2)*(z - 1/2)", "z**3")
     >>> high_authority.polynomial.as_expr(), high_authority.constant
     (z**3 - z**2 + z/4, 36)
-    >>> found = spectral_factor("1", "s**2", "1/4", time="continuous")
+    >>> found = spectral_factor("1", "s**2", "1/4")
     >>> found.polynomial.as_expr(), found.constant
     (s**2 + 2*s + 2, 1/4)
-    >>> print(spectral_factor("s", "s**2 - 3", 1, time="continuous").enclosure)
+    >>> print(spectral_factor("s", "s**2 - 3", 1).enclosure)
     s**2 + 3.6055512754639892931*s + 3.0000000000000000000
     """
-    require_time(time)
     first, second, weight = weighted_pair(N, D, r, variable)
+    time = agreed_time(time, first.gen)
     size = int(max(first.degree(), second.degree(), 0))
     spectrum = canonical(
         spectrum_of(first, size, time) + spectrum_of(second, size, time).mul_ground(weight)

@@ -89,7 +89,7 @@ class StabilityDecision(ExactValue):
 
 
 def decide_stability(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time
+    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> StabilityDecision:
     r"""Decide whether every root is stable: Hurwitz in continuous, Schur in discrete time.
 
@@ -100,9 +100,9 @@ def decide_stability(
         roots or, up to degree 4, the determinants of the polynomial mapped to the half plane, as
         far as their signs follow from the symbols' assumptions. :func:`polynomial` adds none: a
         SymPy symbol declared positive keeps its assumption.
-    time : {"continuous", "discrete"}
-        Whether the real parts are to be below 0 or the moduli below 1. The variable's letter does
-        not decide it; see :func:`stability_conditions` for what reads it.
+    time : {"continuous", "discrete"}, optional
+        Whether the real parts are to be below 0 or the moduli below 1. Default: what the variable
+        says, s or z and q; of another one, and of a list of coefficients, it has to be named.
     variable : str or Symbol, optional
         Default: evident; of a list of coefficients s, in discrete time q.
 
@@ -117,15 +117,15 @@ def decide_stability(
     Raises
     ------
     InputError
-        If the polynomial is zero, or `time` is neither.
+        If the polynomial is zero, or `time` is missing or not that of the variable.
 
     Examples
     --------
     >>> from sympy import symbols
     >>> from compensator_theory import decide_stability
-    >>> decide_stability("(s + 1)*(s + 2)", time="continuous").is_stable
+    >>> decide_stability("(s + 1)*(s + 2)").is_stable
     True
-    >>> found = decide_stability("q**2 - q/2 + 1/4", time="discrete")
+    >>> found = decide_stability([1, "-1/2", "1/4"], time="discrete")
     >>> found.is_stable, found.evidence
     (True, (1/4, -2/5))
     >>> a, s = symbols("a", positive=True), symbols("s")
@@ -134,7 +134,8 @@ def decide_stability(
     >>> decide_stability("s**2 + a*s + 1", time="continuous").is_stable is None
     True
     """
-    p, discrete = polynomial_in_time(poly, time, variable), time == "discrete"
+    p, time = polynomial_in_time(poly, time, variable)
+    discrete = time == "discrete"
     if not is_rational(p):
         return _schur_with_symbols(p) if discrete else _hurwitz_with_symbols(p)
     require_rational(p)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import QQ, Poly, Symbol
+from sympy import QQ, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
@@ -19,6 +19,7 @@ from compensator_theory.stabilisation.strong_stabilisability import (
     decide_strong_stabilisability,
 )
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
@@ -119,6 +120,7 @@ def decide_simultaneous_stabilisability(
     time = time_of(s, "stabilisability")
     if plants[1].variable != s:
         raise InputError(f"one plant is in {s} and the other in {plants[1].variable}")
+    period = shared_sample_time(*plants)
     pairs = [_pair(plant) for plant in plants]
     (n_1, d_1), (n_2, d_2) = pairs
     h = Poly(s if time == "discrete" else s + 1, s, domain=QQ)
@@ -128,8 +130,8 @@ def decide_simultaneous_stabilisability(
     v = (h ** (2 * size) - n_1 * u).exquo(d_1)
     top, bottom = n_2 * d_1 - n_1 * d_2, d_2 * v + n_2 * u
     if top.is_zero:
-        return _result(True, None, None, pairs, (u, v), feedback, time)
-    auxiliary = TransferFunction(canonical(top), canonical(bottom))
+        return _result(True, None, None, pairs, (u, v), feedback, time, period)
+    auxiliary = TransferFunction(canonical(top), canonical(bottom), sample_time=period)
     if auxiliary.numerator.degree() > auxiliary.denominator.degree():
         raise InputError("the auxiliary plant is improper, which strictly proper plants exclude")
     decision = decide_strong_stabilisability(auxiliary)
@@ -150,7 +152,7 @@ def decide_simultaneous_stabilisability(
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
     a, b = found.numerator, found.denominator
     chosen = u * b + d_1 * a, v * b - n_1 * a
-    return _result(True, auxiliary, decision, pairs, chosen, feedback, time)
+    return _result(True, auxiliary, decision, pairs, chosen, feedback, time, period)
 
 
 def _pair(plant: TransferFunction) -> tuple[Poly, Poly]:
@@ -171,9 +173,12 @@ def _result(
     compensator: tuple[Poly, Poly],
     feedback: int,
     time: Time,
+    period: Rational | None,
 ) -> SimultaneousStabilisability:
     top, bottom = compensator
-    C = TransferFunction(canonical(-feedback * top), canonical(bottom), feedback=feedback).reduced()
+    C = TransferFunction(
+        canonical(-feedback * top), canonical(bottom), feedback=feedback, sample_time=period
+    ).reduced()
     loops = []
     for n, d in pairs:
         loop = canonical(d * C.denominator - feedback * n * C.numerator)

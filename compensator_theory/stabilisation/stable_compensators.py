@@ -219,7 +219,9 @@ def _found(
     decision: StrongStabilisability,
     order: int,
 ) -> StableCompensator:
-    compensator = TransferFunction(canonical(top), canonical(bottom), feedback=feedback)
+    compensator = TransferFunction(
+        canonical(top), canonical(bottom), feedback=feedback, sample_time=G.sample_time
+    )
     whole = closed_loop_of_pair(G, compensator, feedback)
     time = time_of(G.variable, "strong stabilisability")
     for poly in (whole, compensator.denominator):

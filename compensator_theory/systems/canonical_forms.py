@@ -11,6 +11,7 @@ from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import of_rows
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, time_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -18,6 +19,7 @@ from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import controllable_canonical_form
+from compensator_theory.transfer_functions.sample_times import sampled_every
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 RealisationLike: TypeAlias = Realisation | TransferFunctionLike
@@ -29,6 +31,7 @@ def realisation(
     variable: str | Symbol | None = None,
     *,
     form: Literal["controllable", "observable"] = "controllable",
+    sample_time: NumberLike | None = None,
 ) -> Realisation:
     r"""Make an exact realisation out of matrices, a transfer function or a python-control system.
 
@@ -44,6 +47,8 @@ def realisation(
     form : {"controllable", "observable"}
         Which canonical form: a common factor is unobservable in the first, uncontrollable in the
         second.
+    sample_time : number, optional
+        As for :func:`transfer_function`.
 
     Returns
     -------
@@ -68,12 +73,17 @@ def realisation(
     """
     if not is_one_of(form, ("controllable", "observable")):
         raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
+    found = _read(obj, variable, form)
+    return found if sample_time is None else sampled_every(found, sample_time)
+
+
+def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Realisation:
     if isinstance(obj, Realisation):
         if variable is not None and as_symbol(variable) != obj.variable:
             raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
         return obj
     if isinstance(obj, DescriptorSystem):
-        return realisation(obj.realisation(), variable)
+        return _read(obj.realisation(), variable, form)
     if isinstance(obj, tuple | list) and len(obj) in (3, 4):
         symbol = as_symbol("s" if variable is None else variable)
         A, B, C = obj[:3]

@@ -43,6 +43,7 @@ from compensator_theory.systems.realisations import (
     are_bare_matrices,
     of_bare_matrices,
 )
+from compensator_theory.transfer_functions.sample_times import sampled_every
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -69,6 +70,7 @@ def transfer_function(
     zeros: Iterable[NumberLike] | None = None,
     poles: Iterable[NumberLike] | None = None,
     gain: NumberLike | None = None,
+    sample_time: NumberLike | None = None,
 ) -> TransferFunction:
     r"""Make an exact transfer function out of any usual description.
 
@@ -89,6 +91,9 @@ def transfer_function(
         Exact roots, instead of `obj`; zeros default to none.
     gain : number, optional
         Leading coefficient of the numerator; default 1.
+    sample_time : number, optional
+        In seconds, in discrete time. What `obj` says of time has to agree: a system knows its
+        variable and its sample time, where it has one.
 
     Returns
     -------
@@ -113,7 +118,21 @@ def transfer_function(
     (3*s + 3)/(s**2 + 4*s + 5)
     >>> print(transfer_function(([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), "s"))
     (1)/(s**2 + 3*s + 2)
+    >>> G = transfer_function("1/(z - 1)", sample_time="1/100")
+    >>> G.time, (G * G).sample_time
+    ('discrete', 1/100)
     """
+    found = _read(obj, variable, zeros, poles, gain)
+    return found if sample_time is None else sampled_every(found, sample_time)
+
+
+def _read(
+    obj: TransferFunctionLike | None,
+    variable: str | Symbol | None,
+    zeros: Iterable[NumberLike] | None,
+    poles: Iterable[NumberLike] | None,
+    gain: NumberLike | None,
+) -> TransferFunction:
     if isinstance(obj, Mapping):
         unknown = sorted(map(str, set(obj) - {"zeros", "poles", "gain"}))
         if unknown:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import reduce
 from operator import add
 
@@ -32,12 +32,14 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 from compensator_theory.printing import text
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.transfer_functions.sample_times import System
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -89,7 +91,7 @@ class WeierstrassForm(ExactValue):
 
 
 @dataclass(frozen=True, init=False)
-class DescriptorSystem(ExactValue):
+class DescriptorSystem(System):
     r"""A system of differential or difference equations together with algebraic ones.
 
     .. math:: E \dot x = A x + B u, \qquad y = C x + D u, \qquad
@@ -106,8 +108,8 @@ class DescriptorSystem(ExactValue):
     variable : str or Symbol
         Variable of the transfer functions; default ``s``. For ``z`` and ``q`` read
         :math:`x(k+1)` for :math:`\dot x`.
-    sample_time : Rational, optional
-        In seconds.
+    sample_time : number, optional
+        As of :class:`TransferFunction`.
 
     Raises
     ------
@@ -138,7 +140,7 @@ class DescriptorSystem(ExactValue):
     C: ImmutableMatrix
     D: ImmutableMatrix
     variable: Symbol
-    sample_time: Rational | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
 
     def __init__(
         self,
@@ -148,7 +150,7 @@ class DescriptorSystem(ExactValue):
         C: MatrixLike,
         D: MatrixLike | None = None,
         variable: str | Symbol = "s",
-        sample_time: Rational | None = None,
+        sample_time: NumberLike | None = None,
     ) -> None:
         rest = Realisation(A, B, C, D, variable, sample_time=sample_time)
         e = exact_matrix(E, "E")

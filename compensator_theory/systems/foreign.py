@@ -10,7 +10,7 @@ from sympy import Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.polynomials.variables import CONTINUOUS, DISCRETE, as_symbol
 
 
 class HasFraction(Protocol):
@@ -190,13 +190,22 @@ def joined_of(system: Any) -> Any:
 
 
 def _variable(system: Any, variable: str | Symbol | None) -> Symbol:
-    if variable is not None:
+    """The variable that was named, or evident; the time base of the system has to agree."""
+    of_scipy, dt = type(system).__module__.startswith("scipy"), system.dt
+    if dt is None and not of_scipy:
+        if variable is None:
+            raise InputError("the system's time base is unspecified; name the variable, 's' or 'z'")
         return as_symbol(variable)
-    if type(system).__module__.startswith("scipy"):
-        return Symbol("s" if system.dt is None else "z")
-    if system.dt is None:
-        raise InputError("the system's time base is unspecified; name the variable, 's' or 'z'")
-    return Symbol("s" if system.dt == 0 and system.dt is not False else "z")
+    continuous = dt is None or (dt == 0 and dt is not False)
+    if variable is None:
+        return Symbol("s" if continuous else "z")
+    symbol, letters = as_symbol(variable), CONTINUOUS if continuous else DISCRETE
+    if symbol.name not in letters:
+        raise InputError(
+            f"the system is in {'continuous' if continuous else 'discrete'} time (dt = {dt}), so "
+            f"that its variable is {' or '.join(letters)}, not {symbol}; leave variable out"
+        )
+    return symbol
 
 
 def _refuse_several(system: Any, outputs: int, inputs: int) -> None:

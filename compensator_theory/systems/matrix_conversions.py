@@ -12,7 +12,7 @@ from sympy import MatrixBase, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, listed
 from compensator_theory.polynomials.expressions import read_text
-from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import common_divisor, exact_quotient, monic, product
 from compensator_theory.polynomials.reading import is_list
 from compensator_theory.polynomials.variables import (
@@ -28,7 +28,7 @@ from compensator_theory.systems.realisations import (
     are_bare_matrices,
     of_bare_matrices,
 )
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
+from compensator_theory.transfer_functions.sample_times import sampled_every, shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -39,7 +39,10 @@ TransferMatrixLike: TypeAlias = (
 
 
 def transfer_matrix(
-    rows: TransferMatrixLike, variable: str | Symbol | None = None
+    rows: TransferMatrixLike,
+    variable: str | Symbol | None = None,
+    *,
+    sample_time: NumberLike | None = None,
 ) -> TransferMatrix:
     r"""Make an exact transfer matrix out of rows of transfer functions, or a foreign system.
 
@@ -54,6 +57,8 @@ def transfer_matrix(
         (A, B, C) or (A, B, C, D) of matrices, which needs the variable.
     variable : str or Symbol, optional
         Default: the only one of ``s``, ``z``, ``q`` in all entries together, else the only symbol.
+    sample_time : number, optional
+        As for :func:`transfer_function`.
 
     Returns
     -------
@@ -72,6 +77,11 @@ def transfer_matrix(
     >>> print(transfer_matrix([["1/(s + 1)", 0], [2, "1/(s + a)"]]))
     [[s + a, 0], [2*s**2 + (2*a + 2)*s + 2*a, s + 1]]/(s**2 + (a + 1)*s + a)
     """
+    found = _read(rows, variable)
+    return found if sample_time is None else sampled_every(found, sample_time)
+
+
+def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMatrix:
     if isinstance(rows, tuple) and are_bare_matrices(rows):
         rows = of_bare_matrices(rows, variable)
     if isinstance(rows, TransferMatrix | Realisation | DescriptorSystem):

@@ -19,14 +19,16 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.reading import is_one_of
-from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.transfer_functions.sample_times import (
+    System,
     control_state_space,
+    period_in,
     shared_sample_time,
     time_base,
 )
@@ -118,7 +120,7 @@ def in_feedback(plant: Matrices, other: Matrices, feedback: int) -> Matrices:
 
 
 @dataclass(frozen=True, init=False)
-class Realisation(ExactValue):
+class Realisation(System):
     r"""A plant or a compensator in a given basis, hidden modes included.
 
     .. math:: \dot x = A x + B u, \qquad y = C x + D u
@@ -134,8 +136,8 @@ class Realisation(ExactValue):
         Where it was made from a transfer function: that the two are the same.
     feedback : {+1, -1}, optional
         Of a compensator: the sign of the loop that it was designed for.
-    sample_time : Rational, optional
-        In seconds, where it was read from a system that has one; what is made of it keeps it.
+    sample_time : number, optional
+        As of :class:`TransferFunction`.
 
     Raises
     ------
@@ -163,7 +165,7 @@ class Realisation(ExactValue):
     variable: Symbol
     certificate: Certificate | None = field(default=None, compare=False)
     feedback: int | None = field(default=None, compare=False)
-    sample_time: Rational | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
 
     def __init__(
         self,
@@ -174,13 +176,13 @@ class Realisation(ExactValue):
         variable: str | Symbol = "s",
         certificate: Certificate | None = None,
         feedback: int | None = None,
-        sample_time: Rational | None = None,
+        sample_time: NumberLike | None = None,
     ) -> None:
         symbol = as_symbol(variable)
         object.__setattr__(self, "variable", symbol)
         object.__setattr__(self, "certificate", certificate)
         object.__setattr__(self, "feedback", feedback)
-        object.__setattr__(self, "sample_time", sample_time)
+        object.__setattr__(self, "sample_time", period_in(symbol, sample_time))
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
         d = zero_matrix(c.rows, b.cols) if D is None else exact_matrix(D, "D")
         needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
@@ -263,7 +265,7 @@ class Realisation(ExactValue):
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
         scalar = self.transfer_matrix().scalar()
-        return replace(scalar, feedback=self.feedback)
+        return scalar if self.feedback is None else replace(scalar, feedback=self.feedback)
 
     def in_basis(self, T: MatrixLike) -> Realisation:
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""

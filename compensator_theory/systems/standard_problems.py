@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
@@ -13,11 +13,16 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.transfer_functions.sample_times import control_state_space, time_base
+from compensator_theory.transfer_functions.sample_times import (
+    System,
+    control_state_space,
+    period_in,
+    time_base,
+)
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -55,7 +60,7 @@ _DIMENSIONS = {
 
 
 @dataclass(frozen=True, init=False)
-class StandardProblem(ExactValue):
+class StandardProblem(System):
     r"""A linear time-invariant plant with control, exogenous input, measurement, performance.
 
     .. math::
@@ -71,8 +76,8 @@ class StandardProblem(ExactValue):
         direct terms D_0, D_2, E_2, E_0 means zero.
     variable : str or Symbol
         Name of the forward shift in the maps; default ``q``.
-    sample_time : Rational, optional
-        In seconds; the maps have it, and it goes out with the plant.
+    sample_time : number, optional
+        As of :class:`TransferFunction`.
 
     Raises
     ------
@@ -104,7 +109,7 @@ class StandardProblem(ExactValue):
     E_2: ImmutableMatrix
     E_0: ImmutableMatrix
     variable: Symbol
-    sample_time: Rational | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
 
     def __init__(
         self,
@@ -118,10 +123,10 @@ class StandardProblem(ExactValue):
         E_2: MatrixLike | None,
         E_0: MatrixLike | None,
         variable: str | Symbol = "q",
-        sample_time: Rational | None = None,
+        sample_time: NumberLike | None = None,
     ) -> None:
         symbol = as_symbol(variable)
-        object.__setattr__(self, "sample_time", sample_time)
+        object.__setattr__(self, "sample_time", period_in(symbol, sample_time))
         object.__setattr__(self, "variable", symbol)
         given = {
             "A": A, "B": B, "C": C, "D_1": D_1, "D_0": D_0, "D_2": D_2, "E_1": E_1, "E_2": E_2,
@@ -305,7 +310,7 @@ def servo_problem(
     C: MatrixLike | None = None,
     D_0: MatrixLike | None = None,
     performance: Literal["measured", "true"] = "measured",
-    sample_time: Rational | None = None,
+    sample_time: NumberLike | None = None,
 ) -> StandardProblem:
     r"""Make the servo problem with :math:`w = (r, d, v)` and measurement :math:`e_n`.
 
@@ -323,8 +328,8 @@ def servo_problem(
         Whether z is :math:`e_n`, the signal available to an adaptive controller, or :math:`e_0`.
     variable : str or Symbol, optional
         Variable of G, or of the maps (default q).
-    sample_time : Rational, optional
-        In seconds; default: that of G.
+    sample_time : number, optional
+        In seconds, in discrete time; default: that of G.
 
     Returns
     -------
@@ -360,15 +365,14 @@ def servo_problem(
     if G is not None:
         if any(value is not None for value in given.values()):
             raise InputError("give either a transfer function or matrices, not both")
-        plant = transfer_function(G, variable)
+        plant = transfer_function(G, variable, sample_time=sample_time)
         if not plant.is_strictly_proper:
             raise ImproperError(
                 f"the plant {plant} is not strictly proper, so that a disturbance at its input "
                 "does not reach the output as u does; give the matrices A, B, D_1, C, D_0"
             )
         given["A"], given["B"], given["C"], _ = controllable_canonical_form(plant)
-        variable = plant.variable
-        sample_time = plant.sample_time if sample_time is None else sample_time
+        variable, sample_time = plant.variable, plant.sample_time
     missing = [name for name in ("A", "B", "C") if given[name] is None]
     if missing:
         raise InputError(f"the servo problem lacks {', '.join(missing)}; D_1 and D_0 are optional")
@@ -384,7 +388,7 @@ def _servo(
     matrices: dict[str, ImmutableMatrix],
     performance: str,
     variable: str | Symbol,
-    sample_time: Rational | None,
+    sample_time: NumberLike | None,
 ) -> StandardProblem:
     A, D_1, C, D_0 = (matrices[name] for name in ("A", "D_1", "C", "D_0"))
     l_y, l_d = C.rows, D_1.cols

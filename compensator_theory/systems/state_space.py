@@ -74,7 +74,7 @@ def transfer_matrix_of_realisation(
     found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
     entries, denominator, residual = found
     certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
-    return TransferMatrix(entries, denominator, certificate, sample_time)
+    return TransferMatrix._of_monic(entries, denominator, certificate, sample_time)
 
 
 Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
@@ -86,22 +86,33 @@ def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> F
     a, b, c, d = map(rational_in_flint, (A, B, C, D))
     if a is None or b is None or c is None or d is None or not A.rows:
         return None
-    n, denominator = A.rows, a.charpoly()
-    v, responses = b, []
+    (whole, below), (into, below_b), (out, below_c) = (m.numer_denom() for m in (a, b, c))
+    n, characteristic = A.rows, whole.charpoly()  # of below A, so that all numbers are integers
+    v, responses = into, []
     for power in range(1, n + 1):
-        responses.append(c * v)
-        v = a * v + b * denominator[n - power]
+        responses.append((out * v).entries())
+        v = whole * v + into * characteristic[n - power]
+    denominator = _spread(characteristic.coeffs(), below, n)
+    scale = flint.fmpq(1, below_b * below_c * below ** (n - 1))
     rows = tuple(
         tuple(
             from_flint_polynomial(
-                flint.fmpq_poly([m[i, j] for m in reversed(responses)]) + denominator * d[i, j],
+                _spread([m[k] for m in reversed(responses)], below, 0) * scale
+                + (denominator * direct if (direct := d[i, j]) else 0),
                 variable,
             )
-            for j in range(D.cols)
+            for j, k in enumerate(range(i * D.cols, (i + 1) * D.cols))
         )
         for i in range(D.rows)
     )
-    return rows, from_flint_polynomial(denominator, variable), from_flint(v)
+    return rows, from_flint_polynomial(denominator, variable), from_flint(flint.fmpq_mat(v))
+
+
+def _spread(ascending: list[flint.fmpz], below: flint.fmpz, power: int) -> flint.fmpq_poly:
+    """Return the polynomial in s of one in s times `below`, over a power of `below`."""
+    if below != 1:
+        ascending = [c * below**k for k, c in enumerate(ascending)]
+    return flint.fmpq_poly(ascending) / below**power
 
 
 def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:

@@ -1,17 +1,94 @@
-"""Sample times of exact systems: kept through arithmetic, and handed to python-control."""
+"""The time domain that a system carries, with its sample time, and what may be joined."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import quoted
+from compensator_theory.polynomials.budget import quoted, shown
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import DISCRETE, Time, is_operator, time_of
 
 if TYPE_CHECKING:
     import control
+
+
+class System(ExactValue):
+    """What every system carries into whatever is made of it: variable, time, sample time.
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> G = realisation("1/(z - 1)", sample_time=0.1)
+    >>> G.time, G.sample_time, (G @ G).transfer_function().sample_time
+    ('discrete', 1/10, 1/10)
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def variable(self) -> Symbol:
+            """Of its transfer functions."""
+
+        @property
+        def sample_time(self) -> Rational | None:
+            """In seconds; None where it is not known, and in continuous time."""
+
+    @property
+    def time(self) -> Time | None:
+        """The time domain: continuous in s, discrete in z and q; None in other variables."""
+        return time_of(self.variable, "time") if is_operator(self.variable) else None
+
+
+Timed = TypeVar("Timed", bound=System)
+
+
+def period_in(variable: Symbol, sample_time: NumberLike | None) -> Rational | None:
+    """The sample time of a system, read; only discrete time has one.
+
+    Examples
+    --------
+    >>> from sympy.abc import z
+    >>> from compensator_theory.transfer_functions.sample_times import period_in
+    >>> period_in(z, 0.1)
+    1/10
+    """
+    if sample_time is None:
+        return None
+    period = exact_number(sample_time)
+    if not (isinstance(period, Rational) and period > 0):
+        raise InputError(f"sample_time = {shown(sample_time)} is no positive number of seconds")
+    if variable.name not in DISCRETE:
+        raise InputError(
+            f"a system in {variable} has no sample time, and {period} s was given; write it in z "
+            "or q, or leave sample_time out"
+        )
+    return period
+
+
+def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
+    """The system with the sample time that was named; one that it has already has to agree.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.transfer_functions.sample_times import sampled_every
+    >>> sampled_every(transfer_function("1/z"), 0.1).sample_time
+    1/10
+    """
+    period = period_in(system.variable, sample_time)
+    if period is None or system.sample_time == period:
+        return system
+    if system.sample_time is not None:
+        raise InputError(
+            f"the system is sampled every {system.sample_time} s, not every {period} s; resample it"
+        )
+    return replace(system, sample_time=period)  # type: ignore[type-var]
 
 
 def shared_sample_time(*systems: Any) -> Rational | None:

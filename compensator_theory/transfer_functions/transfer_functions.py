@@ -32,7 +32,6 @@ from compensator_theory.polynomials.poly import (
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
-from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import (
     as_symbol,
     evident_variable,
@@ -40,6 +39,8 @@ from compensator_theory.polynomials.variables import (
 )
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.transfer_functions.sample_times import (
+    System,
+    period_in,
     shared_sample_time,
     time_base,
     to_float,
@@ -55,7 +56,7 @@ Operand: TypeAlias = "TransferFunction | NumberLike | Poly"
 
 
 @dataclass(frozen=True, repr=False)
-class TransferFunction(ExactValue):
+class TransferFunction(System):
     r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
 
     .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0
@@ -70,9 +71,8 @@ class TransferFunction(ExactValue):
     feedback : {+1, -1}, optional
         Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
         refuse another one.
-    sample_time : Rational, optional
-        In seconds, where it was read from a system that has one; arithmetic keeps it, and it goes
-        back out with it.
+    sample_time : number, optional
+        In seconds, for z and q alone; whatever is made of the system keeps it.
 
     Raises
     ------
@@ -116,7 +116,7 @@ class TransferFunction(ExactValue):
     denominator: Poly
     certificate: Certificate | None = field(default=None, compare=False)
     feedback: int | None = field(default=None, compare=False)
-    sample_time: Rational | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
 
     def __post_init__(self) -> None:
         numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
@@ -132,6 +132,20 @@ class TransferFunction(ExactValue):
             numerator, denominator = scaled(numerator, 1 / leading), monic(denominator)
         object.__setattr__(self, "numerator", numerator)
         object.__setattr__(self, "denominator", denominator)
+        object.__setattr__(self, "sample_time", period_in(denominator.gen, self.sample_time))
+
+    @classmethod
+    def _of_monic(
+        cls, numerator: Poly, denominator: Poly, certificate: Certificate | None,
+        sample_time: Rational | None,
+    ) -> TransferFunction:  # fmt: skip
+        """Return N/D of canonical polynomials, D monic: nothing is looked at again."""
+        found = object.__new__(cls)
+        vars(found).update(
+            numerator=numerator, denominator=denominator, certificate=certificate, feedback=None,
+            sample_time=sample_time,
+        )  # fmt: skip
+        return found
 
     @property
     def variable(self) -> Symbol:

@@ -25,9 +25,10 @@ from compensator_theory.polynomials.poly import (
     total,
 )
 from compensator_theory.polynomials.reading import polynomial
-from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
 from compensator_theory.transfer_functions.sample_times import (
+    System,
+    period_in,
     shared_sample_time,
     time_base,
     to_float,
@@ -50,7 +51,7 @@ Operand: TypeAlias = "TransferMatrix | MatrixLike"
 
 
 @dataclass(frozen=True, repr=False)
-class TransferMatrix(ExactValue):
+class TransferMatrix(System):
     r"""A polynomial matrix over one monic polynomial.
 
     .. math:: G = \frac{1}{D}\begin{bmatrix} N_{11} & \cdots \\ \vdots & \ddots \end{bmatrix}
@@ -63,8 +64,8 @@ class TransferMatrix(ExactValue):
         Not zero; everything is divided by its leading coefficient.
     certificate : Certificate, optional
         The identity that a conversion checked.
-    sample_time : Rational, optional
-        In seconds, where it was read from a system that has one.
+    sample_time : number, optional
+        As of :class:`TransferFunction`.
 
     Raises
     ------
@@ -97,7 +98,7 @@ class TransferMatrix(ExactValue):
     numerators: Rows
     denominator: Poly
     certificate: Certificate | None = field(default=None, compare=False)
-    sample_time: Rational | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
 
     def __post_init__(self) -> None:
         rows = self.numerators
@@ -108,6 +109,20 @@ class TransferMatrix(ExactValue):
         object.__setattr__(
             self, "numerators", tuple(tuple(entry.numerator for entry in row) for row in entries)
         )
+        object.__setattr__(self, "sample_time", period_in(self.variable, self.sample_time))
+
+    @classmethod
+    def _of_monic(
+        cls, numerators: Rows, denominator: Poly, certificate: Certificate | None,
+        sample_time: Rational | None,
+    ) -> TransferMatrix:  # fmt: skip
+        """Return N/D of canonical polynomials, D monic: nothing is looked at again."""
+        found = object.__new__(cls)
+        vars(found).update(
+            numerators=numerators, denominator=denominator, certificate=certificate,
+            sample_time=sample_time,
+        )  # fmt: skip
+        return found
 
     @property
     def variable(self) -> Symbol:
@@ -121,11 +136,8 @@ class TransferMatrix(ExactValue):
 
     def __getitem__(self, index: tuple[int, int]) -> TransferFunction:
         row, column = index
-        return TransferFunction(
-            self.numerators[row][column],
-            self.denominator,
-            self.certificate,
-            sample_time=self.sample_time,
+        return TransferFunction._of_monic(
+            self.numerators[row][column], self.denominator, self.certificate, self.sample_time
         )
 
     def scalar(self) -> TransferFunction:

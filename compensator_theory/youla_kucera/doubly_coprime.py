@@ -149,6 +149,7 @@ def doubly_coprime_fractions(
         K.col_join(in_lowest_terms(C + D * K)),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), D.row_join(eye_p)),
         s,
+        given.sample_time,
     )
     second = transfer_matrix_of_realisation(
         left,
@@ -156,6 +157,7 @@ def doubly_coprime_fractions(
         K.col_join(C),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), (-D).row_join(eye_p)),
         s,
+        given.sample_time,
     )
     M_r, U_r, N_r, V_r = _blocks(first, m)
     V_l, minus_U_l, minus_N_l, M_l = _blocks(second, m)

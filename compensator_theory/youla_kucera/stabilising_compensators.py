@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
@@ -167,13 +167,10 @@ class StabilisingCompensators(ExactValue):
         """
         f = self.fractions
         p, m = f.N_r.shape
-        from_signals = TransferMatrix(
-            tuple(x + y for x, y in zip(f.M_l.numerators, f.N_l.numerators, strict=True)),
-            f.M_l.denominator,
-            sample_time=self.plant.sample_time,
-        )
-        central = TransferMatrix(f.V_r.numerators + f.U_r.numerators, f.V_r.denominator)
-        to_signals = TransferMatrix(f.N_r.numerators + f.M_r.numerators, f.N_r.denominator)
+        beside = tuple(x + y for x, y in zip(f.M_l.numerators, f.N_l.numerators, strict=True))
+        from_signals = replace(f.M_l, numerators=beside)
+        central = replace(f.V_r, numerators=f.V_r.numerators + f.U_r.numerators)
+        to_signals = replace(f.N_r, numerators=f.N_r.numerators + f.M_r.numerators)
         constant = sympy.diag(sympy.zeros(p, p), identity_matrix(m))
         return AffineMap(
             (central @ from_signals + constant).reduced(),

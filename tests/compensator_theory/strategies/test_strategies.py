@@ -104,7 +104,7 @@ def test_spectra_lie_where_they_should(strategy, time, real_roots):
     @given(strategy(4, real_roots))
     def check(roots):
         assert len(roots) == 4
-        assert decide_stability(polynomial_from_roots(roots, "s"), time=time).is_stable
+        assert decide_stability(polynomial_from_roots(roots, "x"), time=time).is_stable
         has_real = any(root.is_real for root in roots)
         assert real_roots is None or has_real == real_roots
 

@@ -121,7 +121,7 @@ def test_with_a_nonsingular_e_it_is_a_realisation(data):
     E = data.draw(unimodular_matrices(n))
     A, B, C = (drawn_matrix(data.draw, *shape) for shape in ((n, n), (n, 1), (1, n)))
     system = DescriptorSystem(E, A, B, C, variable="z", sample_time=Rational(1, 10))
-    plain = Realisation(E.inv() * A, E.inv() * B, C, None, "z")
+    plain = Realisation(E.inv() * A, E.inv() * B, C, None, "z", sample_time="1/10")
     assert system.index == 0 and system.is_impulse_free
     assert system.transfer_function() == plain.transfer_function()
     assert system.transfer_function().sample_time == Rational(1, 10)

@@ -31,7 +31,7 @@ def test_the_answer_depends_on_the_time():
 @pytest.mark.parametrize(
     ("function", "options"),
     [
-        (exact.count_roots, {"time": "continuous"}),
+        (exact.count_roots, {"time": "discrete"}),
         (exact.locate_roots, {"time": "discrete"}),
         (exact.decide_stability, {"time": "discrete"}),
         (exact.roots.number_of_real_roots, {}),

@@ -1,5 +1,8 @@
 """What is read at a sample time keeps it, whatever is made of it, and goes out with it."""
 
+import dataclasses
+import inspect
+
 import control
 import numpy as np
 import pytest
@@ -8,6 +11,7 @@ from sympy import Rational
 
 import compensator_theory as c
 from compensator_theory import InputError
+from tests.support.public import public_objects
 
 T = 0.01
 PERIOD = Rational(1, 100)
@@ -23,28 +27,22 @@ def mimo(period=T):
 
 G, P = c.transfer_function(siso()), c.transfer_matrix(mimo())
 R, S = c.realisation(mimo()), c.standard_problem(siso())
-PLACED = c.place_poles(G, ["0", "0.1", "0.2"], feedback=-1)
 FAMILY = c.place_poles(G, [0] * 5, 3, feedback=-1)
+READERS = [c.transfer_function, c.transfer_matrix, c.realisation]
 MADE = {
     "sum": G + 1, "from the right": 2 / (G - "1/z"), "power": -(G**-2),
-    "reduced": (G / G).reduced(),
-    "subs": ("a" * G).subs({"a": 2}), "closed": c.feedback_connection(G, "1/2", feedback=-1),
+    "reduced": (G / G).reduced(), "subs": ("a" * G).subs({"a": 2}),
     "composed": c.transfer_function("1/(s + 1)").compose(G),
-    "sensitivity": c.sensitivity_function(G, "1/2", feedback=-1),
     "dlti": c.transfer_function(scipy.signal.dlti([1], [1, 0.5], dt=T)),
     "zpk": c.transfer_function(scipy.signal.ZerosPolesGain([0.1], [0.5], 2, dt=T)),
-    "compensator": PLACED.compensator, "placement": PLACED,
-    "family": FAMILY.member([c.exact_number(2)] * len(FAMILY.homogeneous)),
     "entry": P[0, 1], "matrix": P, "matrices": (P @ P + P.T - [[1, 0], [0, 1]]) * "z",
     "inverse": P.inverse(), "rows": c.transfer_matrix([[G, "1/z"]]),
     "state space": R, "basis": R.in_basis([[1, 1], [0, 1]]), "dual": R.dual(),
     "series": R @ R - R, "loop": R.feedback_with(R, feedback=-1), "map": R.transfer_matrix(),
-    "minimal": c.minimal_realisation(P).realisation, "controllable": c.realisation(G),
-    "minimal part": c.minimal_realisation(R @ R).realisation,
-    "matrix placement": c.place_matrix_poles(mimo(), [[0, 0, 0]] * 2, 2, feedback=-1).compensator,
-    "problem": S, "servo": c.servo_problem(siso()), "G_zu": S.G_zu,
-    "intercalated": c.intercalated_transfer_function(S, "z", "z**2"),
-    "stabilising": c.stabilising_compensators(mimo(), [0, 0], [0, 0], feedback=-1).compensator(),
+    "problem": S, "G_zu": S.G_zu,
+    "placement": c.place_poles(G, ["0", "0.1", "0.2"], feedback=-1),
+    "family": FAMILY.member([c.exact_number(2)] * len(FAMILY.homogeneous)),
+    **{f"{read.__name__} of a text": read("1/(z - 2)", sample_time=T) for read in READERS},
 }  # fmt: skip
 
 
@@ -52,6 +50,7 @@ MADE = {
 def test_the_sample_time_is_kept_and_goes_out(name):
     made = MADE[name]
     assert getattr(made, "sample_time", PERIOD) == PERIOD
+    assert getattr(made, "time", "discrete") == "discrete"
     assert made.to_control().dt == T
     assert made.to_control(0.5).dt == 0.5
 
@@ -94,3 +93,150 @@ def test_what_goes_out_has_the_response_of_what_came_in(made):
 
 def test_a_static_gain_goes_out():
     assert c.realisation("3", "z").to_control().D == [[3.0]]
+
+
+# ---- every public function that takes a system
+Q, D = c.observer_based_compensator(G, [0, "1/2"], [0, "1/3"]).compensator, c.standard_problem(G)
+K = c.transfer_function("1/(z + 1/4)", sample_time=T)
+ALONE = {
+    "canonical": G, "closed_loop_polynomial": (D, "1", "z"),
+    "closed_loop_transfer_matrix": (D, "1", "z"),
+    "closed_loop_zero_polynomial": (D, "1", "z", 0, 0),
+    "control_perturbation_transfer_function": (D, "1", "z"),
+    "control_perturbation_transfer_matrix": (D, "1", "z"), "controlled_invariant_subspaces": G,
+    "coprime_fractions": G, "decentralised_fixed_modes": (R, [((0,), (0,)), ((1,), (1,))]),
+    "decide_bounded_real": G, "decide_positive_real": G, "decide_strong_stabilisability": G,
+    "decouple": (R, ["z", "z"]), "decouple_disturbance": (G, [[0], [1]]),
+    "descriptor_realisation": G, "doubly_coprime_fractions": (G, [0, 0], [0, 0]),
+    "functional_observer": (G, [[1, 0]], [0]), "gramians": G, "h_infinity_norm": G,
+    "hankel_matrix": (G, 2, 2), "high_authority_target": D, "input_decoupling_zeros": G,
+    "interactor": R, "intercalated_transfer_function": (D, "1", "z"),
+    "intercalated_transfer_matrix": (D, "1", "z"), "invariant_zeros": G,
+    "kalman_decomposition": G, "laurent_expansion": (G, 0, 3), "lqg_controller": D, "lqg_poles": D,
+    "lqg_problem": (R, *[np.eye(2, dtype=int)] * 4), "markov_parameters": (G, 3),
+    "mcmillan_degree": G, "minimal_realisation": G,
+    "observer_based_compensator": (G, [0, 0], [0, 0]), "output_decoupling_zeros": G,
+    "partial_fractions": G, "place_matrix_poles": (P, [[0, 0, 0]] * 2, 2),
+    "place_poles": (G, [0, 0, 0]), "realisation": G, "reduced_order_observer": (G, [0]),
+    "servo_problem": G, "smith_mcmillan_form": G,
+    "solve_regulator_equations": (G, [[1]], [[-1]]),
+    "stabilising_compensators": (G, [0, 0], [0, 0]), "stabilising_gains": G,
+    "stable_compensator": c.transfer_function("(z - 3)/(z**2 - 4)", sample_time=T),
+    "standard_problem": G, "target_characteristic_polynomial": (D, 2, "1/z"),
+    "transfer_function": G, "transfer_matrix": G, "transmission_zeros": G,
+}  # fmt: skip
+TOGETHER = {
+    "closed_loop_matrix": K, "compensator_from_sensitivity": c.sensitivity_function(
+        G, K, feedback=-1), "decide_simultaneous_stabilisability": K, "feedback_connection": K,
+    "is_lqg_suboptimal": K, "observer_forms": Q, "pair_is_observer_based": K,
+    "realisation_is_observer_based": Q, "root_locus": K, "sensitivity_function": K,
+    "stabilising_gains": K, "stability_margins": K, "transfer_function_is_observer_based": K,
+    "youla_forms": c.transfer_function("1/(z**3 + 1/4)", sample_time=T),
+}  # fmt: skip
+OF_CONTINUOUS_TIME = {"first_order_hold", "high_authority_limits", "matched", "tustin",
+                      "zero_order_hold"}  # fmt: skip
+DIRECTIONS = {"direction_residual"}  # its G_f is evaluated at a number, whatever time is
+PUBLIC = public_objects("compensator_theory")
+SYSTEMS = (c.TransferFunction, c.TransferMatrix, c.Realisation, c.DescriptorSystem,
+           c.StandardProblem)  # fmt: skip
+
+
+def called(name, *arguments):
+    function = PUBLIC[name]
+    sign = {"feedback": -1} if "feedback" in inspect.signature(function).parameters else {}
+    if name in ("observer_forms", "realisation_is_observer_based"):
+        sign = {}  # that of the compensator
+    return function(*arguments, **sign)
+
+
+def systems_in(result, depth=4):
+    """All that a result holds or makes without being asked anything."""
+    if isinstance(result, SYSTEMS):
+        yield result
+    elif depth and isinstance(result, tuple | list):
+        for part in result:
+            yield from systems_in(part, depth - 1)
+    elif depth and dataclasses.is_dataclass(result):
+        for name in dir(type(result)):
+            if name.startswith("_") or name in ("certificate", "is_verified", "to_control", "plot"):
+                continue
+            part = getattr(result, name)
+            if inspect.ismethod(part):
+                asked = inspect.signature(part).parameters.values()
+                if any(one.default is one.empty for one in asked):
+                    continue
+                part = part()
+            yield from systems_in(part, depth - 1)
+        for one in dataclasses.fields(result):
+            yield from systems_in(getattr(result, one.name), depth - 1)
+
+
+def test_every_public_function_that_takes_a_system_is_below():
+    kinds = (*(cls.__name__ for cls in SYSTEMS), "RealisationLike", "LoopPart")
+    reads = {
+        name
+        for name, one in PUBLIC.items()
+        if inspect.isfunction(one)
+        and any(k in str(p.annotation) for p in inspect.signature(one).parameters.values()
+                for k in kinds)
+    }  # fmt: skip
+    assert reads == {*ALONE, *TOGETHER, *OF_CONTINUOUS_TIME, *DIRECTIONS}
+
+
+@pytest.mark.parametrize("name", sorted({*ALONE, *TOGETHER}))
+def test_whatever_is_made_of_a_sampled_system_is_sampled(name):
+    results = []
+    if name in ALONE:
+        given = ALONE[name]
+        results.append(called(name, *(given if isinstance(given, tuple) else (given,))))
+    if name in TOGETHER:
+        results.append(called(name, G, TOGETHER[name]))
+    for found in systems_in(results):
+        assert (found.sample_time, found.time) == (PERIOD, "discrete")
+
+
+@pytest.mark.parametrize("name", sorted(TOGETHER))
+def test_what_belongs_to_another_time_is_not_joined(name):
+    other = TOGETHER[name]
+    later = dataclasses.replace(other, sample_time="1/50")
+    with pytest.raises(InputError, match="sampled every 1/100 s and 1/50 s cannot be joined"):
+        called(name, G, later)
+    with pytest.raises(InputError, match=r"in (the variable )?z and .* in s"):
+        called(name, G, "1/(s + 1)**3")
+
+
+@pytest.mark.parametrize("name", sorted(OF_CONTINUOUS_TIME))
+def test_what_asks_for_continuous_time_refuses_another_by_name(name):
+    with pytest.raises(InputError, match="discrete"):
+        called(name, D if name == "high_authority_limits" else G)
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_a_foreign_system_knows_its_time(read):
+    for system in (siso(), scipy.signal.dlti([1], [1, 0.5], dt=T), control.tf([1], [1, 2], True)):
+        with pytest.raises(InputError, match="not s; leave variable out"):
+            read(system, "s")
+        assert read(system, "q").time == "discrete"
+    for system in (siso(0), scipy.signal.lti([1], [1, 2])):
+        with pytest.raises(InputError, match="not z; leave variable out"):
+            read(system, "z")
+    assert read(control.tf([1], [1, 2], None), "z").time == "discrete"
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_a_sample_time_is_a_positive_number_of_discrete_time(read):
+    assert read(siso(), sample_time="0.01") == read(siso())
+    assert read("1/z", sample_time=T) != read("1/z")
+    for wrong, given in (("1/s", T), ("1/z", 0), ("1/z", "h"), ("1/x", T), (siso(), 0.02)):
+        with pytest.raises(InputError):
+            read(wrong, sample_time=given)
+
+
+def test_time_is_named_where_the_variable_does_not_show_it_and_has_to_agree_elsewhere():
+    for decide in (c.count_roots, c.locate_roots, c.decide_stability, c.spectral_factor):
+        assert decide("z - 1/3") == decide("z - 1/3", time="discrete")
+        with pytest.raises(InputError, match="z means discrete time"):
+            decide("z - 1/3", time="continuous")
+        with pytest.raises(InputError, match="x does not show the time domain"):
+            decide("x + 2")
+    assert c.transfer_function("1/(x + 1)").time is None
