@@ -18,7 +18,7 @@ from rcac_numeric.targets.zero_directions import (
 
 POLES = 15.0  # steps: the two time constants of the target
 WAITS, LEAST_WAIT = 5, 50  # times the longest filter, and steps
-SCALAR, SEVERAL = 1.0, 0.1  # R_theta over the square of H, signals in units of their size
+SCALAR, SEVERAL = 1.0, 10.0  # R_theta over the square of H, signals in units of their size
 
 
 def cold_start(
@@ -29,7 +29,7 @@ def cold_start(
 
     One input and output: the target has two poles exp(-1/15) and the NMP zeros, n_c = order + d_zu
     + 1, R_theta = (H u)^2 for the coefficients of past u and (H y)^2 for those of past y. Several:
-    `zero_direction_target`, n_c = order + 2, 0.1 norm(H)^2 in the place of H^2. A plant that is
+    `zero_direction_target`, n_c = order + 2, 10 norm(H)^2 in the place of H^2. A plant that is
     stable by itself is watched for 5 max(n_c, n_f) steps, at least 50, before RCAC takes it over:
     what acts on it fills the regressor.
 

@@ -250,7 +250,7 @@ def test_a_cold_start_with_directions():
     powers = 1.5 ** -np.arange(len(made.target.numerator), dtype=float)
     blocked = eta @ np.tensordot(powers, made.target.numerator, 1)
     assert np.allclose(blocked, 0, atol=1e-12)
-    assert made.structure == iir(6, 2, 2) and np.allclose(made.update.R_theta, 0.4 * np.eye(48))
+    assert made.structure == iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
     with pytest.raises(InputError, match="no modelling information"):
         cold_start("1/(s + 1)", order=1, stable=True)
     with pytest.raises(InputError, match="size of a signal"):
