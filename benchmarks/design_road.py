@@ -47,7 +47,7 @@ from rcac_numeric.synthesis.reference import reference_loop
 from rcac_numeric.synthesis.road import settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import FIXED, RCAC, Trials, measured
-from rcac_numeric.targets import modelling_information
+from rcac_numeric.targets import direction_information, modelling_information
 
 STEPS, DRAWS = 2000, 3
 KINDS = ("stable", "lightly damped", "integrating", "unstable", "nonminimum phase", "stable")
@@ -215,6 +215,11 @@ def controllers(model, known, size):
             made.setdefault(f"fixed, {name}", str(error))
             made[f"road, {name}"] = made[f"verdict, {name}"] = str(error)
     if model.m > 1:
+        try:
+            told = direction_information(model.servo())
+            made["cold_start"] = cold_start(told, order=len(model.A), stable=model.is_stable)
+        except CompensatorError as error:
+            made["cold_start"] = str(error)
         return made
     try:
         made["SIMC"] = simc(model)
@@ -341,8 +346,9 @@ def several(count=40, first=450_000):
     start = time.perf_counter()
     plants = [(f"{first + i}", *random_plant_of_several(first + i)) for i in range(count)]
     results = [judged(G, 1.0, late, int(name)) for name, _, G, late in plants]
-    table(results, "two and three inputs and outputs", WAYS[:6], (*TRUE, ONE_INPUT[0]))
-    for way in WAYS[:6]:
+    ways = (*WAYS[:6], "cold_start")  # of the zero directions
+    table(results, "two and three inputs and outputs", ways, (*TRUE, ONE_INPUT[0]))
+    for way in ways:
         failures(results, [f"{name} {kind}" for name, kind, *_ in plants], way)
     print(f"{time.perf_counter() - start:.0f} s")
 

@@ -86,7 +86,9 @@ class ControllerSettings(Value):
         the filter form.
     k_w : int, optional
         First step with u = Phi theta; u = 0 before. max(n_c, n_f) by default, and at least that
-        where the update begins with it.
+        where the update begins with it: as the text runs its examples, not the best there is. From
+        theta(0) = 0 with a plant that stays where it is, five times that is safer (`cold_start`);
+        a theta(0) that is a controller has k_w = 0 (`design`).
     k_update : int, optional
         First step of the update; k_w by default. With ``k_w=0`` and a k_update of at least
         max(n_c, n_f) the controller theta_0 has the loop from its first step on, as one that is

@@ -23,7 +23,7 @@ from rcac_numeric.identification.prediction_error import (
     answers,
     identify_in_closed_loop,
 )
-from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, balanced
+from rcac_numeric.synthesis.plants import LOW, DesignPlant, Uncertainty, balanced
 from rcac_numeric.synthesis.reference import sensitivity_peak
 
 PARTS = 3  # of the log, in each of which the model is fitted again
@@ -47,8 +47,8 @@ class LoggedPlant(Value):
     model : OutputErrorModel or PredictionErrorModel
         The latter where u answered to y.
     parts : tuple of DesignPlant or None
-        Of the same order and delay, each fitted to one third of the log; None where that third
-        shows nothing.
+        Of the same delay, each fitted to one third of the log, of at most the same order: a third
+        may support less. None where it shows nothing.
     noise : float
         Standard deviation of what of the residual is white at most, in units of y.
     disturbance : float
@@ -70,12 +70,14 @@ class LoggedPlant(Value):
 
     @property
     def gains(self) -> tuple[float, ...]:
-        """Gain of each part over that of the whole; negative where it has another sign."""
-        return tuple(
-            (1 if part.sign == self.plant.sign else -1) * part.low_gain / self.plant.low_gain
-            for part in self.parts
-            if part is not None
-        )
+        """Gain of each part over that of the whole; negative where it has another sign.
+
+        At 0.02 rad/step: at rest a pole and a zero that all but cancel there, which fit the noise,
+        may turn the sign of a part.
+        """
+        whole = self.plant.response(LOW).item()
+        ratios = [part.response(LOW).item() / whole for part in self.parts if part is not None]
+        return tuple(float(np.copysign(abs(one), one.real)) for one in ratios)
 
     @property
     def integrates(self) -> bool:
@@ -200,7 +202,7 @@ def plant_from_log(
     parts: list[DesignPlant | None] = []
     for u, y in zip(np.array_split(log.u, PARTS), np.array_split(log.y, PARTS), strict=True):
         try:
-            parts.append(_plant_of(_again(model, u, y), sample_time))
+            parts.append(_plant_of(_again(model, u, y, least=1), sample_time))
         except InputError:
             parts.append(None)
     e = model.residual
@@ -211,12 +213,15 @@ def plant_from_log(
     return LoggedPlant(plant, model, tuple(parts), noise, size, limits, held_out)
 
 
-def _again(model: LogModel, u: Array, y: Array, integrators: int | None = None) -> LogModel:
-    """A model of the same order, delay and kind of another record."""
+def _again(
+    model: LogModel, u: Array, y: Array, integrators: int | None = None, least: int | None = None
+) -> LogModel:
+    """A model of the same delay and kind of another record, and of its order, or a lower one."""
     is_closed = isinstance(model, PredictionErrorModel)
     identify = identify_in_closed_loop if is_closed else identify_output_error
     poles = model.integrators if integrators is None else integrators
-    return identify(u, y, orders=(model.order,), delays=(model.delay,), integrators=(poles,))
+    orders = range(model.order if least is None else max(least, poles), model.order + 1)
+    return identify(u, y, orders=orders, delays=(model.delay,), integrators=(poles,))
 
 
 def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:

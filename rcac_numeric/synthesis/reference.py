@@ -246,7 +246,8 @@ class Ladder:
     def best(self) -> Reference:
         """The controller of nearly the least error whose loop is robust, else the most robust one.
 
-        Of those within a tenth of the least error the one with the least u is taken.
+        Of those within a tenth of the least error the one with the least u is taken; with limits
+        of u, unless runs with them say otherwise.
 
         Raises
         ------
@@ -259,8 +260,9 @@ class Ladder:
         found = [one for one in found if np.isfinite(one[0].peak)]
         obstacle = ""
         found.sort(key=lambda one: (one[0].order, *one[1:]))
-        limited = self.saturation is not None
-        found = self._by_runs(found, rungs) if limited else _calmest_first(found)
+        found = _calmest_first(found)
+        if self.saturation is not None:
+            found = self._by_runs(found, rungs)
         for judged, R_2, V_2 in found:
             try:
                 noise = {**self.noise, "v": V * V_2}

@@ -59,8 +59,8 @@ class PriorSamples(Value):
     Parameters
     ----------
     samples : float
-        100 where little is known of the signals, 1000 where they are as recorded; 1 lets the first
-        ones decide.
+        For a theta(0) that is a controller: 100 where little is known of the signals, 1000 where
+        they are as recorded; 1 lets the first ones decide. From theta(0) = 0 see `cold_start`.
     y : float, array of sizes, or record of shape (steps,) or (steps, l_y)
         Root mean square of each measurement; or a record of the loop with theta(0).
     u, r : the same, optional

@@ -77,7 +77,9 @@ class UD(RecursiveLeastSquares):
     ----------
     R_theta : float, array of shape (l_theta, l_theta), or PriorSamples
         Weight of theta - theta(0) in (2.41); P(0) is its inverse. A number stands for that
-        multiple of the identity, and is in the units of z, u and y; `PriorSamples` is not.
+        multiple of the identity, and is in the units of z, u and y; `PriorSamples` is not. No
+        value is right for all plants, so none is the default: `design` makes one of a model or a
+        log, `cold_start` of what else is known.
     lambda_ : float, or a Forgetting
         Forgetting factor, in (0, 1]; or ScheduledForgetting, VariableRateForgetting,
         SubspaceForgetting, CappedForgetting. With a number below 1 P grows without bound while the

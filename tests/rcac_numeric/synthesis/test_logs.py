@@ -197,3 +197,14 @@ def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
 def test_its_file_says_the_same(found, tmp_path):
     found.save(tmp_path / "log.toml")
     assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
+
+
+def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel_at_rest():
+    """What fits the drift of the noise turns the sign at rest, and nothing at 0.02 rad/step."""
+    lag, of_noise = "-0.1/(q - 0.9)", "(q - 1.0001)/(q - 0.9999)"
+    whole = read_plant(lag, None, 0)
+    part = read_plant(f"{lag}*{of_noise}", None, 0)
+    assert (whole.sign, part.sign) == ("-", "+")
+    shown = plant_from_log(log_of(400, noise=0.0))
+    (gain,) = replace(shown, plant=whole, parts=(part,)).gains
+    assert gain == pytest.approx(1.0, abs=0.02)

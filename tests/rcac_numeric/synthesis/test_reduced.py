@@ -229,13 +229,20 @@ def test_what_to_use_runs_on_a_device():
 # Without a model.
 
 
-def test_a_cold_start_is_in_units_of_H():
-    one, other = (
-        cold_start(ModellingInformation(2, H, [1.3]), order=3, stable=True) for H in (1.0, -1e-3)
-    )
-    assert other.update.R_theta == pytest.approx(1e-6 * one.update.R_theta)
-    assert np.allclose(other.target.numerator, -1e-3 * one.target.numerator)
+@given(u=st.floats(-6, 6), y=st.floats(-6, 6))
+def test_a_cold_start_is_the_same_in_any_units(u, y):
+    """Theta of y has the unit u/y, and what it makes of z that of y."""
+    u, y = 10.0**u, 10.0**y
+    one = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=True)
+    other = cold_start(ModellingInformation(2, y / u, [1.3]), order=3, stable=True, u=u, y=y)
+    by = np.repeat([1.0, u / y], 6)
+    R_theta = other.update.R_theta * np.outer(by, by) / y**2
+    assert np.allclose(R_theta, one.update.R_theta)
+    assert np.allclose(other.target.numerator, y / u * one.target.numerator)
     assert one.structure.n_c == 6 and one.k_w == 50
+
+
+def test_a_cold_start_of_an_unstable_plant_does_not_wait():
     unstable = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=False)
     assert unstable.k_w == 6
 
@@ -247,6 +254,8 @@ def test_a_cold_start_with_directions():
     powers = 1.5 ** -np.arange(len(made.target.numerator), dtype=float)
     blocked = eta @ np.tensordot(powers, made.target.numerator, 1)
     assert np.allclose(blocked, 0, atol=1e-12)
-    assert made.structure == iir(6, 2, 2) and made.update.R_theta == pytest.approx(0.4)
+    assert made.structure == iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
     with pytest.raises(InputError, match="no modelling information"):
         cold_start("1/(s + 1)", order=1, stable=True)
+    with pytest.raises(InputError, match="size of a signal"):
+        cold_start(known, order=4, stable=True, u=0.0)
