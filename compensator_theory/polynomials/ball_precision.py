@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import flint
 
 from compensator_theory.errors import InputError, PrecisionError
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import is_integer, shown
 
 
 class _Turn:
@@ -64,7 +64,7 @@ def ball_precision(bits: int) -> Iterator[None]:
     >>> third.rel_accuracy_bits() >= 126
     True
     """
-    if isinstance(bits, bool) or not isinstance(bits, int) or bits < 2:
+    if not is_integer(bits) or bits < 2:
         raise InputError(f"a precision of {shown(bits)} bits; give an integer of at least 2")
     with _turn.lock:
         before, holder = flint.ctx.prec, _turn.holder

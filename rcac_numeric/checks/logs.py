@@ -71,8 +71,8 @@ class ControllerLog(Value):
     def __attrs_post_init__(self) -> None:
         keep = partial(object.__setattr__, self)
         steps = 0
-        for name in SIGNALS:
-            value = getattr(self, name)
+        signals = self.u, self.y, self.z, self.w, self.r
+        for name, value in zip(SIGNALS, signals, strict=True):
             if value is None and name in ("u", "y"):
                 raise InputError(f"{self.source}: the signal {name} is needed.")
             signal = None if value is None else self._signal(name, value)
@@ -85,8 +85,8 @@ class ControllerLog(Value):
             keep(name, signal)
         if self.theta is not None:
             keep("theta", self._coefficients(self.theta, steps))
-        for name in ("D_c", "N_c"):
-            if (value := getattr(self, name)) is not None:
+        for name, value in (("D_c", self.D_c), ("N_c", self.N_c)):
+            if value is not None:
                 keep(name, self._polynomial(name, value))
 
     @property

@@ -225,7 +225,7 @@ class PreparedRun:
             saturation=self.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
-            failure=self._failures.words or getattr(self._loop, "failure", ""),
+            failure=self._failures.words or self._failure_of_controller,
             changes=tuple(self.changes),
             D_f=self._fitted(outcome),
             supervision=self._noted(),
@@ -246,6 +246,10 @@ class PreparedRun:
         if isinstance(self._loop, StepwiseLoop):
             return self._loop.resumes and not self._loop.in_step
         return not (stopped and self._failures.guards_something)
+
+    @property
+    def _failure_of_controller(self) -> str:
+        return self._loop.failure if isinstance(self._loop, StepwiseLoop) else ""
 
     def _name_of(self, outcome: int) -> str:
         if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:

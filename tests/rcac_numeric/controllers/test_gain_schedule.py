@@ -8,12 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric import (
     Compensator,
     FixedController,
+    FunctionPlant,
     GainSchedule,
     Levels,
+    RunInterrupted,
     Saturation,
     SimulationCase,
     Step,
@@ -153,6 +155,26 @@ def test_a_run_is_resumed_shown_and_healthy(tmp_path):
         frozen_twin(whole, 10)
     with pytest.raises(InputError, match="which only `simulate` runs"):
         simulate_many([SimulationCase(PLANT, scheduled(), w)])
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, ZeroDivisionError])
+def test_a_run_that_is_stopped_in_a_function_keeps_the_steps_before(raised):
+    def output(k, x, w):
+        if k == 5:
+            raise raised
+        return x, x
+
+    plant = FunctionPlant(
+        advance=lambda k, x, u, w: 0.5 * x + u + w, output=output, n=1, l_u=1, l_w=1, l_y=1, l_z=1
+    )
+    table = [of_error(0.001), of_error(0.002)]
+    fixed = Compensator(table[0].past_u, table[0].past_y[:, :, :1])
+    with pytest.raises((RunInterrupted, FunctionFailedError)) as stopped:
+        simulate(plant, GainSchedule([0, 1], [fixed, fixed]), np.ones((20, 1)))
+    run = stopped.value.run
+    assert run.steps == 5 and run.state is None
+    assert run.outcome == ("interrupted" if raised is KeyboardInterrupt else "plant failed")
+    assert ("ZeroDivisionError" in run.failure) == (raised is ZeroDivisionError)
 
 
 def test_beside_a_device_it_copies_and_hears_what_was_applied():
