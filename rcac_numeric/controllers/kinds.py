@@ -25,7 +25,8 @@ def iir(n_c: int, l_u: int = 1, l_y: int = 1, k_c: int = 1) -> Structure:
     Parameters
     ----------
     n_c : int
-        Order, at least 1.
+        Order, at least 1: that of a plant with its dead time places every pole, an integrator for
+        the disturbance takes one more, and what is beyond costs robustness.
     l_u, l_y : int
         Number of control inputs and of measurements.
     k_c : int
