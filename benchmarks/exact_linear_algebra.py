@@ -36,6 +36,7 @@ from statistics import median
 import flint
 import sympy
 from sympy import QQ
+from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.normalforms import smith_normal_decomp
 
 from compensator_theory import (
@@ -51,7 +52,7 @@ from compensator_theory import (
     solve_lyapunov,
 )
 from compensator_theory.bezout import number_of_common_roots, sylvester_m
-from compensator_theory.canonical_forms import smith_form
+from compensator_theory.canonical_forms import kronecker_form, smith_form
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.fraction_free import in_symbols
@@ -330,6 +331,13 @@ def symbolic_works(count, rng):
     kalman = sympy.Matrix.hstack(B, A * B)[:, [0, 2, 1]].to_DM().to_field().to_dense()
     yield "Brunovsky form, 3 x 2", {
         "ours": lambda: brunovsky_form(A, B), "sympy": kalman.inv,
+    }  # fmt: skip
+    left, right = A[:2, :], sympy.Matrix(2, 3, lambda *_: rng.randint(-2, 2))
+    over = QQ.frac_field(*symbols)[S]  # SymPy has no form of Kronecker's; Smith's is the nearest
+    rows = [[over.from_sympy(e) for e in row] for row in (S * right - left).tolist()]
+    pencil = DomainMatrix(rows, (2, 3), over)
+    yield "Kronecker form, 2 x 3", {
+        "ours": lambda: kronecker_form(left, right), "sympy": lambda: smith_normal_decomp(pencil),
     }  # fmt: skip
     square = A.to_DM().to_dense()
     yield "characteristic polynomial", {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sized
 
+import flint
 import sympy
-from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
-from sympy.polys.matrices import DomainMatrix
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.flint_matrices import from_flint
 from compensator_theory.polynomials.budget import ask, integer, shown
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, is_list
 
@@ -243,9 +244,9 @@ def _shifts(column: list[Expr], count: int, offset: int) -> list[dict[int, Expr]
 def _from_columns(columns: list[dict[int, Expr]], rows: int) -> ImmutableMatrix:
     shape = (rows, len(columns))
     if all(entry.is_Rational for column in columns for entry in column.values()):
-        by_row: dict[int, dict[int, object]] = {}  # SymPy is slow at reading entry by entry
+        entries = [flint.fmpq()] * (rows * len(columns))
         for j, column in enumerate(columns):
             for i, entry in column.items():
-                by_row.setdefault(i, {})[j] = QQ(int(entry.p), int(entry.q))
-        return DomainMatrix(by_row, shape, QQ).to_Matrix().as_immutable()
+                entries[i * len(columns) + j] = flint.fmpq(int(entry.p), int(entry.q))
+        return from_flint(flint.fmpq_mat(*shape, entries))
     return ImmutableMatrix(*shape, lambda i, j: columns[int(j)].get(int(i), sympy.S.Zero))

@@ -242,6 +242,8 @@ def _count_in_balls(poly: Poly) -> RootCount | None:
     unstable = _unstable_in_balls(whole // common)
     if unstable is None:
         return None
+    if common.degree() == 0:
+        return RootCount(int(poly.degree()) - unstable, 0, unstable)
     symmetric = from_flint_polynomial(flint.fmpq_poly(common), poly.gen)
     boundary = number_of_real_roots(routh_chain(symmetric)[-1])
     unstable += (int(symmetric.degree()) - boundary) // 2

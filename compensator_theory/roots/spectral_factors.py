@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import flint
-from sympy import Poly, Rational, Symbol
+from sympy import Integer, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
+from compensator_theory.matrices.certificates import Certificate, evaluated
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
@@ -77,6 +78,19 @@ class SpectralFactor(ExactValue):
     def is_rational(self) -> bool:
         """Whether the factor has rational coefficients."""
         return self.polynomial is not None
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """The product of the definition, multiplied out anew; None where it is irrational."""
+        chi = self.polynomial
+        if chi is None:
+            return None
+        mirrored = spectrum_of(chi, self.degree, self.time).mul_ground(self.constant.centre)
+        power = Poly(chi.gen, chi.gen)
+        shift = 0 if self.time == "continuous" else self.degree - self.half
+        sides = [p * power ** max(k, 0) for p, k in ((mirrored, -shift), (self.spectrum, shift))]
+        lacking = Integer(self.degree - int(chi.degree()))
+        return evaluated("c χ χ* = p", [canonical(sides[0] - sides[1]), [lacking]])
 
     @property
     def residual(self) -> tuple[Enclosure, ...]:

@@ -8,12 +8,16 @@ from sympy import QQ, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
-from compensator_theory.loops.siso import require_sign
+from compensator_theory.loops.siso import closed_loop_of_pair, require_sign
+from compensator_theory.matrices.certificates import Certificate, evaluated
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import Time, time_of
-from compensator_theory.roots.counts import count_roots
-from compensator_theory.stabilisation.stable_compensators import search_by_order
+from compensator_theory.polynomials.variables import time_of
+from compensator_theory.stabilisation.stable_compensators import (
+    LOOP,
+    loop_left_over,
+    search_by_order,
+)
 from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
     decide_strong_stabilisability,
@@ -29,6 +33,8 @@ class SimultaneousStabilisability(ExactValue):
 
     Attributes
     ----------
+    plants : tuple of TransferFunction
+        In lowest terms.
     is_stabilisable : bool
         The answer, decided.
     auxiliary : TransferFunction or None
@@ -43,12 +49,22 @@ class SimultaneousStabilisability(ExactValue):
         Why there is no compensator: none exists, or none was found; "" if there is one.
     """
 
+    plants: tuple[TransferFunction, TransferFunction]
     is_stabilisable: bool
     auxiliary: TransferFunction | None
     decision: StrongStabilisability | None
     compensator: TransferFunction | None
     characteristic_polynomials: tuple[Poly, ...]
     reason: str = ""
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """Both loops and the counts of their roots, evaluated anew; None without a compensator."""
+        if self.compensator is None:
+            return None
+        loops = zip(self.plants, self.characteristic_polynomials, strict=True)
+        left = [loop_left_over(plant, self.compensator, loop) for plant, loop in loops]
+        return evaluated(f"{LOOP}, for both plants", [part for parts in left for part in parts])
 
     def __str__(self) -> str:
         if self.compensator is None:
@@ -121,8 +137,8 @@ def decide_simultaneous_stabilisability(
     if plants[1].variable != s:
         raise InputError(f"one plant is in {s} and the other in {plants[1].variable}")
     period = shared_sample_time(*plants)
-    pairs = [_pair(plant) for plant in plants]
-    (n_1, d_1), (n_2, d_2) = pairs
+    reduced = _reduced(plants[0]), _reduced(plants[1])
+    (n_1, d_1), (n_2, d_2) = ((G.numerator, G.denominator) for G in reduced)
     h = Poly(s if time == "discrete" else s + 1, s, domain=QQ)
     size = int(d_1.degree())
     # d_1 v + n_1 u = h^(2 size), deg u < size = deg v
@@ -130,7 +146,7 @@ def decide_simultaneous_stabilisability(
     v = (h ** (2 * size) - n_1 * u).exquo(d_1)
     top, bottom = n_2 * d_1 - n_1 * d_2, d_2 * v + n_2 * u
     if top.is_zero:
-        return _result(True, None, None, pairs, (u, v), feedback, time, period)
+        return _result(True, None, None, reduced, (u, v), feedback, period)
     auxiliary = TransferFunction(canonical(top), canonical(bottom), sample_time=period)
     if auxiliary.numerator.degree() > auxiliary.denominator.degree():
         raise InputError("the auxiliary plant is improper, which strictly proper plants exclude")
@@ -138,7 +154,7 @@ def decide_simultaneous_stabilisability(
     possible = decision.is_strongly_stabilisable
     if not possible:
         return SimultaneousStabilisability(
-            False, auxiliary, decision, None, (), "no compensator stabilises both plants"
+            reduced, False, auxiliary, decision, None, (), "no compensator stabilises both plants"
         )
     size = max(0, auxiliary.reduced().order - 1)
     found = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
@@ -148,42 +164,37 @@ def decide_simultaneous_stabilisability(
             f"auxiliary plant {auxiliary} up to order {size} found none, which is no proof that "
             "there is none: try stable_compensator with a larger max_order"
         )
-        return SimultaneousStabilisability(True, auxiliary, decision, None, (), reason)
+        return SimultaneousStabilisability(reduced, True, auxiliary, decision, None, (), reason)
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
     a, b = found.numerator, found.denominator
     chosen = u * b + d_1 * a, v * b - n_1 * a
-    return _result(True, auxiliary, decision, pairs, chosen, feedback, time, period)
+    return _result(True, auxiliary, decision, reduced, chosen, feedback, period)
 
 
-def _pair(plant: TransferFunction) -> tuple[Poly, Poly]:
+def _reduced(plant: TransferFunction) -> TransferFunction:
     if not plant.is_strictly_proper or plant.numerator.is_zero:
         raise InputError(f"the plant {plant} must be strictly proper and not zero")
     decision = decide_strong_stabilisability(plant)
     if not decision.is_stabilisable:
         raise InputError(f"{decision}; nothing stabilises it")
-    reduced = plant.reduced()
-    return reduced.numerator, reduced.denominator
+    return plant.reduced()
 
 
 def _result(
     answer: bool,
     auxiliary: TransferFunction | None,
     decision: StrongStabilisability | None,
-    pairs: list[tuple[Poly, Poly]],
+    plants: tuple[TransferFunction, TransferFunction],
     compensator: tuple[Poly, Poly],
     feedback: int,
-    time: Time,
     period: Rational | None,
 ) -> SimultaneousStabilisability:
     top, bottom = compensator
     C = TransferFunction(
         canonical(-feedback * top), canonical(bottom), feedback=feedback, sample_time=period
     ).reduced()
-    loops = []
-    for n, d in pairs:
-        loop = canonical(d * C.denominator - feedback * n * C.numerator)
-        location = count_roots(loop, time=time)
-        if location.stable < location.total or not C.is_proper:
-            raise NoSolutionError(f"{C} leaves {loop.as_expr()} unstable; please report it")
-        loops.append(loop)
-    return SimultaneousStabilisability(answer, auxiliary, decision, C, tuple(loops))
+    loops = tuple(closed_loop_of_pair(plant, C, feedback) for plant in plants)
+    found = SimultaneousStabilisability(plants, answer, auxiliary, decision, C, loops)
+    if not C.is_proper or found.certificate is None or not found.certificate.holds:
+        raise NoSolutionError(f"{C} does not stabilise both plants; please report it")
+    return found

@@ -11,11 +11,12 @@ from fractions import Fraction
 from itertools import permutations
 
 import flint
-from sympy import QQ, Poly, Rational, Symbol
+from sympy import QQ, Expr, Integer, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import closed_loop_of_pair, require_sign
+from compensator_theory.matrices.certificates import Certificate, evaluated
 from compensator_theory.polynomial_matrices.rings import RationalRing
 from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
@@ -40,6 +41,7 @@ class StableCompensator(ExactValue):
 
     Attributes
     ----------
+    plant : TransferFunction
     compensator : TransferFunction or None
         Stable and proper; None where none was found, for the reason in `reason`.
     characteristic_polynomial : sympy.Poly or None
@@ -52,11 +54,22 @@ class StableCompensator(ExactValue):
         Why there is none: "" if there is one.
     """
 
+    plant: TransferFunction
     compensator: TransferFunction | None
     characteristic_polynomial: Poly | None
     decision: StrongStabilisability
     searched: int
     reason: str
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """The loop and the counts of roots, evaluated anew; None without a compensator."""
+        if self.compensator is None or self.characteristic_polynomial is None:
+            return None
+        left = loop_left_over(self.plant, self.compensator, self.characteristic_polynomial)
+        own = count_roots(self.compensator.denominator)
+        left.append([Integer(own.total - own.stable)])
+        return evaluated(f"{LOOP}; no root of D_c is", left)
 
     def __str__(self) -> str:
         if self.compensator is None:
@@ -70,6 +83,27 @@ class StableCompensator(ExactValue):
             f"G_c = {latex(self.compensator)}",
             rf"\tilde D = {latex(self.characteristic_polynomial)}",
         )
+
+
+LOOP = "D D_c - f N N_c = D~; no root of D~ is unstable or on the boundary of stability"
+
+
+def loop_left_over(
+    plant: TransferFunction, compensator: TransferFunction, loop: Poly
+) -> list[Poly | list[Expr]]:
+    """Return what `LOOP` says is zero, for a compensator that knows its sign.
+
+    Examples
+    --------
+    >>> from compensator_theory import stable_compensator
+    >>> from compensator_theory.stabilisation.stable_compensators import loop_left_over
+    >>> found = stable_compensator("1/(s - 1)", feedback=-1)
+    >>> loop_left_over(found.plant, found.compensator, found.characteristic_polynomial)
+    [Poly(0, s, domain='QQ'), [0]]
+    """
+    f, roots = compensator.feedback or 1, count_roots(loop)
+    difference = canonical(closed_loop_of_pair(plant, compensator, f) - loop)
+    return [difference, [Integer(roots.total - roots.stable)]]
 
 
 def stable_compensator(
@@ -147,7 +181,7 @@ def search_by_order(
     integer(highest, "max_order", at_least=0)
     ask("degree", highest, "the order of the compensator")
     if not decision.is_strongly_stabilisable:
-        return StableCompensator(None, None, decision, 0, str(decision))
+        return StableCompensator(G, None, None, decision, 0, str(decision))
     gains = intervals_of_gains(G, feedback=feedback)
     if gains.intervals:
         gain = min((cell.sample for cell in gains.intervals), key=lambda k: (abs(k), k))
@@ -178,6 +212,7 @@ def search_by_order(
                 top = ring.write(top * (-feedback))
                 return _found(G, top, candidate, feedback, decision, order)
     return StableCompensator(
+        G,
         None,
         None,
         decision,
@@ -228,7 +263,7 @@ def _found(
         location = count_roots(canonical(poly), time=time)
         if location.stable != location.total:
             raise NoSolutionError(f"{compensator} leaves {location}; please report it")
-    return StableCompensator(compensator, canonical(whole), decision, order, "")
+    return StableCompensator(G, compensator, canonical(whole), decision, order, "")
 
 
 # Candidates for stable compensators of low order: found in floats, handed over as rationals.

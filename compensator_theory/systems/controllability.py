@@ -9,7 +9,6 @@ from typing import Any, Literal
 import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
-from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.echelon import echelon
@@ -69,11 +68,10 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
         return zero_matrix(0, 0)
     if (pair := rational_pair(A, B)) is not None:
         return from_flint(_krylov(*pair).transpose())
-    a, block = DomainMatrix.from_Matrix(A).unify(DomainMatrix.from_Matrix(B), fmt="dense")
-    blocks = [block]
+    blocks = [B]
     for _ in range(A.rows - 1):
-        blocks.append(a * blocks[-1])
-    return ImmutableMatrix(blocks[0].hstack(*blocks[1:]).to_Matrix())
+        blocks.append(multiplied(A, blocks[-1]))
+    return ImmutableMatrix.hstack(*blocks)
 
 
 def rational_pair(A: MatrixLike, B: MatrixLike) -> tuple[flint.fmpq_mat, flint.fmpq_mat] | None:

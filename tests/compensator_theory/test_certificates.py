@@ -6,7 +6,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import compensator_theory as exact
 from compensator_theory import results
+from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.matrices.certificates import Certified
 
 from .samples import SAMPLES
@@ -20,12 +22,11 @@ WITHOUT = {
         PartialFraction PhaseCrossover StabilityCell StabilitySlab UnstableRealZero
         ZeroDirection""",
     "irrational by nature: balls enclose it, and SpectralFactor.residual encloses 0": """
-        HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus SpectralFactor
+        HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus
         StabilityMargins""",
     "a decision by signs or counts, which is no identity": """IntervalStability ObserverDecision
-        PickInterpolation RealnessDecision SimultaneousStabilisability StabilityDecision
-        StabilityDelays StabilityIntervals StabilityRegion StableCompensator
-        StrongStabilisability""",
+        PickInterpolation RealnessDecision StabilityDecision StabilityDelays StabilityIntervals
+        StabilityRegion StrongStabilisability""",
     "its parts have one: the regulator and the estimator": "LQGController",
     "it is both sides of an identity": "PropositionCheck",
     "determinants; the multipliers that would show them in the ideal are not kept": "Subresultants",
@@ -80,3 +81,23 @@ def test_what_was_tampered_with_is_seen(cls, data):
     assert not wrong.is_verified and str(wrong.certificate).endswith("FAILS")
     if cls is results.StateFeedbackFamily:
         assert not results.ObserverGainFamily(wrong).is_verified
+
+
+def test_what_a_search_or_a_factorisation_found_is_held_against_the_question():
+    """A loop that is another one, one that is not stable, and a product that is not the given."""
+    alone = exact.stable_compensator("(s - 2)/(s**2 - 1)", feedback=-1)
+    both = exact.decide_simultaneous_stabilisability("1/(z - 2)", "1/(z - 3)", feedback=-1)
+    chi = exact.spectral_factor("z - 2", "z", 0)
+    unstable = exact.transfer_function("1/(s - 9)")
+    for wrong in (
+        replace(alone, compensator=alone.compensator + 1),
+        replace(alone, plant=unstable,
+                characteristic_polynomial=closed_loop_of_pair(unstable, alone.compensator, -1)),
+        replace(both, plants=both.plants[::-1]),
+        replace(both, characteristic_polynomials=(exact.polynomial("z - 2"),) * 2),
+        replace(chi, polynomial=chi.polynomial + 1), replace(chi, degree=chi.degree + 1),
+    ):  # fmt: skip
+        assert not wrong.certificate.holds
+    assert alone.certificate.holds and both.certificate.holds and chi.certificate.holds
+    assert exact.spectral_factor("z - 2", "z", 3).certificate is None
+    assert exact.stable_compensator("(s - 1)/(s*(s - 2))", feedback=-1).certificate is None

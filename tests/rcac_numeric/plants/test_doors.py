@@ -109,7 +109,7 @@ def test_lqg_of_several_signals_goes_out_with_its_sample_time():
 
 @pytest.mark.exact_data
 def test_target_models_are_built_from_foreign_plants():
-    system, own = control.tf([1, -1.3], [1, -1.1, 0.3], 0.01), standard_plant(
+    system, own = control.tf([1, -1.3], [1, -1.1, 0.3], True), standard_plant(
         "(q - 1.3)/(q**2 - 1.1*q + 0.3)")  # fmt: skip
     for build in (
         fir_target, high_authority_target_model, output_subspace_target, direction_information,
