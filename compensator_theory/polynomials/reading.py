@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence, Set
 from numbers import Number
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import sympy
 from sympy import Expr, Poly, Symbol
@@ -90,8 +90,22 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     return from_coefficients(coefficients, symbol)
 
 
+class HasCharacteristicPolynomial(Protocol):
+    """A system of this package, asked where its poles are."""
+
+    @property
+    def characteristic_polynomial(self) -> Poly:
+        """Whose roots are the poles, hidden ones counted."""
+        ...
+
+
+PolynomialOrSystem: TypeAlias = PolynomialLike | HasCharacteristicPolynomial
+
+
 def polynomial_in_time(
-    obj: PolynomialLike, time: object, variable: str | Symbol | None = None
+    obj: PolynomialOrSystem,
+    time: object,
+    variable: str | Symbol | None = None,
 ) -> tuple[Poly, Time]:
     """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere.
 
@@ -101,6 +115,13 @@ def polynomial_in_time(
     >>> polynomial_in_time([1, 2], "discrete"), polynomial_in_time("s + 2", None)[1]
     ((Poly(q + 2, q, domain='QQ'), 'discrete'), 'continuous')
     """
+    if (poles := getattr(obj, "characteristic_polynomial", None)) is not None:
+        obj = poles
+    elif hasattr(obj, "poles") or hasattr(obj, "to_control"):
+        raise InputError(
+            f"a {type(obj).__name__} is a system and no polynomial; give transfer_function(system) "
+            "or realisation(system), whose poles are asked for"
+        )
     if variable is None and time is not None and is_list(obj):
         variable = variable_in(time, None, "the polynomial")
     poly = polynomial(obj, variable)

@@ -18,7 +18,12 @@ from compensator_theory.matrices.flint_polynomials import (
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial, polynomial_in_time
+from compensator_theory.polynomials.reading import (
+    PolynomialLike,
+    PolynomialOrSystem,
+    polynomial,
+    polynomial_in_time,
+)
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.descartes import distinct_real_roots
@@ -134,7 +139,7 @@ def _is_nonnegative(value: Expr) -> bool | None:
 
 
 def count_roots(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
+    poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:
     r"""Count the stable roots, those on the boundary of stability and the unstable ones, exactly.
 
@@ -145,7 +150,7 @@ def count_roots(
 
     Parameters
     ----------
-    poly : polynomial
+    poly : polynomial, or a Realisation or TransferFunction
         Rational coefficients, not zero.
     time : {"continuous", "discrete"}, optional
         Whether stable means left of the imaginary axis, or inside the unit circle; default as for

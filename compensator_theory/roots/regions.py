@@ -5,7 +5,10 @@ from __future__ import annotations
 import flint
 from sympy import QQ, Poly, Symbol
 
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial_in_time
+from compensator_theory.polynomials.reading import (
+    PolynomialOrSystem,
+    polynomial_in_time,
+)
 from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
@@ -14,13 +17,13 @@ from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
 def locate_roots(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
+    poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:
     r"""Locate every root by its certified ball, relative to the boundary of stability.
 
     Parameters
     ----------
-    poly : polynomial
+    poly : polynomial, or a Realisation or TransferFunction
         Rational coefficients, not zero.
     time : {"continuous", "discrete"}, optional
         Whether the boundary is the imaginary axis or the unit circle; default as for

@@ -11,7 +11,12 @@ from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial, polynomial_in_time
+from compensator_theory.polynomials.reading import (
+    PolynomialLike,
+    PolynomialOrSystem,
+    polynomial,
+    polynomial_in_time,
+)
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.counts import RootCount, count_roots, require_rational
@@ -89,17 +94,18 @@ class StabilityDecision(ExactValue):
 
 
 def decide_stability(
-    poly: PolynomialLike, variable: str | Symbol | None = None, *, time: Time | None = None
+    poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> StabilityDecision:
     r"""Decide whether every root is stable: Hurwitz in continuous, Schur in discrete time.
 
     Parameters
     ----------
-    poly : polynomial
-        Not zero. With symbols the Hurwitz determinants decide, in discrete time the product of the
-        roots or, up to degree 4, the determinants of the polynomial mapped to the half plane, as
-        far as their signs follow from the symbols' assumptions. :func:`polynomial` adds none: a
-        SymPy symbol declared positive keeps its assumption.
+    poly : polynomial, or a Realisation or TransferFunction
+        Not zero; of a system its characteristic polynomial, modes that cancel counted. With symbols
+        the Hurwitz determinants decide, in discrete time the product of the roots or, up to degree
+        4, the determinants of the polynomial mapped to the half plane, as far as their signs follow
+        from the symbols' assumptions. :func:`polynomial` adds none: a SymPy symbol declared
+        positive keeps its assumption.
     time : {"continuous", "discrete"}, optional
         Whether the real parts are to be below 0 or the moduli below 1. Default: what the variable
         says, s or z and q; of another one, and of a list of coefficients, it has to be named.
@@ -125,6 +131,9 @@ def decide_stability(
     >>> from compensator_theory import decide_stability
     >>> decide_stability("(s + 1)*(s + 2)").is_stable
     True
+    >>> from compensator_theory import transfer_function
+    >>> decide_stability(transfer_function("(s - 1)/((s - 1)*(s + 2))")).is_stable
+    False
     >>> found = decide_stability([1, "-1/2", "1/4"], time="discrete")
     >>> found.is_stable, found.evidence
     (True, (1/4, -2/5))

@@ -153,6 +153,11 @@ class TransferFunction(System):
         return self.denominator.gen
 
     @property
+    def characteristic_polynomial(self) -> Poly:
+        """The denominator: its roots are the poles, with those that the numerator cancels."""
+        return self.denominator
+
+    @property
     def order(self) -> int:
         """Degree of the (unreduced) denominator."""
         return int(self.denominator.degree())

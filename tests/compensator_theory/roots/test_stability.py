@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import control
 import numpy as np
 import pytest
 import sympy
@@ -17,6 +18,9 @@ from compensator_theory import (
     locate_roots,
     polynomial,
     polynomial_from_roots,
+    realisation,
+    transfer_function,
+    transfer_matrix,
 )
 from compensator_theory.results import RootCount
 from compensator_theory.roots import (
@@ -254,3 +258,20 @@ def test_schur_with_irrational_numbers_and_with_symbols():
 
 def test_a_large_degree_is_decided_soon():
     assert decide_stability("(s + 1)**120", time="continuous").is_stable is True
+
+
+@given(spectra(3), st.sampled_from("sz"))
+def test_a_system_is_asked_for_its_poles(spectrum, variable):
+    """Those that a zero cancels are counted; its variable says the time domain."""
+    poles = polynomial_from_roots([*spectrum, 2], variable)
+    G = transfer_function((polynomial_from_roots([2], variable), poles))
+    for system in (G, realisation(G)):
+        for question in (decide_stability, count_roots, locate_roots):
+            assert question(system) == question(poles)
+    assert not decide_stability(G).is_stable
+
+
+def test_a_system_that_is_not_read_names_what_reads_it():
+    for system in (control.tf([1], [1, 1]), transfer_matrix([["1/(s + 1)"]])):
+        with pytest.raises(InputError, match=r"is a system .*give transfer_function\(system\)"):
+            decide_stability(system)
