@@ -349,9 +349,9 @@ SAMPLES = {
         lambda r: exact.spectral_factor("s - 1", "s**2", r, time="continuous")
     ),
     results.StabilityDecision: st.builds(
-        lambda p, time: exact.decide_stability(p, time=time),
+        lambda p, variable: exact.decide_stability(p.replace(p.gen, variable)),
         POLYS | SYMBOLIC_POLYS,
-        st.sampled_from(["continuous", "discrete"]),
+        st.sampled_from(sympy.symbols("s z")),
     ),
     exact.StandardProblem: standard_problems(max_order=2),
     exact.TransferFunction: strictly_proper_plants()
