@@ -122,6 +122,11 @@ def polynomial_in_time(
             f"a {type(obj).__name__} is a system and no polynomial; give transfer_function(system) "
             "or realisation(system), whose poles are asked for"
         )
+    elif _holds_matrices(obj):
+        raise InputError(
+            f"{quoted(obj)} is no polynomial; of (A, B, C) give realisation((A, B, C)), and of a "
+            "square matrix sympy.Matrix(A).charpoly('s')"
+        )
     if variable is None and time is not None and is_list(obj):
         variable = variable_in(time, None, "the polynomial")
     poly = polynomial(obj, variable)
@@ -170,6 +175,11 @@ def is_list(obj: object) -> bool:
     (True, False)
     """
     return isinstance(obj, Iterable) and not isinstance(obj, str | Poly | Expr)
+
+
+def _holds_matrices(obj: object) -> bool:
+    nested = isinstance(obj, list | tuple) and any(isinstance(part, list | tuple) for part in obj)
+    return nested or len(getattr(obj, "shape", ())) == 2
 
 
 def _shows_variable(poly: Poly) -> bool:

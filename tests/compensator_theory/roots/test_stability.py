@@ -275,3 +275,12 @@ def test_a_system_that_is_not_read_names_what_reads_it():
     for system in (control.tf([1], [1, 1]), transfer_matrix([["1/(s + 1)"]])):
         with pytest.raises(InputError, match=r"is a system .*give transfer_function\(system\)"):
             decide_stability(system)
+
+
+@pytest.mark.parametrize("ask", [decide_stability, count_roots, locate_roots])
+def test_a_matrix_names_what_reads_it(ask):
+    A = [[0, 1], [-1, -1]]
+    for given_in_its_place in (A, np.array(A), sympy.Matrix(A), (A, [[0], [1]], [[1, 0]])):
+        with pytest.raises(InputError, match=r"charpoly"):
+            ask(given_in_its_place)
+    assert ask(sympy.Matrix(A).charpoly("s")) == ask("s**2 + s + 1")
