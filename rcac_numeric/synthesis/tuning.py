@@ -200,10 +200,10 @@ def tune(
 
     Notes
     -----
-    Not for a lower error: on 32 random plants with 40 points the median of the held-out rms over
-    that of the rule's settings was 1.00, on 11 later ones 0.99. It is worth its time where the
-    rule's settings lose runs of the uncertainty; `design.verdict` says whether they do, and the
-    fixed controller that loses none is there without trying.
+    Not for a lower error: on 30 random plants with 40 points the median of the held-out rms over
+    that of the rule's settings was 1.00. All 810 held-out runs ended stable, 783 with the rule's
+    settings: it is worth its time where these lose runs of the uncertainty; `design.verdict` says
+    whether they do, and the fixed controller that loses none is there without trying.
 
     Examples
     --------
