@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import Any, Protocol, TypeAlias
 
 import flint
@@ -71,22 +72,23 @@ def _read_at_once(value: Any, name: str) -> RationalMatrix | None:
     if is_array and value.dtype.name in ("float64", "int64"):
         ask("entries", value.size, f"the matrix {name}")
         value = value.tolist()
-    if type(value) not in (list, tuple) or not all(type(row) in (list, tuple) for row in value):
+    if type(value) not in (list, tuple) or not {list, tuple}.issuperset(map(type, value)):
         return None
-    if len({len(row) for row in value}) != 1 or not value[0]:
+    if len(set(map(len, value))) != 1 or not value[0]:
         return None
-    ask("entries", len(value) * len(value[0]), f"the matrix {name}")
-    kinds = {type(entry) for row in value for entry in row}
+    shape = len(value), len(value[0])
+    ask("entries", shape[0] * shape[1], f"the matrix {name}")
+    flat = [*chain.from_iterable(value)]
+    kinds = set(map(type, flat))
     if kinds == {int}:
-        longest = max(*map(max, value), -min(map(min, value))).bit_length()
-        ask("digits", decimal_digits(longest), "a number")
-        return from_flint(flint.fmpq_mat(flint.fmpz_mat(value)))
+        ask("digits", decimal_digits(max(*flat, -min(flat)).bit_length()), "a number")
+        return from_flint(flint.fmpq_mat(flint.fmpz_mat(*shape, flat)))
     if not all(kind in (int, float, Fraction) or issubclass(kind, Rational) for kind in kinds):
         return None
-    entries = [_number(entry) for row in value for entry in row]
+    entries = [*map(_number, flat)]
     if None in entries:
         return None
-    return _asked(from_flint(flint.fmpq_mat(len(value), len(value[0]), entries)), name)
+    return _asked(from_flint(flint.fmpq_mat(*shape, entries)), name)
 
 
 def _number(entry: Any) -> flint.fmpq | None:

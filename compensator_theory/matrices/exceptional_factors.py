@@ -28,6 +28,8 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     (a, a - 1, b + 1)
     """
     given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
+    if not given:
+        return ()
     found = {factor: None for factor in _factors(given) if not factor.is_nonzero}
     return tuple(
         sorted(found, key=lambda f: (sympy.Poly(f).total_degree(), sympy.count_ops(f), str(f)))

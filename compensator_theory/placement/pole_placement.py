@@ -134,20 +134,23 @@ def place_poles(
             )
         return _of_least_order(G, target, feedback, properness)
     goal, roots = _goal(target, polynomial, G)
-    n = G.order
-    n_c = goal.degree() - n if n_c is None else n_c
+    n, degree = G.order, goal.degree()
+    n_c = degree - n if n_c is None else n_c
     for name, value in (("n_c", n_c), ("numerator_degree", numerator_degree)):
         if value is not None:
             integer(value, name)
-    if n_c < 0 or goal.degree() != n + n_c:
+    if n_c < 0 or degree != n + n_c:
         raise InputError(
-            f"the target has degree {goal.degree()}, but a plant of order {n} with a compensator "
+            f"the target has degree {degree}, but a plant of order {n} with a compensator "
             f"of order {max(n_c, 0)} has {n + max(n_c, 0)} closed-loop poles"
         )
     m_hat = _numerator_degree(n, n_c, numerator_degree, properness)
     _check_degrees(G, n_c, m_hat)
-    _check_fixed_poles(G, goal)
-    pair, homogeneous = _solve(G, goal, n_c, m_hat, feedback)
+    homogeneous: tuple[Pair, ...] = ()
+    pair = _solve_coprime(G, goal, n_c, m_hat, feedback)
+    if pair is None:
+        _check_fixed_poles(G, goal)
+        pair, homogeneous = _solve(G, goal, n_c, m_hat, feedback)
     placement = _placement(G, goal, n_c, feedback, pair, homogeneous, roots)
     return _exactly_proper(placement) if properness == "exactly proper" else placement
 
@@ -256,16 +259,21 @@ Pair = tuple[Poly, Poly]
 """(D_c, N_c)."""
 
 
+def _solve_coprime(
+    G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int
+) -> Pair | None:
+    """Return the only pair there is of rational data without a common factor, else None."""
+    if not 0 < G.order == m_hat + 1 <= n_c + 1 or G.numerator.is_zero:
+        return None
+    if not all(side.domain.is_QQ for side in (G.denominator, G.numerator, goal)):
+        return None
+    return solve_coprime_equation(G.denominator, scaled(G.numerator, -feedback), goal)
+
+
 def _solve(
     G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int
 ) -> tuple[Pair, tuple[Pair, ...]]:
-    D, N = G.denominator, scaled(G.numerator, -feedback)
-    rational = D.domain.is_QQ and N.domain.is_QQ and goal.domain.is_QQ and not N.is_zero
-    if rational and 0 < G.order == m_hat + 1 <= n_c + 1:
-        pair = solve_coprime_equation(D, N, goal)
-        if pair is not None:
-            return pair, ()
-    M = sylvester_m(D, N, n_c + 1, m_hat)
+    M = sylvester_m(G.denominator, scaled(G.numerator, -feedback), n_c + 1, m_hat)
     high_degrees_last = [*range(n_c + 1), *reversed(range(n_c + 1, M.cols))]  # so these are free
     M = M.extract(list(range(M.rows)), high_degrees_last)
     try:
@@ -313,10 +321,10 @@ def _placement(
             "the loop would not be well posed. Change the target slightly or raise n_c"
         )
     leading = D_c.LC()
+    if leading != 1:
+        D_c, N_c = (scaled(side, 1 / leading) for side in pair)
     exchanged = tuple((d_numerator, d_denominator) for d_denominator, d_numerator in homogeneous)
-    return PolePlacement(
-        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), exchanged, roots
-    )
+    return PolePlacement(G, goal, feedback, N_c, D_c, exchanged, roots)
 
 
 def _pair(vector: ImmutableMatrix, G: TransferFunction, n_c: int) -> tuple[Poly, Poly]:

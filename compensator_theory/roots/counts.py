@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import flint
 import sympy
-from sympy import QQ, Expr, Poly, Symbol
+from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
@@ -17,7 +17,7 @@ from compensator_theory.matrices.flint_polynomials import (
 )
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import (
     PolynomialLike,
     PolynomialOrSystem,
@@ -30,6 +30,8 @@ from compensator_theory.roots.descartes import distinct_real_roots
 
 PRECISIONS = (256, 1024, 4096, 16384)
 """Bits for Routh's array; where none of them suffices a row is singular, or all but so."""
+
+ONE_PLUS, ONE_MINUS = flint.fmpq_poly([1, 1]), flint.fmpq_poly([1, -1])
 
 
 @dataclass(frozen=True)
@@ -95,9 +97,7 @@ def number_of_real_roots(poly: PolynomialLike, variable: str | Symbol | None = N
     >>> number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2"))
     2
     """
-    poly = require_rational(polynomial(poly, variable))
-    _, factors = to_flint_polynomial(poly).numer().factor_squarefree()
-    return sum(int(m) * _distinct_real_roots(factor, poly.gen) for factor, m in factors)
+    return _real_roots(to_flint_polynomial(require_rational(polynomial(poly, variable))).numer())
 
 
 def has_real_root(poly: Poly) -> bool | None:
@@ -188,34 +188,32 @@ def count_roots(
     degree = int(poly.degree())
     if time == "discrete":
         poly = half_plane_image(poly, degree)
-    found = _count_in_balls(poly) or _count_by_chain(poly)
+    whole = to_flint_polynomial(poly).numer()
+    found = _count_in_balls(whole) or _count_by_chain(whole)
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 
 def half_plane_image(poly: Poly, size: int) -> Poly:
     """Return (1 - s)^k p((1 + s)/(1 - s)) of a rational polynomial of at most degree k = `size`."""
-    s = poly.gen
-    plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
-    image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
-    descending = poly.all_coeffs()
-    for coefficient in [sympy.S.Zero] * (size + 1 - len(descending)) + descending:
-        image = image * plus + power.mul_ground(coefficient)  # Horner's scheme, made homogeneous
-        power *= minus
-    return canonical(image)
+    ascending = to_flint_polynomial(poly).coeffs()
+    image, power = flint.fmpq_poly([]), flint.fmpq_poly([1])
+    for coefficient in [0] * (size + 1 - len(ascending)) + ascending[::-1]:
+        image = image * ONE_PLUS + power * coefficient  # Horner's scheme, made homogeneous
+        power = power * ONE_MINUS
+    return from_flint_polynomial(image, poly.gen)
 
 
-def routh_chain(poly: Poly) -> tuple[Poly, ...]:
+def routh_chain(poly: flint.fmpz_poly) -> list[flint.fmpz_poly]:
     """Return the rows of the generalised Routh array as polynomials in the frequency.
 
     Each is scaled by a positive number; the last is the greatest common divisor of the first two.
     """
-    descending = require_rational(poly).all_coeffs()
-    signed = [c * (-1) ** (k // 2) for k, c in enumerate(descending)]
-    rows = [
-        Poly([c if k % 2 == parity else 0 for k, c in enumerate(signed)], poly.gen, domain=QQ)
+    signed = [c * (-1) ** (k // 2) for k, c in enumerate(poly.coeffs()[::-1])]
+    first, second = (
+        flint.fmpz_poly([c if k % 2 == parity else 0 for k, c in enumerate(signed)][::-1])
         for parity in (0, 1)
-    ]
-    return _sturm_chain(*rows)
+    )
+    return _sturm_chain(first, second)
 
 
 def require_rational(poly: PolynomialLike) -> Poly:
@@ -231,27 +229,24 @@ def require_rational(poly: PolynomialLike) -> Poly:
     return poly
 
 
-def _count_by_chain(poly: Poly) -> RootCount:
+def _count_by_chain(poly: flint.fmpz_poly) -> RootCount:
     chain = routh_chain(poly)
     difference = _variations(chain, -1) - _variations(chain, +1)
-    boundary = number_of_real_roots(chain[-1])
-    degree = int(poly.degree())
+    boundary, degree = _real_roots(chain[-1]), int(poly.degree())
     unstable = (degree - boundary - difference) // 2
     return RootCount(degree - boundary - unstable, boundary, unstable)
 
 
-def _count_in_balls(poly: Poly) -> RootCount | None:
-    whole = to_flint_polynomial(poly).numer()
-    mirrored = flint.fmpz_poly([-c if k % 2 else c for k, c in enumerate(whole.coeffs())])
-    common = whole.gcd(mirrored)
-    unstable = _unstable_in_balls(whole // common)
+def _count_in_balls(poly: flint.fmpz_poly) -> RootCount | None:
+    mirrored = flint.fmpz_poly([-c if k % 2 else c for k, c in enumerate(poly.coeffs())])
+    symmetric = poly.gcd(mirrored)
+    unstable = _unstable_in_balls(poly // symmetric)
     if unstable is None:
         return None
-    if common.degree() == 0:
-        return RootCount(int(poly.degree()) - unstable, 0, unstable)
-    symmetric = from_flint_polynomial(flint.fmpq_poly(common), poly.gen)
-    boundary = number_of_real_roots(routh_chain(symmetric)[-1])
-    unstable += (int(symmetric.degree()) - boundary) // 2
+    boundary = 0
+    if symmetric.degree() > 0:
+        boundary = _real_roots(routh_chain(symmetric)[-1])
+        unstable += (int(symmetric.degree()) - boundary) // 2
     return RootCount(int(poly.degree()) - boundary - unstable, boundary, unstable)
 
 
@@ -279,31 +274,29 @@ def _first_column(descending: list[flint.fmpz]) -> list[bool] | None:
     return signs
 
 
-def _distinct_real_roots(factor: flint.fmpz_poly, variable: sympy.Symbol) -> int:
+def _real_roots(poly: flint.fmpz_poly) -> int:
+    """Count the real roots with multiplicity."""
+    _, factors = poly.factor_squarefree()
+    return sum(int(m) * _distinct_real_roots(factor) for factor, m in factors)
+
+
+def _distinct_real_roots(factor: flint.fmpz_poly) -> int:
     if (found := distinct_real_roots(factor)) is not None:
         return found
-    poly = from_flint_polynomial(flint.fmpq_poly(factor), variable)
-    chain = _sturm_chain(poly, poly.diff())
+    chain = _sturm_chain(factor, factor.derivative())
     return _variations(chain, -1) - _variations(chain, +1)
 
 
-def _sturm_chain(first: Poly, second: Poly) -> tuple[Poly, ...]:
-    chain = [_positive_multiple(first)]
-    following = _positive_multiple(second)
-    while not following.is_zero:
-        chain.append(following)
-        following = _positive_multiple(-chain[-2].rem(chain[-1]))
-    return tuple(chain)
+def _sturm_chain(first: flint.fmpz_poly, second: flint.fmpz_poly) -> list[flint.fmpz_poly]:
+    chain, following = [first], second
+    while following:
+        chain.append(following // following.content())  # short, and of the same sign
+        rest = flint.fmpq_poly(chain[-2]) % flint.fmpq_poly(chain[-1])
+        following = -rest.numer()
+    return chain
 
 
-def _positive_multiple(poly: Poly) -> Poly:
-    """Keep the coefficients short; the primitive part keeps the sign."""
-    if poly.is_zero:
-        return poly
-    return poly.mul_ground(1 / abs(poly.LC()))
-
-
-def _variations(chain: tuple[Poly, ...], side: int) -> int:
+def _variations(chain: list[flint.fmpz_poly], side: int) -> int:
     """Count the changes of sign along the chain at plus or minus infinity."""
-    signs = [(1 if p.LC() > 0 else -1) * side ** int(p.degree()) for p in chain]
+    signs = [p.leading_coefficient() * side ** int(p.degree()) > 0 for p in chain]
     return sum(a != b for a, b in pairwise(signs))

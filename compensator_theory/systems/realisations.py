@@ -185,26 +185,26 @@ class Realisation(System):
         object.__setattr__(self, "sample_time", period_in(symbol, sample_time))
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
         d = zero_matrix(c.rows, b.cols) if D is None else exact_matrix(D, "D")
-        needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
-        needed["D"] = (c.rows, b.cols)
-        for name, matrix in zip("ABCD", (a, b, c, d), strict=True):
-            rows, columns = needed[name]
-            if matrix.shape != (rows, columns):
+        n, m, p = a.rows, b.cols, c.rows
+        symbols = {symbol}
+        for name, matrix, needed in zip(
+            "ABCD", (a, b, c, d), ((n, n), (n, m), (p, n), (p, m)), strict=True
+        ):
+            if matrix.shape != needed:
                 raise InputError(
-                    f"{name} is {matrix.rows} x {matrix.cols} but must be {rows} x {columns}, as "
-                    "the other matrices show"
+                    f"{name} is {matrix.rows} x {matrix.cols} but must be {needed[0]} x "
+                    f"{needed[1]}, as the other matrices show"
                 )
-            if symbol in symbols_in(matrix):
+            if symbol in (found := symbols_in(matrix)):
                 raise InputError(
                     f"{name} contains {symbol}, the variable of the transfer function; name "
                     "another one with variable="
                 )
+            symbols |= found
             object.__setattr__(self, name, matrix)
-        require_one_symbol_a_name({symbol}.union(*map(symbols_in, (a, b, c, d))))
-        if not (b.cols and c.rows):
-            raise InputError(
-                f"a realisation needs inputs and outputs; it has {b.cols} and {c.rows}"
-            )
+        require_one_symbol_a_name(symbols)
+        if not (m and p):
+            raise InputError(f"a realisation needs inputs and outputs; it has {m} and {p}")
 
     @property
     def n(self) -> int:
