@@ -255,6 +255,9 @@ def matrices(n, rng):
         domain = matrix.to_DM(QQ[S]).to_dense()
         yield "Smith form with U, V, 2 x 2", {
             "ours": lambda: smith_form(matrix, S), "sympy": lambda: smith_normal_decomp(domain),
+            "by hand": lambda: [
+                part.to_Matrix() for part in smith_normal_decomp(matrix.to_DM(QQ[S]).to_dense())
+            ],
         }  # fmt: skip
 
 
@@ -282,6 +285,9 @@ def systems(n, rng, a, b):
         goal = to_flint(sympy.ImmutableMatrix(T.all_coeffs()))
         calls = {"ours": lambda G=G, T=T: place_poles(G, polynomial=T, feedback=-1)}
         calls["flint"] = lambda matrix=matrix, goal=goal: matrix.solve(goal)
+        calls["by hand"] = lambda given=(D, N, T): [
+            *map(written_polynomial, by_sylvester(*map(read_polynomial, given)))
+        ]
         yield f"placement, {kind}", calls
         raw = tuple(map(to_flint_polynomial, (D, N, T)))
         calls["flint"] = lambda raw=raw: by_euclid(*raw)
@@ -295,6 +301,15 @@ def by_euclid(D, N, T):
     """The same through flint's extended Euclidean algorithm."""
     y = (T * N.xgcd(D)[1]) % D
     return (T - N * y) // D, y
+
+
+def by_sylvester(D, N, T):
+    """The same by the Sylvester system of the coefficients, in flint alone."""
+    n = D.degree()
+    columns = [[*[0] * k, *p.coeffs()] for p in (D, N) for k in range(n + (p is D))]
+    matrix = flint.fmpq_mat([c + [0] * (2 * n + 1 - len(c)) for c in columns]).transpose()
+    found = matrix.solve(flint.fmpq_mat(2 * n + 1, 1, T.coeffs())).entries()
+    return flint.fmpq_poly(found[: n + 1]), flint.fmpq_poly(found[n + 1 :])
 
 
 def integer_roots(n):

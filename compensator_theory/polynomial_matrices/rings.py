@@ -7,12 +7,16 @@ from functools import reduce
 from typing import Any, TypeAlias
 
 import flint
-from sympy import QQ, Poly, Symbol
+from sympy import Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
 from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.polynomials.budget import ask, decimal_digits
 from compensator_theory.polynomials.poly import canonical
 
@@ -40,15 +44,11 @@ class RationalRing:
 
     def read(self, poly: Poly) -> Element:
         """Return an element."""
-        ascending = reversed(poly.rep.to_list())
-        return flint.fmpq_poly(
-            [flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending]
-        )
+        return to_flint_polynomial(poly)
 
     def write(self, element: Element) -> Poly:
         """Return a polynomial of SymPy."""
-        descending = [QQ(int(c.p), int(c.q)) for c in reversed(element.coeffs())]
-        return Poly.from_list(descending or [QQ(0)], self.variable, domain=QQ)
+        return from_flint_polynomial(element, self.variable)
 
     def degree(self, element: Element) -> int:
         """Return the degree, -1 for zero."""

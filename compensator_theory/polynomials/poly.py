@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import sympy
 from sympy import EX, QQ, Expr, Poly, Symbol
 from sympy.polys.constructor import construct_domain
+from sympy.polys.polyclasses import DMP
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
@@ -303,8 +304,8 @@ def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     if all(c.is_Rational for c in powers.values()):
-        values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items()}
-        return Poly(values, variable, domain=QQ)
+        values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items() if c}
+        return Poly.new(DMP.from_dict(values, 0, QQ), variable)
     require_one_symbol_a_name(set().union({variable}, *(c.free_symbols for c in powers.values())))
     require_small_field(list(powers.values()))
     powers = {k: c if c.free_symbols else rationalised(c) for k, c in powers.items()}

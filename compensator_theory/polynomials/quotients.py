@@ -9,8 +9,9 @@ from typing import TypeAlias
 
 import flint
 import sympy
-from sympy import Expr, Poly, Rational, Symbol
+from sympy import QQ, Expr, Poly, Rational, Symbol
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
+from sympy.polys.polyclasses import DMP
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
@@ -102,10 +103,8 @@ class Quotient:
 
     def _poly(self, side: flint.fmpq_mpoly, variable: Symbol) -> Poly:
         terms = side.to_dict().items() if self.generators else [((0,), _constant(side))]
-        return Poly(
-            {(int(power),): sympy.QQ(int(c.p), int(c.q)) for (power,), c in terms if c}, variable,
-            domain=sympy.QQ,
-        )  # fmt: skip
+        powers = {(int(power),): QQ(int(c.p), int(c.q)) for (power,), c in terms if c}
+        return Poly.new(DMP.from_dict(powers, 0, QQ), variable)
 
     def _expression(self, side: flint.fmpq_mpoly) -> Expr:
         if not self.generators:

@@ -122,9 +122,14 @@ def over_one_denominator(rows: Sequence[Sequence[TransferFunction]]) -> Transfer
     """
     different: dict[Poly, None] = dict.fromkeys(G.denominator for row in rows for G in row)
     common = reduce(_least_common_multiple, different)
-    cofactors = {bottom: exact_quotient(common, monic(bottom)) for bottom in different}
+    numerators = tuple(tuple(G.numerator for G in row) for row in rows)
+    if len(different) > 1:
+        cofactors = {bottom: exact_quotient(common, monic(bottom)) for bottom in different}
+        numerators = tuple(
+            tuple(product(G.numerator, cofactors[G.denominator]) for G in row) for row in rows
+        )
     return TransferMatrix(
-        tuple(tuple(product(G.numerator, cofactors[G.denominator]) for G in row) for row in rows),
+        numerators,
         common,
         sample_time=shared_sample_time(*(G for row in rows for G in row)),
     )
