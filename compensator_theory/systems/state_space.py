@@ -74,7 +74,12 @@ def transfer_matrix_of_realisation(
     found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
     entries, denominator, residual = found
     certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
-    return TransferMatrix._of_monic(entries, denominator, certificate, sample_time)
+    return TransferMatrix._of_canonical(
+        numerators=entries,
+        denominator=denominator,
+        certificate=certificate,
+        sample_time=sample_time,
+    )
 
 
 Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
@@ -38,6 +38,13 @@ class System(ExactValue):
         @property
         def sample_time(self) -> Rational | None:
             """In seconds; None where it is not known, and in continuous time."""
+
+    @classmethod
+    def _of_canonical(cls, **fields: Any) -> Self:
+        """Return one of fields in canonical form, denominators monic: none is looked at again."""
+        found = object.__new__(cls)
+        vars(found).update(fields)
+        return found
 
     @property
     def time(self) -> Time | None:

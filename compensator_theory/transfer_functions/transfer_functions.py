@@ -134,19 +134,6 @@ class TransferFunction(System):
         object.__setattr__(self, "denominator", denominator)
         object.__setattr__(self, "sample_time", period_in(denominator.gen, self.sample_time))
 
-    @classmethod
-    def _of_monic(
-        cls, numerator: Poly, denominator: Poly, certificate: Certificate | None,
-        sample_time: Rational | None,
-    ) -> TransferFunction:  # fmt: skip
-        """Return N/D of canonical polynomials, D monic: nothing is looked at again."""
-        found = object.__new__(cls)
-        vars(found).update(
-            numerator=numerator, denominator=denominator, certificate=certificate, feedback=None,
-            sample_time=sample_time,
-        )  # fmt: skip
-        return found
-
     @property
     def variable(self) -> Symbol:
         """Variable of numerator and denominator."""

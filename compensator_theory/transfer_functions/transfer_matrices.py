@@ -111,19 +111,6 @@ class TransferMatrix(System):
         )
         object.__setattr__(self, "sample_time", period_in(self.variable, self.sample_time))
 
-    @classmethod
-    def _of_monic(
-        cls, numerators: Rows, denominator: Poly, certificate: Certificate | None,
-        sample_time: Rational | None,
-    ) -> TransferMatrix:  # fmt: skip
-        """Return N/D of canonical polynomials, D monic: nothing is looked at again."""
-        found = object.__new__(cls)
-        vars(found).update(
-            numerators=numerators, denominator=denominator, certificate=certificate,
-            sample_time=sample_time,
-        )  # fmt: skip
-        return found
-
     @property
     def variable(self) -> Symbol:
         """Variable of all entries."""
@@ -136,8 +123,12 @@ class TransferMatrix(System):
 
     def __getitem__(self, index: tuple[int, int]) -> TransferFunction:
         row, column = index
-        return TransferFunction._of_monic(
-            self.numerators[row][column], self.denominator, self.certificate, self.sample_time
+        return TransferFunction._of_canonical(
+            numerator=self.numerators[row][column],
+            denominator=self.denominator,
+            certificate=self.certificate,
+            feedback=None,
+            sample_time=self.sample_time,
         )
 
     def scalar(self) -> TransferFunction:
