@@ -124,12 +124,12 @@ template <std::size_t C>
 struct Columns {
     static constexpr std::size_t count = C;
 };
-// Calls what with the number of columns, at most 4. Not by pointers to functions: without
-// optimisation those cannot be inlined.
+// Calls what with the number of columns, at most 4, where there are any. Not by pointers to
+// functions: without optimisation those cannot be inlined.
 template <class What>
 RCAC_INLINE void with_columns(std::size_t columns, const What& what) {
     switch (columns) {
-        case 0: return what(Columns<0>{});
+        case 0: return;
         case 1: return what(Columns<1>{});
         case 2: return what(Columns<2>{});
         case 3: return what(Columns<3>{});
