@@ -29,14 +29,12 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     (a, a - 1, b + 1)
     """
     given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
-    found = {factor: None for factor in _factors(given) if not factor.is_nonzero}
-    return tuple(
-        sorted(found, key=lambda f: (sympy.Poly(f).total_degree(), sympy.count_ops(f), str(f)))
-    )
+    found = {factor: degree for factor, degree in _factors(given) if not factor.is_nonzero}
+    return tuple(sorted(found, key=lambda f: (found[f], sympy.count_ops(f), str(f))))
 
 
-def _factors(divisors: list[Expr]) -> Iterator[Expr]:
-    """Numerators and denominators in factors, by python-flint where it can read them."""
+def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
+    """Factors of both sides with their degrees, by python-flint where it can read them."""
     symbols = frozenset().union(*(divisor.free_symbols for divisor in divisors))
     work = in_symbols(symbols) if symbols and all(x.is_Symbol for x in symbols) else None
     for divisor in divisors:
@@ -46,11 +44,13 @@ def _factors(divisors: list[Expr]) -> Iterator[Expr]:
             sides = work.lowest(*work.read(divisor))
         except NotRationalError:
             for side in sympy.fraction(sympy.cancel(divisor)):
-                yield from (factor for factor, _ in sympy.factor_list(side)[1])
+                for found, _ in sympy.factor_list(side)[1]:
+                    yield found, int(sympy.Poly(found).total_degree())
             continue
         for side in sides:
             for factor, _ in side.factor()[1]:
-                yield work.expression(-factor if factor.leading_coefficient() < 0 else factor)
+                sign = -1 if factor.leading_coefficient() < 0 else 1
+                yield work.expression(factor * sign), int(factor.total_degree())
 
 
 def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:

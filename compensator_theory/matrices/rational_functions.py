@@ -15,7 +15,7 @@ from sympy.polys.polyclasses import DMP
 from sympy.polys.polyutils import expr_from_dict
 from sympy.polys.rings import PolyElement, PolyRing
 
-from compensator_theory.polynomials.poly import canonical, from_coefficients
+from compensator_theory.polynomials.poly import canonical
 
 Fraction: TypeAlias = tuple[flint.fmpz_mpoly, flint.fmpz_mpoly]
 """Numerator and denominator, not in lowest terms."""
@@ -135,7 +135,9 @@ class RationalFunctions:
         """Return the polynomial with these coefficients, the first of them not zero."""
         lowest = [self.lowest(*pair) for pair in descending]
         if not all(below.is_constant() for _, below in lowest):
-            return from_coefficients([self.write(*pair) for pair in lowest], variable)
+            field = self.rational.to_field()
+            fractions = [field.raw_new(*(self._in_ring(p, 1) for p in pair)) for pair in lowest]
+            return canonical(Poly.new(DMP(fractions, field.to_domain(), 0), variable))
         values = [self._in_ring(p, int(q.leading_coefficient())) for p, q in lowest]
         return canonical(Poly.new(DMP(values, self.rational.to_domain(), 0), variable))
 

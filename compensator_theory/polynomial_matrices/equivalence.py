@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from sympy import Expr
+from sympy import Expr, Integer
 
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
@@ -100,7 +100,10 @@ def certificate_of_products(
     True
     """
     left = [
-        [ring.write(x - y).as_expr() for x, y in zip(row, other, strict=True)]
+        [
+            ring.write(x - y).as_expr() if x != y else Integer(0)
+            for x, y in zip(row, other, strict=True)
+        ]
         for a, b in pairs
         for row, other in zip(a, b, strict=True)
     ]

@@ -11,8 +11,8 @@ from sympy import QQ, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
-from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
+from compensator_theory.polynomial_matrices.function_rings import FunctionRing
 from compensator_theory.polynomials.budget import ask, decimal_digits
 from compensator_theory.polynomials.poly import canonical
 
@@ -89,10 +89,10 @@ class SymbolicRing:
     --------
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.polynomial_matrices.rings import ring_of
-    >>> ring = ring_of([polynomial("a*s + 1", "s")])
-    >>> rest = ring.divide(ring.read(polynomial("s")), ring.read(polynomial("a*s + 1", "s")))[1]
+    >>> ring = ring_of([polynomial("s + sqrt(2)")])
+    >>> rest = ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + sqrt(2)")))[1]
     >>> ring.write(rest)
-    Poly(-1/a, s, domain='QQ(a)')
+    Poly(2, s, domain='QQ')
     """
 
     def __init__(self, variable: Symbol, field: Domain) -> None:
@@ -139,8 +139,6 @@ class SymbolicRing:
 
         Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
         """
-        if FractionFree.serves(self.field):
-            return FractionFree(self.ring).product(left, columns)
         rows = [self._cleared(row) for row in left]
         others = [self._cleared(column) for column in columns]
         new = self.field.field.new
@@ -178,7 +176,7 @@ class SymbolicRing:
         return self.ring.gens[0] ** exponent
 
 
-Ring: TypeAlias = RationalRing | SymbolicRing
+Ring: TypeAlias = RationalRing | FunctionRing | SymbolicRing
 
 
 def ring_of(polynomials: Iterable[Poly]) -> Ring:
@@ -189,7 +187,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.polynomial_matrices.rings import ring_of
     >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
-    'SymbolicRing'
+    'FunctionRing'
     """
     listed = list(polynomials)
     field = reduce(lambda a, b: a.unify(b), (p.domain for p in listed)).get_field()
@@ -200,7 +198,8 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
             "the coefficients span no field that is known here; write symbols in place of "
             "irrational numbers"
         )
-    return SymbolicRing(listed[0].gen, field)
+    kind = FunctionRing if FunctionRing.serves(field) else SymbolicRing
+    return kind(listed[0].gen, field)
 
 
 def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid:
@@ -216,6 +215,12 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
     Poly(s**2 + s, s, domain='QQ')
     """
     columns = list(zip(*right, strict=True))
+    if isinstance(ring, FunctionRing):
+        for row in (*left, *columns):
+            ask("terms", sum(map(ring.terms, row)), "a product of polynomial matrices")
+        return [
+            [ring.combined(zip(row, column, strict=True)) for column in columns] for row in left
+        ]
     if isinstance(ring, SymbolicRing) and ring.has_fractions:
         return ring.product(left, columns)
     return [

@@ -79,7 +79,8 @@ def test_operations_stay_in_flint_and_are_those_of_sympy(first, second):
     P, Q = first[:n, :n], second[:n, :n]
     R = ImmutableMatrix(n, n, lambda i, j: Rational(i - 2 * j, 3))
     p, q, r = (exact_matrix(M, "M") for M in (P, Q, R))
-    for left, right, kept, other in ((P, Q, p, q), (P, R, p, r), (R, P, r, p), (P, Q, p, Q)):
+    mixed = Q if isinstance(p, SymbolicMatrix) else q
+    for left, right, kept, other in ((P, Q, p, q), (P, R, p, r), (R, P, r, p), (P, Q, p, mixed)):
         for made, wanted in (
             (kept + other, left + right),
             (kept - other, left - right),
