@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from functools import cached_property, lru_cache
-from math import prod
+from functools import lru_cache
+from math import lcm, prod
 from typing import TypeAlias
 
 import flint
@@ -15,11 +15,13 @@ from sympy.polys.polyclasses import DMP
 from sympy.polys.polyutils import expr_from_dict
 from sympy.polys.rings import PolyElement, PolyRing
 
+from compensator_theory.polynomials.formatting import composite_domain
 from compensator_theory.polynomials.poly import canonical
 
 Fraction: TypeAlias = tuple[flint.fmpz_mpoly, flint.fmpz_mpoly]
 """Numerator and denominator, not in lowest terms."""
 LARGEST_POWER = 200
+SMALL_POWERS = range(1, LARGEST_POWER)
 REMEMBERED = 100_000
 """Terms of fractions that were read or written, for each set of symbols."""
 
@@ -42,20 +44,15 @@ class RationalFunctions:
 
     def __init__(self, symbols: Iterable[Symbol]) -> None:
         """Make one; `in_symbols` has those of the last computations, with what they read."""
-        self.symbols: tuple[Symbol, ...] = Poly(
-            sympy.Add(*symbols), domain=QQ
-        ).gens  # SymPy's order, which decides signs
+        domain = composite_domain(frozenset(symbols), divides=False)
+        self.rational: PolyRing = domain.ring
+        self.symbols: tuple[Symbol, ...] = domain.symbols  # in SymPy's order, which decides signs
         names = [f"x{i}" for i in range(len(self.symbols))]
         self.context = flint.fmpz_mpoly_ctx.get(names, flint.Ordering.lex)
         self.zero, self.one = self.context.constant(0), self.context.constant(1)
         self.known: dict[Expr, Fraction] = {}
         self.size = 0
         self.variables = dict(zip(self.symbols, self.context.gens(), strict=True))
-
-    @cached_property
-    def rational(self) -> PolyRing:
-        """SymPy's ring of the polynomials in these symbols over QQ."""
-        return QQ.poly_ring(*self.symbols).ring
 
     def read(self, expression: Expr) -> Fraction:
         """Return an expression as a fraction; parts that occur again are read once."""
@@ -78,8 +75,8 @@ class RationalFunctions:
         if expression.is_Rational:
             return self.one * int(expression.p), self.one * int(expression.q)
         if expression.is_Add:
-            above, below = self.zero, self.one
-            for term in expression.args:
+            above, below, others = self._monomials(expression)
+            for term in others:
                 top, under = self.read(term)
                 shared = below if below == under else below.gcd(under)
                 above = above * (under / shared) + top * (below / shared)
@@ -95,6 +92,27 @@ class RationalFunctions:
             if not below.is_zero():
                 return above ** abs(int(expression.exp)), below ** abs(int(expression.exp))
         raise NotRationalError
+
+    def _monomials(self, total: Expr) -> tuple[flint.fmpz_mpoly, flint.fmpz_mpoly, list[Expr]]:
+        """Return the sum of those terms that are monomials as one fraction, and the others."""
+        terms: dict[tuple[int, ...], Rational] = {}
+        others: list[Expr] = []
+        for term in total.args:
+            powers, coefficient = dict.fromkeys(self.symbols, 0), Rational(1)
+            for factor in term.args if term.is_Mul else (term,):
+                x, power = factor.args if factor.is_Pow else (factor, 1)
+                if factor.is_Rational:
+                    coefficient = factor
+                elif x in powers and power in SMALL_POWERS:
+                    powers[x] = int(power)
+                else:
+                    others.append(term)
+                    break
+            else:
+                terms[tuple(powers.values())] = coefficient
+        below = lcm(*(int(c.q) for c in terms.values()))
+        whole = {powers: int(c.p) * (below // int(c.q)) for powers, c in terms.items()}
+        return self.context.from_dict(whole), self.one * below, others
 
     def over_one(self, entries: Sequence[Expr]) -> tuple[list[flint.fmpz_mpoly], flint.fmpz_mpoly]:
         """Return numerators over a least common denominator, and that denominator."""
