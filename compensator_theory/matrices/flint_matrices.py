@@ -199,6 +199,8 @@ def kept_rational(matrix: Matrix) -> DomainMatrix | None:
     >>> kept_rational(Matrix([["a"]])) is None
     True
     """
+    if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
+        return None  # and it is not written
     kept = getattr(matrix, "_rep", None)
     if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
         return kept
@@ -215,7 +217,7 @@ def symbols_in(matrix: Matrix) -> set[Symbol]:
     >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
     ({a}, set())
     """
-    is_free = isinstance(matrix, RationalMatrix) or kept_rational(matrix) is not None
+    is_free = not isinstance(matrix, KeptMatrix) and kept_rational(matrix) is not None
     return set() if is_free else set(matrix.free_symbols)
 
 
