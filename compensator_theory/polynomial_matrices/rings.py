@@ -83,7 +83,7 @@ class RationalRing:
 
 
 class SymbolicRing:
-    """Polynomials over a field that contains symbols or irrational numbers, by SymPy.
+    """Polynomials over a field that contains irrational numbers, by SymPy.
 
     Examples
     --------
@@ -100,9 +100,6 @@ class SymbolicRing:
         self.ring = PolyRing([variable], field, "lex")
         self.zero, self.one = self.ring.zero, self.ring.one
         self.has_fractions = bool(field.is_FractionField)
-        self.cleared = PolyRing(
-            [variable], field.get_ring() if self.has_fractions else field, "lex"
-        )
 
     def read(self, poly: Poly) -> Element:
         """Return an element."""
@@ -131,37 +128,6 @@ class SymbolicRing:
         if not self.has_fractions:
             return len(element)
         return sum(len(c.numer) + len(c.denom) for c in element.values())
-
-    def product(
-        self, left: Sequence[Sequence[Element]], columns: Sequence[Sequence[Element]]
-    ) -> Grid:
-        """Multiply matrices with one common denominator for each row and for each column.
-
-        Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
-        """
-        rows = [self._cleared(row) for row in left]
-        others = [self._cleared(column) for column in columns]
-        new = self.field.field.new
-        result: Grid = []
-        for row, below in rows:
-            result.append([])
-            for column, under in others:
-                bottom = below * under
-                total = sum((x * y for x, y in zip(row, column, strict=True)), self.cleared.zero)
-                fractions = {power: new(c, bottom) for power, c in total.items()}
-                result[-1].append(self.ring.from_dict(fractions))
-        return result
-
-    def _cleared(self, elements: Sequence[Element]) -> tuple[list[Element], Element]:
-        common = self.cleared.domain.one
-        for element in elements:
-            ask("terms", self._terms(element), "a product of polynomial matrices")
-            for c in element.values():
-                common = common.lcm(c.denom)
-        return [
-            self.cleared.from_dict({p: c.numer * common.exquo(c.denom) for p, c in e.items()})
-            for e in elements
-        ], common
 
     def reciprocal_of_leading(self, element: Element) -> Element:
         """Return 1 over the leading coefficient, as a constant polynomial."""
@@ -221,8 +187,6 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
         return [
             [ring.combined(zip(row, column, strict=True)) for column in columns] for row in left
         ]
-    if isinstance(ring, SymbolicRing) and ring.has_fractions:
-        return ring.product(left, columns)
     return [
         [
             sum((x * y for x, y in zip(row, column, strict=True) if x and y), ring.zero)
