@@ -5,6 +5,7 @@ from __future__ import annotations
 import flint
 import sympy
 from sympy import Expr, Poly, Symbol
+from sympy.polys.polyutils import expr_from_dict
 
 from compensator_theory.bezout.subresultant_chains import subresultants
 from compensator_theory.bezout.sylvester import (
@@ -18,7 +19,7 @@ from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flin
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.generic_answers import generic_answer_of
-from compensator_theory.polynomials.multivariate import coefficients_of, flint_domain, to_flint
+from compensator_theory.polynomials.multivariate import flint_domain, to_flint
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike
 
@@ -168,8 +169,11 @@ def _by_flint(a: Poly, b: Poly) -> Expr | None:
     if domain is None:
         return None
     first, second = to_flint(domain, a, b)
-    found = coefficients_of(domain, first.resultant(second, "x0"))
-    return domain.to_sympy(found.get(0, domain.zero))
+    terms = {
+        tuple(map(int, powers)): rational(c)
+        for (_, *powers), c in first.resultant(second, "x0").to_dict().items()
+    }
+    return expr_from_dict(terms, *domain.symbols)
 
 
 def _require_leading(poly: Poly, degree: int) -> None:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import flint
 import sympy
-from sympy import Expr, Integer, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Integer, Poly, Symbol
 
 from compensator_theory.canonical_forms.minimal_bases import (
     MinimalBasis,
@@ -26,6 +26,7 @@ from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.residues import pivots
+from compensator_theory.matrices.symbolic_matrices import kept_with_symbols
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     polynomial_matrix,
@@ -319,8 +320,7 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s"
         raise InputError(f"the matrices contain {s}, the variable; name another one")
     if is_rational_matrix(a) and is_rational_matrix(e):
         return _rational(to_flint(a), to_flint(e), s)
-    pencil = polynomial_matrix(s * e - a, s)
-    reverse = polynomial_matrix(e - s * a, s)
+    pencil, reverse = _pencil(-a, e, s), _pencil(e, -a, s)
     right, left = minimal_basis(pencil), minimal_basis(pencil.T)
     finite, infinite = smith_form(pencil), smith_form(reverse)
     orders = []
@@ -345,6 +345,21 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s"
             [*(x for part in parts for x in part.exceptional), *map(sympy.sympify, lowest)]
         ),
     )
+
+
+def _pencil(constant: ImmutableMatrix, slope: ImmutableMatrix, s: Symbol) -> PolynomialMatrix:
+    """Return s times the slope plus the constant."""
+    if (read := kept_with_symbols(slope, constant)) is None:
+        return polynomial_matrix(s * slope + constant, s)
+    work, (first, second) = read
+    rows = (
+        tuple(
+            work.polynomial([(x, first.below)] * (not x.is_zero()) + [(y, second.below)], s)
+            for x, y in zip(*row, strict=True)
+        )
+        for row in zip(first.grid(), second.grid(), strict=True)
+    )
+    return PolynomialMatrix(tuple(rows))
 
 
 def _rational(A: flint.fmpq_mat, E: flint.fmpq_mat, s: Symbol) -> KroneckerForm:

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import by_rows_and_columns, elimination_of
+from compensator_theory.polynomial_matrices.function_rings import FunctionRing
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
     polynomial_matrix,
 )
-from compensator_theory.polynomial_matrices.rings import SymbolicRing
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P V = S, U U^-1 = I, V V^-1 = I"
@@ -155,24 +154,23 @@ def diagonalise(work: Elimination) -> int:
     (2, '[[1, 0], [0, s**2]]')
     """
     ring = work.ring
-    if not (isinstance(ring, SymbolicRing) and FractionFree.serves(ring.field)):
+    if not isinstance(ring, FunctionRing):
         return by_euclid(work)
     if work.columns > work.rows:  # a last row alone would be left to Euclid
         work.transpose()
         rank = diagonalise(work)
         work.transpose()
         return rank
-    steps = FractionFree(ring.ring)
     for k in range(min(work.rows, work.columns)):
         rest = [row[k:] for row in work.matrix[k:]]
-        goal = steps.degree_of_gcd([e for row in rest for e in row])
+        goal = ring.degree_of_gcd(e for row in rest for e in row)
         if goal < 0:
             return k
-        if not _place_pivot(work, k, goal) and not _place_column(work, steps, k, goal):
+        if not _place_pivot(work, ring, k, goal) and not _place_column(work, ring, k, goal):
             return by_euclid(work, k)
         for i in range(k + 1, work.rows):
             if work.matrix[i][k]:
-                _combine(work, steps, k, i)
+                _combine(work, ring, k, i)
         work.make_monic(k, k)
         pivot = work.matrix[k][k]
         for j in range(k + 1, work.columns):
@@ -221,13 +219,13 @@ def _undivided(work: Elimination, k: int) -> int | None:
     return None
 
 
-def _place_pivot(work: Elimination, k: int, goal: int) -> bool:
+def _place_pivot(work: Elimination, ring: FunctionRing, k: int, goal: int) -> bool:
     """Bring the shortest entry that divides all others to its place, if there is one."""
     places = [
-        (sum(len(c.numer) + len(c.denom) for c in work.matrix[i][j].values()), i, j)
+        (ring.terms(work.matrix[i][j]), i, j)
         for i in range(k, work.rows)
         for j in range(k, work.columns)
-        if work.ring.degree(work.matrix[i][j]) == goal
+        if ring.degree(work.matrix[i][j]) == goal
     ]
     if not places:
         return False
@@ -237,19 +235,19 @@ def _place_pivot(work: Elimination, k: int, goal: int) -> bool:
     return True
 
 
-def _place_column(work: Elimination, steps: FractionFree, k: int, goal: int) -> bool:
+def _place_column(work: Elimination, ring: FunctionRing, k: int, goal: int) -> bool:
     """Bring a column to its place whose gcd is that of all columns: one of them, or a sum."""
     for j in range(k, work.columns):
-        if steps.degree_of_gcd([row[j] for row in work.matrix[k:]]) == goal:
+        if ring.degree_of_gcd(row[j] for row in work.matrix[k:]) == goal:
             work.swap_columns(k, j)
             return True
     for factors in _combinations(work.columns - k - 1):
         column = [
-            row[k] + sum(row[j] * c for j, c in enumerate(factors, k + 1)) for row in work.matrix
+            sum((row[j] * c for j, c in enumerate(factors, k + 1)), row[k]) for row in work.matrix
         ]
-        if steps.degree_of_gcd(column[k:]) == goal:
+        if ring.degree_of_gcd(column[k:]) == goal:
             for j, c in enumerate(factors, k + 1):
-                work.add_column(k, j, work.ring.one * c)
+                work.add_column(k, j, ring.one * c)
             return True
     return False
 
@@ -260,7 +258,7 @@ def _combinations(count: int) -> Iterator[list[int]]:
         yield [c**power for power in range(1, count + 1)]
 
 
-def _combine(work: Elimination, steps: FractionFree, k: int, i: int) -> None:
+def _combine(work: Elimination, ring: FunctionRing, k: int, i: int) -> None:
     """Leave the gcd of two entries of column k in row k, and zero in row i."""
-    x, y, a, b = steps.identity(work.matrix[k][k], work.matrix[i][k])
+    x, y, a, b = ring.identity(work.matrix[k][k], work.matrix[i][k])
     work.combine_rows(k, i, [[x, y], [-b, a]], [[a, -y], [b, x]])

@@ -13,7 +13,7 @@ from sympy import Expr, ImmutableMatrix, Poly
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.flint_matrices import RationalMatrix, from_flint
-from compensator_theory.matrices.fraction_free import vanish
+from compensator_theory.matrices.rational_functions import vanish
 from compensator_theory.polynomials.values import ExactValue
 
 

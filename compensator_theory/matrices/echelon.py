@@ -11,8 +11,8 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices.flint_matrices import (
     from_flint,
+    identity_matrix,
     is_rational_matrix,
-    of_rows,
     to_flint,
     zero_matrix,
 )
@@ -41,9 +41,9 @@ class Echelon:
         """Return a basis of the null space, as columns; there may be none."""
         columns = self.matrix.cols
         free = [column for column in range(columns) if column not in self.pivots]
-        at_pivots = dict(zip(self.pivots, (-self.matrix[:, free]).tolist(), strict=True))
-        units = {column: [int(column == k) for k in free] for column in free}
-        return of_rows([{**at_pivots, **units}[k] for k in range(columns)], (columns, len(free)))
+        stacked = (-self.matrix[:, free]).col_join(identity_matrix(len(free)))
+        places = [*self.pivots, *free]
+        return stacked[[places.index(k) for k in range(columns)], :]
 
     def solutions(self) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...]]:
         """Return a solution of A x = b and a basis of the homogeneous ones; this is of [A | b]."""

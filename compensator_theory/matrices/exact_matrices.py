@@ -19,6 +19,8 @@ from compensator_theory.matrices.flint_matrices import (
     kept_rational,
     to_flint,
 )
+from compensator_theory.matrices.kept_matrices import KeptMatrix
+from compensator_theory.matrices.symbolic_matrices import SymbolicMatrix, symbolic_matrix
 from compensator_theory.polynomials.budget import ask, decimal_digits, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
@@ -59,11 +61,15 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     flat = [entry for row in entries for entry in row]
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
     found = ImmutableMatrix(*shape, flat)
-    return found if kept_rational(found) is None else from_flint(to_flint(found))
+    kept = symbolic_matrix(found)
+    return found if kept is None else kept
 
 
-def _read_at_once(value: Any, name: str) -> RationalMatrix | None:
-    """Read plain rational numbers without a look at each as an expression; None for the rest."""
+def _read_at_once(value: Any, name: str) -> KeptMatrix | None:
+    """Read what is kept, and rational numbers without a look at each as an expression, or None."""
+    if isinstance(value, SymbolicMatrix):
+        ask("entries", value.rows * value.cols, f"the matrix {name}")
+        return value
     if isinstance(value, RationalMatrix):
         return _asked(value, name)
     if type(value) in (ImmutableMatrix, Matrix):

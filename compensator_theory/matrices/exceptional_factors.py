@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix
+from sympy import Expr, Matrix
 
 from compensator_theory.matrices.flint_matrices import symbols_in
-from compensator_theory.matrices.fraction_free import RationalFunctions
+from compensator_theory.matrices.rational_functions import NotRationalError, in_symbols
+from compensator_theory.matrices.symbolic_matrices import SymbolicMatrix, symbolic_matrix
 
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
@@ -28,30 +29,32 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     (a, a - 1, b + 1)
     """
     given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
-    if not given:
-        return ()
-    found = {factor: None for factor in _factors(given) if not factor.is_nonzero}
-    return tuple(
-        sorted(found, key=lambda f: (sympy.Poly(f).total_degree(), sympy.count_ops(f), str(f)))
-    )
+    found = {factor: degree for factor, degree in _factors(given) if not factor.is_nonzero}
+    return tuple(sorted(found, key=lambda f: (found[f], sympy.count_ops(f), str(f))))
 
 
-def _factors(divisors: list[Expr]) -> Iterator[Expr]:
-    """Numerators and denominators in factors, by python-flint where it can read them."""
-    row = ImmutableMatrix(1, len(divisors), divisors)
-    if (work := RationalFunctions.of(row)) is None:
-        for divisor in divisors:
-            for side in sympy.fraction(sympy.cancel(divisor)):
-                yield from (factor for factor, _ in sympy.factor_list(side)[1])
-        return
+def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
+    """Factors of both sides with their degrees, by python-flint where it can read them."""
+    symbols = frozenset().union(*(divisor.free_symbols for divisor in divisors))
+    work = in_symbols(symbols) if symbols and all(x.is_Symbol for x in symbols) else None
     for divisor in divisors:
-        for side in work.lowest(*work.read(divisor)):
+        try:
+            if work is None:
+                raise NotRationalError
+            sides = work.lowest(*work.read(divisor))
+        except NotRationalError:
+            for side in sympy.fraction(sympy.cancel(divisor)):
+                for found, _ in sympy.factor_list(side)[1]:
+                    yield found, int(sympy.Poly(found).total_degree())
+            continue
+        for side in sides:
             for factor, _ in side.factor()[1]:
-                yield work.expression(-factor if factor.leading_coefficient() < 0 else factor)
+                sign = -1 if factor.leading_coefficient() < 0 else 1
+                yield work.expression(factor * sign), int(factor.total_degree())
 
 
 def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
-    """Return the denominators of all entries that have symbols in them.
+    """Return the denominators that have symbols in them, of each matrix one, or of its entries.
 
     Examples
     --------
@@ -62,12 +65,9 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     """
     bottoms: dict[Expr, None] = {}
     for matrix in filter(symbols_in, matrices):
-        work = RationalFunctions.of(matrix)
-        for entry in matrix:
-            if work is None:
-                bottoms[sympy.fraction(sympy.cancel(entry))[1]] = None
-            elif entry.free_symbols:
-                below = work.lowest(*work.read(entry))[1]
-                if not below.is_constant():
-                    bottoms[work.expression(below)] = None
+        kept = symbolic_matrix(matrix)
+        if isinstance(kept, SymbolicMatrix):
+            bottoms[kept.work.expression(kept.kept.below)] = None
+        elif kept is None:
+            bottoms |= dict.fromkeys(sympy.fraction(sympy.cancel(e))[1] for e in matrix)
     return [bottom for bottom in bottoms if bottom.free_symbols]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -11,13 +11,13 @@ from sympy import QQ, Expr, ImmutableMatrix, Integer, Matrix, Rational, Symbol, 
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.sdm import SDM
 
+from compensator_theory.matrices.kept_matrices import OF_SYMPY, KeptMatrix
 
-class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
-    """A matrix of SymPy that python-flint keeps: SymPy's entries are written when asked for.
 
-    It is equal to the same ImmutableMatrix and has its hash, its text and its pickle. Sums,
-    products, transposes and ranks of such matrices stay in python-flint; what is made of one and a
-    matrix with symbols is an ImmutableMatrix.
+class RationalMatrix(KeptMatrix):
+    """A matrix of rational numbers that python-flint keeps.
+
+    Sums, products, transposes and ranks of such matrices stay in python-flint.
 
     Attributes
     ----------
@@ -37,15 +37,11 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
     """
 
     kept: flint.fmpq_mat
-    _mhash: int | None
 
     @classmethod
     def _kept_as(cls, kept: flint.fmpq_mat) -> RationalMatrix:
-        found: RationalMatrix = object.__new__(cls)
+        found: RationalMatrix = cls._of_shape(int(kept.nrows()), int(kept.ncols()))
         found.kept = kept
-        found._rows, found._cols = int(kept.nrows()), int(kept.ncols())
-        found._mhash = None
-        found._assumptions = cls.default_assumptions
         return found
 
     @classmethod
@@ -69,25 +65,12 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
         flat = [entry for row in self._eval_tolist() for entry in row]
         return Integer(self._rows), Integer(self._cols), Tuple(*flat, sympify=False)
 
-    def __hash__(self) -> int:
-        if self._mhash is None:
-            self._mhash = hash((ImmutableMatrix.__name__, *self._hashable_content()))
-        return self._mhash
-
     def __eq__(self, other: object) -> bool:
         if isinstance(other, RationalMatrix):
             return bool(self.kept == other.kept)
-        found: bool = super().__eq__(other)  # or that SymPy does not know
-        return found
+        return super().__eq__(other)
 
-    def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
-        return ImmutableMatrix, self._args
-
-    def _sympyrepr(self, printer: Any) -> str:
-        """What SymPy evaluates: the matrix that it stands for."""
-        return str(printer.doprint(ImmutableMatrix(*self._args)))
-
-    _pythoncode = _sympyrepr
+    __hash__ = KeptMatrix.__hash__
 
     @property
     def is_zero_matrix(self) -> bool:
@@ -99,18 +82,11 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
         """No symbols."""
         return set()
 
-    def __iter__(self) -> Iterator[Rational]:
-        return iter(self._args[2].args)
+    def _entry(self, row: int, column: int) -> Rational:
+        return rational(self.kept[row, column])
 
-    def __getitem__(self, key: Any) -> Any:
-        if isinstance(key, int):
-            key = divmod(range(self._rows * self._cols)[key], self._cols)
-        if not (isinstance(key, tuple) and all(isinstance(k, int | slice | list) for k in key)):
-            return super().__getitem__(key)
-        i, j = map(_places, key, (self._rows, self._cols))
-        if isinstance(i, int) and isinstance(j, int):
-            return rational(self.kept[i, j])
-        return self._eval_extract(*([k] if isinstance(k, int) else k for k in (i, j)))
+    def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
+        return OF_SYMPY[operation](left, self)
 
     def _eval_tolist(self) -> list[list[Rational]]:
         if not (self._rows and self._cols):
@@ -125,11 +101,11 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
 
     def _eval_add(self, other: Matrix) -> ImmutableMatrix:
         raw = rational_in_flint(other)
-        return super()._eval_add(other) if raw is None else self._kept_as(self.kept + raw)
+        return self._left_to("add", other) if raw is None else self._kept_as(self.kept + raw)
 
     def _eval_matrix_mul(self, other: Matrix) -> ImmutableMatrix:
         raw = rational_in_flint(other)
-        return super()._eval_matrix_mul(other) if raw is None else self._kept_as(self.kept * raw)
+        return self._left_to("multiply", other) if raw is None else self._kept_as(self.kept * raw)
 
     def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
         if not isinstance(other, Rational):
@@ -140,22 +116,18 @@ class RationalMatrix(ImmutableMatrix):  # type: ignore[misc]
 
     def _eval_row_join(self, other: Matrix) -> ImmutableMatrix:
         if (raw := rational_in_flint(other)) is None:
-            return super()._eval_row_join(other)
+            return self._left_to("beside", other)
         return self._kept_as(_joined(self.kept.transpose(), raw.transpose()).transpose())
 
     def _eval_col_join(self, other: Matrix) -> ImmutableMatrix:
         if (raw := rational_in_flint(other)) is None:
-            return super()._eval_col_join(other)
+            return self._left_to("below", other)
         return self._kept_as(_joined(self.kept, raw))
 
     def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> RationalMatrix:
         entries, width = self.kept.entries(), self._cols
         chosen = [entries[i * width + j] for i in rows for j in columns]
         return self._kept_as(flint.fmpq_mat(len(rows), len(columns), chosen))
-
-
-def _places(key: Any, size: int) -> Any:
-    return [range(size)[k] for k in key] if isinstance(key, list) else range(size)[key]
 
 
 def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
@@ -173,7 +145,9 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
     (True, False)
     """
-    if isinstance(matrix, RationalMatrix) or kept_rational(matrix) is not None:
+    if isinstance(matrix, KeptMatrix):  # what turned out rational is not kept with symbols
+        return isinstance(matrix, RationalMatrix)
+    if kept_rational(matrix) is not None:
         return True
     # SymPy's conversion would write down what it refuses, and look for the values of its roots
     return all(entry.is_Rational for entry in matrix.todok().values())
@@ -225,6 +199,8 @@ def kept_rational(matrix: Matrix) -> DomainMatrix | None:
     >>> kept_rational(Matrix([["a"]])) is None
     True
     """
+    if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
+        return None  # and it is not written
     kept = getattr(matrix, "_rep", None)
     if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
         return kept
@@ -241,7 +217,7 @@ def symbols_in(matrix: Matrix) -> set[Symbol]:
     >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
     ({a}, set())
     """
-    is_free = isinstance(matrix, RationalMatrix) or kept_rational(matrix) is not None
+    is_free = not isinstance(matrix, KeptMatrix) and kept_rational(matrix) is not None
     return set() if is_free else set(matrix.free_symbols)
 
 

@@ -25,7 +25,10 @@ from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.fraction_free import (
     SymbolicRows,
     symbolic_characteristic_polynomial,
-    symbolic_product,
+)
+from compensator_theory.matrices.symbolic_matrices import (
+    product_with_symbols,
+    symbolic_matrix,
 )
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -162,6 +165,8 @@ def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
     >>> in_lowest_terms(Matrix([["(a**2 - a)/a", 2]]))
     Matrix([[a - 1, 2]])
     """
+    if (kept := symbolic_matrix(matrix)) is not None:
+        return kept
     return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if symbols_in(matrix) else matrix)
 
 
@@ -180,7 +185,7 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
     raw = [rational_in_flint(factor) for factor in factors]
     if all(factor is not None for factor in raw):
         return from_flint(reduce(mul, raw))
-    if (product := symbolic_product(*factors)) is not None:
+    if (product := product_with_symbols(*factors)) is not None:
         return product
     fields = [factor.to_field() for factor in _unified(*factors)]
     return ImmutableMatrix(reduce(mul, fields).to_Matrix())

@@ -11,12 +11,12 @@ from sympy import Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
-from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
+from compensator_theory.polynomial_matrices.function_rings import FunctionRing
 from compensator_theory.polynomials.budget import ask, decimal_digits
 from compensator_theory.polynomials.poly import canonical
 
@@ -83,16 +83,16 @@ class RationalRing:
 
 
 class SymbolicRing:
-    """Polynomials over a field that contains symbols or irrational numbers, by SymPy.
+    """Polynomials over a field that contains irrational numbers, by SymPy.
 
     Examples
     --------
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.polynomial_matrices.rings import ring_of
-    >>> ring = ring_of([polynomial("a*s + 1", "s")])
-    >>> rest = ring.divide(ring.read(polynomial("s")), ring.read(polynomial("a*s + 1", "s")))[1]
+    >>> ring = ring_of([polynomial("s + sqrt(2)")])
+    >>> rest = ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + sqrt(2)")))[1]
     >>> ring.write(rest)
-    Poly(-1/a, s, domain='QQ(a)')
+    Poly(2, s, domain='QQ')
     """
 
     def __init__(self, variable: Symbol, field: Domain) -> None:
@@ -100,9 +100,6 @@ class SymbolicRing:
         self.ring = PolyRing([variable], field, "lex")
         self.zero, self.one = self.ring.zero, self.ring.one
         self.has_fractions = bool(field.is_FractionField)
-        self.cleared = PolyRing(
-            [variable], field.get_ring() if self.has_fractions else field, "lex"
-        )
 
     def read(self, poly: Poly) -> Element:
         """Return an element."""
@@ -132,39 +129,6 @@ class SymbolicRing:
             return len(element)
         return sum(len(c.numer) + len(c.denom) for c in element.values())
 
-    def product(
-        self, left: Sequence[Sequence[Element]], columns: Sequence[Sequence[Element]]
-    ) -> Grid:
-        """Multiply matrices with one common denominator for each row and for each column.
-
-        Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
-        """
-        if FractionFree.serves(self.field):
-            return FractionFree(self.ring).product(left, columns)
-        rows = [self._cleared(row) for row in left]
-        others = [self._cleared(column) for column in columns]
-        new = self.field.field.new
-        result: Grid = []
-        for row, below in rows:
-            result.append([])
-            for column, under in others:
-                bottom = below * under
-                total = sum((x * y for x, y in zip(row, column, strict=True)), self.cleared.zero)
-                fractions = {power: new(c, bottom) for power, c in total.items()}
-                result[-1].append(self.ring.from_dict(fractions))
-        return result
-
-    def _cleared(self, elements: Sequence[Element]) -> tuple[list[Element], Element]:
-        common = self.cleared.domain.one
-        for element in elements:
-            ask("terms", self._terms(element), "a product of polynomial matrices")
-            for c in element.values():
-                common = common.lcm(c.denom)
-        return [
-            self.cleared.from_dict({p: c.numer * common.exquo(c.denom) for p, c in e.items()})
-            for e in elements
-        ], common
-
     def reciprocal_of_leading(self, element: Element) -> Element:
         """Return 1 over the leading coefficient, as a constant polynomial."""
         return self.ring.ground_new(self.field.quo(self.field.one, element.LC))
@@ -178,7 +142,7 @@ class SymbolicRing:
         return self.ring.gens[0] ** exponent
 
 
-Ring: TypeAlias = RationalRing | SymbolicRing
+Ring: TypeAlias = RationalRing | FunctionRing | SymbolicRing
 
 
 def ring_of(polynomials: Iterable[Poly]) -> Ring:
@@ -189,7 +153,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.polynomial_matrices.rings import ring_of
     >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
-    'SymbolicRing'
+    'FunctionRing'
     """
     listed = list(polynomials)
     field = reduce(lambda a, b: a.unify(b), (p.domain for p in listed)).get_field()
@@ -200,7 +164,8 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
             "the coefficients span no field that is known here; write symbols in place of "
             "irrational numbers"
         )
-    return SymbolicRing(listed[0].gen, field)
+    kind = FunctionRing if FunctionRing.serves(field) else SymbolicRing
+    return kind(listed[0].gen, field)
 
 
 def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid:
@@ -216,8 +181,12 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
     Poly(s**2 + s, s, domain='QQ')
     """
     columns = list(zip(*right, strict=True))
-    if isinstance(ring, SymbolicRing) and ring.has_fractions:
-        return ring.product(left, columns)
+    if isinstance(ring, FunctionRing):
+        for row in (*left, *columns):
+            ask("terms", sum(map(ring.terms, row)), "a product of polynomial matrices")
+        return [
+            [ring.combined(zip(row, column, strict=True)) for column in columns] for row in left
+        ]
     return [
         [
             sum((x * y for x, y in zip(row, column, strict=True) if x and y), ring.zero)

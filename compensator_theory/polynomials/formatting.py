@@ -73,7 +73,7 @@ def in_least_domain(poly: Poly) -> Poly | None:
             for powers in side or ():
                 used.update(i for i, power in enumerate(powers) if power)
         divides |= denominator is not None and not denominator.is_ground
-    least = _domain(frozenset(domain.symbols[i] for i in used), divides)
+    least = composite_domain(frozenset(domain.symbols[i] for i in used), divides=divides)
     if domain == least:
         return poly
     if least.is_FractionField:
@@ -100,7 +100,16 @@ def _sides(poly: Poly) -> Iterator[tuple[Any, Any]]:
 
 
 @lru_cache(maxsize=256)
-def _domain(symbols: frozenset[Symbol], divides: bool) -> Domain:
+def composite_domain(symbols: frozenset[Symbol], *, divides: bool) -> Domain:
+    """Return QQ[symbols], or QQ(symbols) if one divides, in SymPy's order; QQ without symbols.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.polynomials.formatting import composite_domain
+    >>> composite_domain(frozenset({b, a}), divides=True)
+    QQ(a,b)
+    """
     if not symbols:
         return QQ
     ordered = Poly(sympy.Add(*symbols), domain=QQ).gens

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix
+from sympy import Expr, ImmutableMatrix
 
 from compensator_theory.errors import NotControllableError
 from compensator_theory.latex import displayed, latex, unless
@@ -14,7 +14,7 @@ from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices.flint_matrices import identity_matrix, of_rows
+from compensator_theory.matrices.flint_matrices import identity_matrix, of_rows, zero_matrix
 from compensator_theory.matrices.linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -162,22 +162,16 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
-    F, W = Matrix.zeros(m, n), Matrix(identity_matrix(m))
-    below = solve(gain, -ImmutableMatrix.vstack(*tops))
-    free = solve(gain, identity_matrix(len(used)))
-    for row, i in enumerate(used):
-        F[i, :] = below[row, :]
-        for column, j in enumerate(used):
-            W[i, j] = free[row, column]
-    for j in set(range(m)) - set(used):  # such an input does what a combination of others does
-        same = multiplied(free, moved.extract(ends, [j]))
-        for row, i in enumerate(used):
-            W[i, j] = -same[row, 0]
-    divisors = [first.divided_by, determinant(gain)]
-    basis, F, W = ImmutableMatrix(T), ImmutableMatrix(F), ImmutableMatrix(W)
-    certificate = _certificate(a, b, indices, basis, F, W)
-    divisors += denominators_of((basis, F, W))
-    return BrunovskyForm(a, b, indices, basis, F, W, exceptional_factors(divisors), certificate)
+    whole, others = identity_matrix(m), [i for i in range(m) if not indices[i]]
+    # One of the others does what a combination of those used does, which is taken from it.
+    alone = whole[:, others]
+    same = moved.extract(ends, others) * alone.T if others else zero_matrix(len(used), m)
+    right = (-ImmutableMatrix.vstack(*tops)).row_join(whole[used, :] - same)
+    solved = multiplied(whole[:, used], solve(gain, right))
+    F, W = solved[:, :n], solved[:, n:] + (alone * alone.T if others else zero_matrix(m, m))
+    divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
+    certificate = _certificate(a, b, indices, T, F, W)
+    return BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors), certificate)
 
 
 def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:

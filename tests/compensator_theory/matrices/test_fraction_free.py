@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from sympy.abc import a, b
 
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.fraction_free import SymbolicRows, symbolic_product, vanish
+from compensator_theory.matrices.fraction_free import SymbolicRows
 from compensator_theory.matrices.linear_algebra import determinant, rank, solve
+from compensator_theory.matrices.rational_functions import vanish
+from compensator_theory.matrices.symbolic_matrices import product_with_symbols
 
 ENTRIES = st.sampled_from(
     [sympy.Integer(k) for k in (-2, 0, 0, 1, 3)]
@@ -47,7 +49,7 @@ def test_echelon_forms_and_ranks_are_sympys(M, more):
 @pytest.mark.costly
 @given(matrices(2, 3), matrices(3, 2), matrices(2, 2))
 def test_products_are_reduced(P, Q, R):
-    found, expected = symbolic_product(P, Q, R), P * Q * R
+    found, expected = product_with_symbols(P, Q, R), P * Q * R
     if not any(M.free_symbols for M in (P, Q, R)):
         assert found is None
     else:
