@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from math import lcm, prod
+from math import comb, lcm, prod
 from typing import TypeAlias
 
 import flint
@@ -21,6 +21,7 @@ from compensator_theory.polynomials.poly import canonical
 Fraction: TypeAlias = tuple[flint.fmpz_mpoly, flint.fmpz_mpoly]
 """Numerator and denominator, not in lowest terms."""
 LARGEST_POWER = 200
+MOST_TERMS = 1_000_000
 SMALL_POWERS = range(1, LARGEST_POWER)
 REMEMBERED = 100_000
 """Terms of fractions that were read or written, for each set of symbols."""
@@ -84,13 +85,16 @@ class RationalFunctions:
             return above, below
         if expression.is_Mul:
             tops, unders = zip(*map(self.read, expression.args), strict=True)
+            _require_few(prod(map(len, tops)), prod(map(len, unders)))
             return prod(tops, start=self.one), prod(unders, start=self.one)
         if expression.is_Pow and expression.exp.is_Integer and abs(expression.exp) < LARGEST_POWER:
             above, below = self.read(expression.base)
+            power = abs(int(expression.exp))
+            _require_few(*(comb(len(p) + power - 1, power) for p in (above, below)))
             if expression.exp < 0:
                 above, below = below, above
             if not below.is_zero():
-                return above ** abs(int(expression.exp)), below ** abs(int(expression.exp))
+                return above**power, below**power
         raise NotRationalError
 
     def _monomials(self, total: Expr) -> tuple[flint.fmpz_mpoly, flint.fmpz_mpoly, list[Expr]]:
@@ -167,6 +171,12 @@ class RationalFunctions:
         """Return the symbols that occur in some of these polynomials."""
         degrees = zip(*(poly.degrees() for poly in polynomials), strict=True)
         return {x for x, powers in zip(self.symbols, degrees, strict=False) if any(powers)}
+
+
+def _require_few(*terms: int) -> None:
+    """Leave alone what would have too many terms, written out; a short text can ask for it."""
+    if max(terms) > MOST_TERMS:
+        raise NotRationalError
 
 
 @lru_cache(maxsize=8)

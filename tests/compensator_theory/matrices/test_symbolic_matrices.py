@@ -116,3 +116,10 @@ def test_the_denominator_has_the_factors_of_all_entries(matrix):
 def test_places_outside_are_refused(place):
     with pytest.raises(IndexError):
         exact_matrix([["a", 1]], "A")[place]
+
+
+def test_what_would_have_millions_of_terms_is_not_written_out():
+    whole = sympy.Add(*sympy.symbols("a:f"))
+    for entry in (whole**199, 1 / whole**160, whole**20 * (whole + 1) ** 20):
+        assert not isinstance(exact_matrix(sympy.Matrix([[entry, 1]]), "A"), SymbolicMatrix)
+    assert isinstance(exact_matrix(sympy.Matrix([[whole**9, 1]]), "A"), SymbolicMatrix)
