@@ -7,6 +7,7 @@ from itertools import pairwise
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.bezout.sylvester import holds_while_degrees_do
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask
@@ -14,6 +15,7 @@ from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 
 
+@holds_while_degrees_do
 def bezout_matrix(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, Matrix, Poly, Symbol
 
+from compensator_theory.bezout.sylvester import holds_while_degrees_do
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import determinant
@@ -53,6 +54,7 @@ class Subresultants(ExactValue):
         return displayed(*(f"S_{{{k}}} = {latex(poly)}" for k, poly in enumerate(self.chain)))
 
 
+@holds_while_degrees_do
 def subresultants(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> Subresultants:

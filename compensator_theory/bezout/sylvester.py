@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sized
+from collections.abc import Callable, Sized
+from typing import Any, TypeVar
 
 import flint
 import sympy
@@ -11,9 +12,35 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import from_flint
 from compensator_theory.polynomials.budget import ask, integer, shown
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, is_list
 
+Function = TypeVar("Function", bound=Callable[..., Any])
 
+
+def holds_while_degrees_do(function: Function) -> Function:
+    """Mark a function of two polynomials whose answer is made of coefficients, by the degrees.
+
+    Examples
+    --------
+    >>> from compensator_theory.bezout import sylvester_m1
+    >>> from compensator_theory.polynomials.generic_answers import generic_answer
+    >>> generic_answer(sylvester_m1)("a*s + 1", "s - b", variable="s")[1]
+    [a, 1]
+    """
+
+    @generic_answer_of(function)
+    def companion(
+        a: PolynomialLike, b: PolynomialLike, *sizes: int, variable: str | Symbol | None = None
+    ) -> tuple[Any, list[Expr]]:
+        read = in_one_variable(a, b, variable=variable, default="s")
+        leading = [sympy.sympify(poly.LC()) for poly in read if not poly.is_zero]
+        return function(a, b, *sizes, variable=variable), leading
+
+    return function
+
+
+@holds_while_degrees_do
 def sylvester_m(
     D: PolynomialLike,
     N: PolynomialLike,
@@ -84,6 +111,7 @@ def sylvester_m(
     return _from_columns(columns, rows)
 
 
+@holds_while_degrees_do
 def sylvester_m1(
     a: PolynomialLike,
     b: PolynomialLike,
@@ -152,6 +180,7 @@ def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMa
     return _from_columns(_shifts(first, l, 0) + _shifts(second, k, 0), k + l)
 
 
+@holds_while_degrees_do
 def sylvester_m2(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:

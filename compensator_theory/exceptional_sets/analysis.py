@@ -15,7 +15,6 @@ from compensator_theory.errors import (
     NotControllableError,
     NotObservableError,
 )
-from compensator_theory.exceptional_sets.arguments import names_in, require_variable, substituted
 from compensator_theory.exceptional_sets.cases import Answer, ExceptionalCase, ExceptionalCases
 from compensator_theory.exceptional_sets.equations import (
     Conditions,
@@ -25,6 +24,7 @@ from compensator_theory.exceptional_sets.equations import (
 )
 from compensator_theory.polynomials.budget import integer, shown
 from compensator_theory.polynomials.generic_answers import generic_answer
+from compensator_theory.polynomials.substitution import names_in, require_variable, substituted
 from compensator_theory.polynomials.variables import is_operator
 
 
@@ -41,10 +41,10 @@ def exceptional_cases(
     function : callable
         A construction whose answer has the attribute `exceptional`: :func:`place_poles`,
         :func:`solve_diophantine`, :func:`smith_form` and the like, or a function of your own that
-        returns such an answer or a tuple of them. Or one of those that answer by a plain value:
-        :func:`mcmillan_degree`, :func:`is_controllable`, :func:`uncontrollable_polynomial`,
-        :func:`number_of_common_roots`, :func:`resultant`, :func:`regulator_gain` and
-        :func:`observer_gain`.
+        returns such an answer or a tuple of them. Or one of this package that answers by a plain
+        value, such as :func:`mcmillan_degree`, :func:`is_controllable` or :func:`regulator_gain`,
+        by a system or a matrix, such as :func:`transfer_function` or :func:`hankel_matrix`, or by a
+        decision that speaks of all values itself, such as :func:`stability_region`.
     *arguments, **options
         What it takes. Symbols are substituted in texts, polynomials, matrices, systems and lists.
     cases : int, optional

@@ -9,8 +9,8 @@ import sympy
 from sympy import Dummy, Expr, Poly, Symbol
 
 from compensator_theory.errors import BudgetError
-from compensator_theory.exceptional_sets.arguments import substituted
 from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.substitution import substituted
 from compensator_theory.polynomials.sympy_trees import settled
 
 

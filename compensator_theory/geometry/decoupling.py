@@ -124,7 +124,8 @@ def decouple(
     Examples
     --------
     >>> from compensator_theory.geometry import decouple
-    >>> found = decouple(([[0, 1], [2, 3]], [[1, 0], [0, 1]], [[1, 0], [1, 1]]), ["s + 1", "s + 2"])
+    >>> plant = [[0, 1], [2, 3]], [[1, 0], [0, 1]], [[1, 0], [1, 1]]
+    >>> found = decouple(plant, ["s + 1", "s + 2"], variable="s")
     >>> print(found)
     diag(1/(s + 1), 1/(s + 2)) with F = [[-1, -1], [-3, -5]], W = [[1, 0], [-1, 1]]
     """

@@ -84,9 +84,9 @@ def decouple_disturbance(
     --------
     >>> from compensator_theory.geometry import decouple_disturbance
     >>> A, B, C = [[0, 1, 0], [0, 0, 1], [0, 0, 0]], [[0], [1], [0]], [[1, 0, 0]]
-    >>> print(decouple_disturbance((A, B, C), [[0], [0], [1]]))
+    >>> print(decouple_disturbance((A, B, C), [[0], [0], [1]], variable="s"))
     u = F x with F = [[0, 0, -1]] hides the disturbance from the output
-    >>> print(decouple_disturbance((A, B, C), [[1], [0], [0]]))
+    >>> print(decouple_disturbance((A, B, C), [[1], [0], [0]], variable="s"))
     no state feedback hides the disturbance from the output
     """
     source, drive = realisation(plant, variable), exact_matrix(E, "E")

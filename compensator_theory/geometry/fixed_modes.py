@@ -114,7 +114,7 @@ def decentralised_fixed_modes(
     >>> from compensator_theory.geometry import decentralised_fixed_modes
     >>> A, B = [[2, 0, 0], [0, 1, 0], [0, 0, 3]], [[1, 0], [1, 0], [0, 1]]
     >>> plant = A, B, [[1, 0, 0], [0, 1, 1]]
-    >>> print(decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])]))
+    >>> print(decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])], variable="s"))
     the roots of s - 1 are fixed
     >>> print(decentralised_fixed_modes(plant, [([0, 1], [0, 1])]))
     no fixed modes

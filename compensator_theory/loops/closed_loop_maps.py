@@ -7,11 +7,13 @@ from sympy import Poly
 from compensator_theory.errors import InputError
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop, require_problem
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
+@holds_where_defined
 def closed_loop_polynomial(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> Poly:

@@ -6,10 +6,12 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import agreed_sign
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
 
 
+@holds_where_defined
 def closed_loop_matrix(
     plant: RealisationLike,
     compensator: RealisationLike,

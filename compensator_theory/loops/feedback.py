@@ -15,6 +15,7 @@ from compensator_theory.loops.siso import (
     well_posed_loop,
 )
 from compensator_theory.matrices.flint_matrices import identity_matrix
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
@@ -46,6 +47,7 @@ def feedback_connection(
 def feedback_connection(
     plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction: ...
+@holds_where_defined
 def feedback_connection(
     plant: LoopPart | TransferMatrixLike,
     compensator: LoopPart | TransferMatrixLike,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.matrices.flint_matrices import identity_matrix
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
+@holds_where_defined
 def intercalated_transfer_matrix(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferMatrix:
@@ -53,6 +55,7 @@ def intercalated_transfer_matrix(
     return loop.response(problem.variable**loop.n_c * identity_matrix(problem.l_u))
 
 
+@holds_where_defined
 def intercalated_transfer_function(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferFunction:

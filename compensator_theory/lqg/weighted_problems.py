@@ -9,12 +9,14 @@ from sympy.solvers.diophantine.diophantine import sum_of_four_squares
 from compensator_theory.errors import InputError
 from compensator_theory.lqg.regulator_data import read_weights
 from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.systems.canonical_forms import RealisationLike, timed_realisation
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.standard_problems import StandardProblem
 
 
+@holds_where_defined
 def lqg_problem(
     plant: RealisationLike,
     Q: MatrixLike,

@@ -94,7 +94,7 @@ def solve_regulator_equations(
     P : matrix, optional
         n x r, zero by default: how w drives the states.
     variable : str or Symbol, optional
-        Of the plant; default: evident, for matrices "s".
+        Of the plant; default: evident, bare matrices need it.
 
     Returns
     -------

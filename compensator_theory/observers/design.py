@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import identity_matrix
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.substitution import denominators_in
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.controllability import controllability_matrix
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
@@ -125,7 +129,7 @@ def observer_based_compensator(
     regulator_poles, observer_poles : polynomial or list of roots
         Of degree n; a list holds the *roots*.
     variable : str or Symbol, optional
-        Of the plant; default: evident, for matrices "s".
+        Of the plant; default: evident, bare matrices need it.
 
     Returns
     -------
@@ -148,7 +152,7 @@ def observer_based_compensator(
     --------
     >>> from compensator_theory import observer_based_compensator
     >>> plant = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
-    >>> print(observer_based_compensator(plant, [-5, -4], [-2, -6]))  # Example 7.1
+    >>> print(observer_based_compensator(plant, [-5, -4], [-2, -6], variable="s"))  # Example 7.1
     K = [[-3, -5]]: regulator s**2 + 9*s + 20
     F = [[4, -3/4]]': observer s**2 + 8*s + 12
     u = G_c y, G_c = (-33*s/4 - 93/4)/(s**2 + 13*s + 49)
@@ -159,3 +163,14 @@ def observer_based_compensator(
     K = regulator_gain(system.A, system.B, p_R, variable=s)
     F = observer_gain(system.A, system.C, p_O, variable=s)
     return ObserverBasedCompensator(system, K, F, p_R, p_O)
+
+
+@generic_answer_of(observer_based_compensator)
+def _generic_compensator(
+    plant: RealisationLike, *arguments: Any, **options: Any
+) -> tuple[ObserverBasedCompensator, list[Expr]]:
+    """It exists where the plant is controllable and observable."""
+    found = observer_based_compensator(plant, *arguments, **options)
+    A, B, C, _ = found.plant.matrices
+    ranks = [determinant(controllability_matrix(*pair)) for pair in ((A, B), (A.T, C.T))]
+    return found, [*ranks, *denominators_in(found)]

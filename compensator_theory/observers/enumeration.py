@@ -60,7 +60,7 @@ def observer_forms(
     limit : int
         Largest number of regulator polynomials to test.
     variable : str or Symbol, optional
-        Of both; default: evident, for matrices "s".
+        Of both; default: evident, bare matrices need it.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def observer_forms(
     >>> from compensator_theory import observer_forms, realisation
     >>> plant = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
     >>> G_c = realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)")  # (7.31), u = G_c y
-    >>> for form in observer_forms(plant, G_c).forms:
+    >>> for form in observer_forms(plant, G_c, variable="s").forms:
     ...     print(form.K, form.F.T)
     Matrix([[-5, -7]]) Matrix([[2, -1/4]])
     Matrix([[-15/4, -6]]) Matrix([[3, -1/2]])

@@ -54,7 +54,7 @@ def realisation_is_observer_based(
         the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
         another one is refused.
     variable : str or Symbol, optional
-        Of both; default: evident, for matrices "s".
+        Of both; default: evident, bare matrices need it.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def realisation_is_observer_based(
     >>> from compensator_theory.observers import realisation_is_observer_based
     >>> plant = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
     >>> hidden = ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
-    >>> print(realisation_is_observer_based(plant, hidden))
+    >>> print(realisation_is_observer_based(plant, hidden, variable="s"))
     Is the realisation observer-based? no: the mode(s) s + 7 of the compensator are both
     uncontrollable and unobservable, and the closed loop has them only once. Forms: 0.
     Closed loop: s**4 + 16*s**3 + 83*s**2 + 140*s

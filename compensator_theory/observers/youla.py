@@ -141,7 +141,7 @@ def youla_forms(
         the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
         another one is refused.
     variable : str or Symbol, optional
-        Of both; default: evident, for matrices "s".
+        Of both; default: evident, bare matrices need it.
 
     Returns
     -------

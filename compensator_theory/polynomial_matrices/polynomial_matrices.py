@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Number
 from typing import TypeAlias
 
 import sympy
@@ -14,8 +16,11 @@ from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomial_matrices.rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials.budget import ask, quoted
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.generic_answers import holds_where_defined
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical, from_expression
-from compensator_theory.polynomials.reading import polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
+from compensator_theory.polynomials.substitution import with_values
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 
@@ -98,6 +103,10 @@ class PolynomialMatrix(ExactValue):
         """
         return self.as_matrix().evalf(digits)
 
+    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> PolynomialMatrix:
+        """Give values to symbols of the coefficients, as :meth:`TransferFunction.subs` does."""
+        return with_values(self, values, self.variable)
+
     def determinant(self) -> Poly:
         """Return the determinant of a square matrix."""
         return from_expression(determinant(self.as_matrix()), self.variable)
@@ -119,18 +128,18 @@ class PolynomialMatrix(ExactValue):
         ring = joint_ring(self, other)
         return written(ring, multiply(ring, read_into(ring, self), read_into(ring, other)))
 
-    def __mul__(self, other: PolynomialMatrix | Poly | Expr | int) -> PolynomialMatrix:
+    def __mul__(self, other: PolynomialMatrix | PolynomialLike) -> PolynomialMatrix:
         """The product, as in SymPy; of a number or a polynomial, of every entry."""
         if isinstance(other, PolynomialMatrix):
             return self @ other
-        if not isinstance(other, Poly | Expr | int):
+        if not isinstance(other, Poly | Expr | Number | str):
             return NotImplemented
         factor = polynomial(other, self.variable)
         return PolynomialMatrix(
             tuple(tuple(canonical(factor * entry) for entry in row) for row in self.rows)
         )
 
-    def __rmul__(self, other: Poly | Expr | int) -> PolynomialMatrix:
+    def __rmul__(self, other: PolynomialLike) -> PolynomialMatrix:
         return self * other
 
     def __pow__(self, exponent: int) -> PolynomialMatrix:
@@ -176,6 +185,7 @@ PolynomialMatrixLike: TypeAlias = PolynomialMatrix | TransferMatrixLike
 """What :func:`polynomial_matrix` reads."""
 
 
+@holds_where_defined
 def polynomial_matrix(
     rows: PolynomialMatrixLike, variable: str | Symbol | None = None
 ) -> PolynomialMatrix:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from sympy import Expr
 
+from compensator_theory.polynomials.poly import monic
+from compensator_theory.polynomials.substitution import denominators_in
+
 Generic: TypeAlias = Callable[..., tuple[Any, Iterable[Expr]]]
 """Takes what a function takes; returns its generic answer, and expressions that must not vanish."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 _GENERIC: dict[Callable[..., Any], Generic] = {}
 
@@ -35,6 +40,28 @@ def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Gener
         return companion
 
     return register
+
+
+def holds_where_defined(function: Function) -> Function:
+    """Mark a function whose answer is rational in the symbols and holds where it can be evaluated.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials.generic_answers import generic_answer
+    >>> generic_answer(transfer_function)("1/(a*s + 1)", "s")[1]
+    [a]
+    """
+
+    def companion(*arguments: Any, **options: Any) -> tuple[Any, list[Expr]]:
+        found = function(*arguments, **options)
+        return found, denominators_in(found)
+
+    _GENERIC[function] = companion
+    return function
+
+
+holds_where_defined(monic)  # which stands below this
 
 
 def generic_answer(function: Callable[..., Any]) -> Generic | None:

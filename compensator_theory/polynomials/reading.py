@@ -13,6 +13,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.poly import (
     canonical,
@@ -35,6 +36,7 @@ PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 """What :func:`polynomial` reads."""
 
 
+@holds_where_defined
 @roots_in_sympy()
 def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Make an exact polynomial with coefficients in descending powers.
@@ -124,8 +126,8 @@ def polynomial_in_time(
         )
     elif _holds_matrices(obj):
         raise InputError(
-            f"{quoted(obj)} is no polynomial; of (A, B, C) give realisation((A, B, C)), and of a "
-            "square matrix sympy.Matrix(A).charpoly('s')"
+            f"{quoted(obj)} is no polynomial; of (A, B, C) give realisation((A, B, C), 's'), and "
+            "of a square matrix sympy.Matrix(A).charpoly('s')"
         )
     if variable is None and time is not None and is_list(obj):
         variable = variable_in(time, None, "the polynomial")

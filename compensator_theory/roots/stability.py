@@ -10,6 +10,7 @@ from sympy import Expr, Matrix, Poly, Symbol
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import (
     PolynomialLike,
@@ -93,6 +94,7 @@ class StabilityDecision(ExactValue):
         return displayed(rf"{latex(self.polynomial)} {words(' ' + verdict)}")
 
 
+@holds_where_defined
 def decide_stability(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> StabilityDecision:

@@ -7,6 +7,7 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import determinant
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
@@ -83,6 +84,15 @@ def stability_conditions(
     coefficients = [a[0], *(a[k] for k in first)]
     minors = [_hurwitz_minor(a, k) for k in range(n - 1, 1, -2)]
     return tuple(_shortened([*leading, *coefficients, *reversed(minors)]))
+
+
+@generic_answer_of(stability_conditions)
+def _generic_conditions(
+    poly: PolynomialLike, variable: str | Symbol | None = None
+) -> tuple[tuple[Expr, ...], list[Expr]]:
+    """They speak of one degree, and of a positive leading coefficient where it is symbolic."""
+    leading = sympy.sympify(polynomial(poly, variable).LC())
+    return stability_conditions(poly, variable), [leading]
 
 
 def _hurwitz_minor(ascending: list[Expr], size: int) -> Expr:

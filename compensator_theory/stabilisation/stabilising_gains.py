@@ -7,6 +7,7 @@ from dataclasses import replace
 from sympy import Poly, Symbol
 
 from compensator_theory.loops.siso import LoopPart, read_loop
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import canonical, from_coefficients, over_one_field
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.stabilisation.stability_intervals import (
@@ -16,6 +17,7 @@ from compensator_theory.stabilisation.stability_intervals import (
 from compensator_theory.stabilisation.stability_regions import StabilityRegion, region_of_gains
 
 
+@holds_where_defined
 def stabilising_gains(
     plant: LoopPart,
     compensator: LoopPart = 1,

@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import from_coefficients, scaled
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
@@ -139,6 +140,7 @@ class StabilityIntervals(ExactValue):
         return displayed(rf"{stable} \iff {latex(self.parameter)} \in {cells}")
 
 
+@holds_where_defined
 def stability_intervals(
     poly: PolynomialLike, parameter: str | Symbol, *, variable: str | Symbol | None = None
 ) -> StabilityIntervals:

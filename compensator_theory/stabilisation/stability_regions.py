@@ -14,6 +14,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.sympy_trees import irrational_parts
@@ -138,6 +139,7 @@ class StabilityRegion(ExactValue):
         return displayed(*verdict, f"{words('bounded by ')} {curves}" if curves else "")
 
 
+@holds_where_defined
 def stability_region(
     poly: PolynomialLike,
     first: str | Symbol,

@@ -18,7 +18,9 @@ from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
 from compensator_theory.polynomials.budget import listed, shown
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.substitution import denominators_in
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 
@@ -99,6 +101,13 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
     >>> reachable_eigenvectors([[0, 1], [0, 0]], [[0], [1]], "-1 + j").T
     Matrix([[I/2, -1/2 - I/2]])
     """
+    return _reachable(A, B, eigenvalue)[0]
+
+
+@generic_answer_of(reachable_eigenvectors)
+def _reachable(
+    A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike
+) -> tuple[ImmutableMatrix, list[Expr]]:
     a, b = _pair(A, B)
     value = sympy.expand(exact_number(eigenvalue))
     parts = _parts(value)
@@ -106,11 +115,13 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
         raise InputError(f"the eigenvalue {value} must have rational parts, or be a symbol")
     n = a.rows
     pencil = ImmutableMatrix((value * identity_matrix(n) - a).row_join(-b))
-    kernel = echelon(pencil).kernel()[:n, :]
+    rows = echelon(pencil)
+    kernel = rows.kernel()[:n, :]
     nonzero = echelon(kernel)  # inputs without effect have v = 0
-    return ImmutableMatrix.hstack(
+    basis = ImmutableMatrix.hstack(
         zero_matrix(n, 0), *(kernel[:, pivot] for pivot in nonzero.pivots)
     )
+    return basis, [rows.divided_by, nonzero.divided_by, *denominators_in((a, b, basis))]
 
 
 def assign_eigenstructure(

@@ -159,7 +159,7 @@ def minimal_mimo_plants(
     >>> from compensator_theory.strategies import minimal_mimo_plants
     >>> @given(minimal_mimo_plants(2))
     ... def check(plant):
-    ...     assert mcmillan_degree(realisation(plant).transfer_matrix()) == 2
+    ...     assert mcmillan_degree(realisation(plant, "s").transfer_matrix()) == 2
     >>> check()
     """
     if min(mcmillan_degree, inputs, outputs) < 1:
@@ -191,7 +191,7 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
     >>> @given(derogatory_loops())
     ... def check(loop):
     ...     plant, compensator = (Realisation(*part) for part in loop)
-    ...     A = closed_loop_matrix(plant, compensator)
+    ...     A = closed_loop_matrix(plant, compensator, variable="s")
     ...     whole = characteristic_polynomial(A, plant.variable)
     ...     assert derogatory_factor(A, whole).degree() == 1
     >>> check()

@@ -10,6 +10,7 @@ from compensator_theory.latex import displayed, fraction, latex, total
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -19,6 +20,7 @@ from compensator_theory.transfer_functions.transfer_functions import (
 )
 
 
+@holds_where_defined
 def markov_parameters(
     G: TransferFunctionLike, count: int, *, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
@@ -131,6 +133,7 @@ class PartialFractions(ExactValue):
         return displayed(total([*terms, *map(latex, self.terms)]) or "0")
 
 
+@holds_where_defined
 def partial_fractions(
     G: TransferFunctionLike, variable: str | Symbol | None = None
 ) -> PartialFractions:

@@ -8,7 +8,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import ImproperError
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.polynomials.budget import ask, integer
-from compensator_theory.polynomials.generic_answers import generic_answer_of
+from compensator_theory.polynomials.generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.structure.expansions import markov_parameters
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -16,6 +16,7 @@ from compensator_theory.transfer_functions.transfer_functions import TransferFun
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
+@holds_where_defined
 def hankel_matrix(
     G: TransferMatrixLike, rows: int, columns: int, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:

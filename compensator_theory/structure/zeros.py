@@ -37,7 +37,7 @@ def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None
     Examples
     --------
     >>> from compensator_theory import invariant_zeros
-    >>> print(invariant_zeros(([[0, 1], [-2, -3]], [[0], [1]], [[5, 1]])))
+    >>> print(invariant_zeros(([[0, 1], [-2, -3]], [[0], [1]], [[5, 1]]), "s"))
     zeros of s + 5
     s + 5 = 0: state [1, -5], input [12], costate [1, 0], output [1]
     """
@@ -109,7 +109,7 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
     Examples
     --------
     >>> from compensator_theory import input_decoupling_zeros
-    >>> print(input_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [0]], [[1, 1]])))
+    >>> print(input_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [0]], [[1, 1]]), "s"))
     zeros of s + 2
     s + 2 = 0: costate [0, 1]
     """
@@ -132,7 +132,7 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
     Examples
     --------
     >>> from compensator_theory import output_decoupling_zeros
-    >>> print(output_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [1]], [[1, 0]])))
+    >>> print(output_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [1]], [[1, 0]]), "s"))
     zeros of s + 2
     s + 2 = 0: state [0, 1]
     """

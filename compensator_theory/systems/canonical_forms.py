@@ -11,13 +11,14 @@ from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import of_rows
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, time_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
-from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.realisations import Realisation, of_bare_matrices
 from compensator_theory.systems.state_space import controllable_canonical_form
 from compensator_theory.transfer_functions.sample_times import sampled_every
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -26,6 +27,7 @@ RealisationLike: TypeAlias = Realisation | TransferFunctionLike
 """What :func:`realisation` reads."""
 
 
+@holds_where_defined
 def realisation(
     obj: RealisationLike,
     variable: str | Symbol | None = None,
@@ -43,7 +45,8 @@ def realisation(
         A transfer function, anything :func:`transfer_function` reads, is realised in canonical
         form with its common factors; a state-space system keeps its basis.
     variable : str or Symbol, optional
-        Default: that of the transfer function; ``s`` for matrices.
+        Default: that of the transfer function; bare matrices need it, since they do not show the
+        time domain.
     form : {"controllable", "observable"}
         Which canonical form: a common factor is unobservable in the first, uncontrollable in the
         second.
@@ -85,9 +88,7 @@ def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Rea
     if isinstance(obj, DescriptorSystem):
         return _read(obj.realisation(), variable, form)
     if isinstance(obj, tuple | list) and len(obj) in (3, 4):
-        symbol = as_symbol("s" if variable is None else variable)
-        A, B, C = obj[:3]
-        return Realisation(A, B, C, obj[3] if len(obj) == 4 else None, symbol)
+        return of_bare_matrices(obj, variable)
     if is_foreign(obj):
         found = contents_of(obj, variable)
         if isinstance(found, Matrices):

@@ -20,7 +20,7 @@ from compensator_theory.matrices.linear_algebra import (
     multiplied,
     rank,
 )
-from compensator_theory.polynomials.generic_answers import generic_answer_of
+from compensator_theory.polynomials.generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials.poly import canonical, exact_quotient
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 
@@ -28,6 +28,7 @@ PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independen
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
+@holds_where_defined
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     r"""Return Kalman's controllability matrix.
 

@@ -13,6 +13,7 @@ from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import scaled, sides_in
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
@@ -62,6 +63,7 @@ TransferFunctionLike: TypeAlias = (
 """What :func:`transfer_function` reads."""
 
 
+@holds_where_defined
 @roots_in_sympy()
 def transfer_function(
     obj: TransferFunctionLike | None = None,

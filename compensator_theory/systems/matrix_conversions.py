@@ -12,6 +12,7 @@ from sympy import MatrixBase, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, listed
 from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import common_divisor, exact_quotient, monic, product
 from compensator_theory.polynomials.reading import is_list
@@ -38,6 +39,7 @@ TransferMatrixLike: TypeAlias = (
 """What :func:`transfer_matrix` reads."""
 
 
+@holds_where_defined
 def transfer_matrix(
     rows: TransferMatrixLike,
     variable: str | Symbol | None = None,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from numbers import Number
+from operator import matmul
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import ImmutableMatrix, MatrixBase, Poly, Rational, Symbol
+from sympy import Expr, ImmutableMatrix, MatrixBase, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, table
@@ -18,8 +21,8 @@ from compensator_theory.matrices.linear_algebra import (
     in_lowest_terms,
     solve,
 )
-from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.numbers import NumberLike
+from compensator_theory.polynomials.budget import ask, is_integer, shown
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
@@ -319,7 +322,55 @@ class Realisation(System):
         self._require(other, other.C.rows == self.B.cols, "in series before it")
         return self._like(*in_series(self.matrices, other.matrices), other)
 
-    __mul__ = __matmul__
+    def __mul__(self, other: Realisation | NumberLike) -> Realisation:
+        """Both in series, or every output times a number."""
+        if isinstance(other, Realisation):
+            return self @ other
+        k = _factor(other)
+        return NotImplemented if k is None else self._like(self.A, self.B, self.C * k, self.D * k)
+
+    def __rmul__(self, other: NumberLike) -> Realisation:
+        return self * other
+
+    def __truediv__(self, other: Realisation | NumberLike) -> Realisation:
+        if isinstance(other, Realisation):
+            return self @ other.inverse()
+        k = _factor(other)
+        if k == 0:
+            raise InputError("a realisation is not divided by zero")
+        return NotImplemented if k is None else self * (1 / k)
+
+    def __pow__(self, exponent: int) -> Realisation:
+        """So many in series, of the inverse for a negative exponent; the identity for 0."""
+        if not is_integer(exponent):
+            raise TypeError(f"{exponent!r} is no exponent of a realisation; an int is")
+        self._require(self, self.D.rows == self.D.cols, "in series with it")
+        ask("entries", (self.n * abs(exponent)) ** 2, "the power of a realisation")
+        result, one = self.inverse() if exponent < 0 else self, identity_matrix(self.D.rows)
+        if not exponent:
+            none = zero_matrix(0, 0)
+            return self._like(none, zero_matrix(0, one.rows), zero_matrix(one.rows, 0), one)
+        return reduce(matmul, [result] * abs(exponent))
+
+    def inverse(self) -> Realisation:
+        r"""Return :math:`(A - BD^{-1}C,\ BD^{-1},\ -D^{-1}C,\ D^{-1})`, from y to u.
+
+        Raises
+        ------
+        ImproperError
+            If D has no inverse, for an improper system then takes y to u.
+        """
+        A, B, C, D = self.matrices
+        try:
+            if D.rows != D.cols:
+                raise NoSolutionError("not square")
+            inverse = solve(D, identity_matrix(D.rows))
+        except NoSolutionError as error:
+            raise ImproperError(
+                f"D = {D.tolist()} has no inverse, so that the inverse system is improper; "
+                "transfer_matrix().inverse() is a transfer matrix"
+            ) from error
+        return self._like(A - B * inverse * C, B * inverse, -inverse * C, inverse)
 
     def _like(
         self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
@@ -367,6 +418,11 @@ class Realisation(System):
 
     def _repr_latex_(self) -> str:
         return displayed(table([[self.A, self.B], [self.C, self.D]]))
+
+
+def _factor(obj: object) -> Expr | None:
+    """Read a number or an expression; None of what has arithmetic of its own."""
+    return exact_number(obj) if isinstance(obj, str | Expr | Number) else None
 
 
 def are_bare_matrices(obj: object) -> bool:

@@ -13,6 +13,7 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
@@ -260,6 +261,7 @@ class StandardProblem(System):
 _SERVO_MATRICES = ("A", "B", "D_1", "C", "D_0")
 
 
+@holds_where_defined
 def standard_problem(
     G: TransferFunctionLike, variable: str | Symbol | None = None
 ) -> StandardProblem:
@@ -300,6 +302,7 @@ def standard_problem(
     return StandardProblem(A, B, C, B, D, D, C, D, D, plant.variable, plant.sample_time)
 
 
+@holds_where_defined
 def servo_problem(
     G: TransferFunctionLike | None = None,
     variable: str | Symbol | None = None,

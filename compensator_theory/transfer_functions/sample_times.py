@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -11,6 +12,7 @@ from sympy import Expr, ImmutableMatrix, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.substitution import with_values
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import DISCRETE, Time, is_operator, time_of
 
@@ -50,6 +52,17 @@ class System(ExactValue):
     def time(self) -> Time | None:
         """The time domain: continuous in s, discrete in z and q; None in other variables."""
         return time_of(self.variable, "time") if is_operator(self.variable) else None
+
+    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> Self:
+        """Give values, numbers or expressions, to symbols of the coefficients, all at once.
+
+        Raises
+        ------
+        InputError
+            If a coefficient has no value there, a name is that of the variable, or a symbol does
+            not occur.
+        """
+        return with_values(self, values, self.variable)
 
 
 Timed = TypeVar("Timed", bound=System)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -21,7 +21,6 @@ from compensator_theory.polynomials.poly import (
     canonical,
     common_divisor,
     exact_quotient,
-    from_coefficients,
     monic,
     over_one_field,
     product,
@@ -266,39 +265,6 @@ class TransferFunction(System):
             )  # fmt: skip
             raise InputError(f"{self} has no value at {self.denominator.gen} = {at}: it is {what}")
         return quotient_of(top / bottom).value()
-
-    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> TransferFunction:
-        """Give values, numbers or expressions, to symbols of the coefficients, all at once.
-
-        Raises
-        ------
-        InputError
-            If a coefficient has no value there, a name is that of the variable (`compose` is for
-            that), or a symbol does not occur.
-        """
-        if not isinstance(values, Mapping):
-            raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
-        given = {as_symbol(name): exact_number(value) for name, value in values.items()}
-        variable = self.denominator.gen
-        names = {
-            s.name: s for side in (self.numerator, self.denominator) for s in side.free_symbols
-        }
-        if unknown := sorted(symbol.name for symbol in given if symbol.name not in names):
-            known = ", ".join(sorted(set(names) - {variable.name})) or "none"
-            raise InputError(f"{self} has no symbol {', '.join(unknown)}; its symbols: {known}")
-        if variable.name in {symbol.name for symbol in given}:
-            raise InputError(
-                f"{variable} is the variable of {self}; call it for a value, as in G(1), and "
-                "compose(...) it with another transfer function"
-            )
-        replaced = {names[symbol.name]: value for symbol, value in given.items()}
-        if any(variable in value.free_symbols for value in replaced.values()):
-            raise InputError(f"a value contains {variable}, the variable of {self}")
-        top, bottom = (
-            from_coefficients([_at(c, replaced, self) for c in side.all_coeffs()], variable)
-            for side in (self.numerator, self.denominator)
-        )
-        return TransferFunction(top, bottom, sample_time=self.sample_time)
 
     def compose(self, inner: Operand, variable: str | Symbol | None = None) -> TransferFunction:
         r"""Put a transfer function in the place of the variable, for instance Tustin's.
@@ -549,16 +515,6 @@ def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Side
     found = sides_of(inner, own if variable is None else as_symbol(variable))
     if found is None:
         raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
-    return found
-
-
-def _at(coefficient: Expr, values: dict[Symbol, Expr], whole: object) -> Expr:
-    found = sympy.sympify(coefficient).subs(values, simultaneous=True)
-    if found.has(sympy.zoo, sympy.nan, sympy.oo):
-        at = ", ".join(f"{name} = {value}" for name, value in values.items())
-        raise InputError(
-            f"{whole} does not exist at {at}: the coefficient {coefficient} divides by zero there"
-        )
     return found
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import reduce
+from itertools import chain
+from operator import matmul
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 import sympy
@@ -14,7 +17,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, fraction, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, is_integer
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import (
@@ -36,6 +39,7 @@ from compensator_theory.transfer_functions.sample_times import (
 from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,
     constant_one,
+    inverted,
     sides_of,
 )
 
@@ -217,6 +221,31 @@ class TransferMatrix(System):
         if _is_matrix(other):
             return self._join(cast(Operand, other), lambda a, b: _multiplied(b, a))
         return self._scaled(cast(Scalar, other))
+
+    def __truediv__(self, other: TransferMatrix | Scalar) -> TransferMatrix:
+        """The product with the inverse of a matrix, or every entry over a number or a text."""
+        if isinstance(other, TransferMatrix):
+            return self @ other.inverse()
+        sides = sides_of(other, self.denominator.gen)
+        if sides is None:
+            return NotImplemented
+        below, above = inverted(sides)
+        factor = TransferFunction(below, above, sample_time=shared_sample_time(self, other))
+        return self * factor
+
+    def __pow__(self, exponent: int) -> TransferMatrix:
+        """So many factors, of the inverse for a negative exponent; the identity for 0."""
+        if not is_integer(exponent):
+            raise TypeError(f"{exponent!r} is no exponent of a transfer matrix; an int is")
+        rows, columns = self.shape
+        if rows != columns:
+            raise InputError(f"a {rows} x {columns} transfer matrix is not square: no powers")
+        base = self.inverse() if exponent < 0 else self
+        degrees = [int(p.degree()) for p in (base.denominator, *chain(*base.numerators)) if p]
+        ask("degree", max(degrees) * abs(exponent), "the power")
+        one, zero = constant_one(self.denominator), _zero(self.denominator)
+        identity = tuple(tuple(one if i == j else zero for j in range(rows)) for i in range(rows))
+        return reduce(matmul, [base] * abs(exponent), self._with(identity, one))
 
     @property
     def T(self) -> TransferMatrix:

@@ -27,7 +27,7 @@ SECOND_ORDER = Realisation([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
 
 def printed_sign() -> Facts:
     """N = 1, A = 0, K = F = 1, n = 1: with +K(sI - A_c)^-1F for G_c the loop has no real root."""
-    design = observer_based_compensator(([[0]], [[1]], [[1]]), [1], [-1])
+    design = observer_based_compensator("1/s", [1], [-1])
     G_c = design.transfer_function
     yield "K = 1 and F = 1", (design.K[0], design.F[0]) == (1, 1)
     with_plus = polynomial("s", "s") * G_c.denominator + G_c.numerator
@@ -38,7 +38,7 @@ def printed_sign() -> Facts:
 
 def example_7_1() -> Facts:
     """Example 7.1: the transfer function of (7.11), (7.12) is minus (7.31), and 8.26 is 8.25."""
-    plant = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
+    plant = Realisation([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
     G_c = observer_based_compensator(plant, [-5, -4], [-2, -6]).transfer_function
     yield "D_c is s^2 + 13s + 49", G_c.denominator == polynomial("s**2 + 13*s + 49")
     yield "N_c is -(33/4 s + 93/4)", G_c.numerator == polynomial("-33*s/4 - 93/4")
@@ -46,7 +46,7 @@ def example_7_1() -> Facts:
 
 def multiplicity() -> Facts:
     """A = 0, K = -1, F = 1, n = 1: observer-based with (s + 1)^2, one distinct root."""
-    design = observer_based_compensator(([[0]], [[1]], [[1]]), [-1], [-1])
+    design = observer_based_compensator("1/s", [-1], [-1])
     yield "K = -1 and F = 1", (design.K[0], design.F[0]) == (-1, 1)
     loop = design.characteristic_polynomial
     yield "the closed-loop polynomial is (s + 1)^2", loop == polynomial("(s + 1)**2")

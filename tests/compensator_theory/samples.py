@@ -45,7 +45,7 @@ def symbolic_placements(draw):
 def observer_based(draw):
     A, B, C = draw(minimal_plants(2))
     spectrum = spectra(A.rows)
-    return exact.observer_based_compensator((A, B, C), draw(spectrum), draw(spectrum))
+    return exact.observer_based_compensator((A, B, C), draw(spectrum), draw(spectrum), variable="s")
 
 
 EXCEPTIONAL_CASES = st.sampled_from(["1", "s - c", "c*s**2 + 1"]).map(
@@ -60,7 +60,7 @@ def loops(order=1, hidden=()):
 
 
 def forms(order=1):
-    return loops(order).map(lambda pair: exact.observer_forms(*pair))
+    return loops(order).map(lambda pair: exact.observer_forms(*pair, variable="s"))
 
 
 def first_form(forms):
@@ -169,10 +169,12 @@ SAMPLES = {
         exact.geometry.controlled_invariant_subspaces
     ),
     results.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
-        lambda E: exact.geometry.decouple_disturbance(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E)
+        lambda E: exact.geometry.decouple_disturbance(
+            ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E, variable="s"
+        )
     ),
     results.FixedModes: minimal_plants(2).map(
-        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])])
+        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
     ),
     results.Decoupling: strictly_proper_plants(max_order=2).map(exact.geometry.decouple),
     results.Interactor: strictly_proper_plants(max_order=2).map(exact.geometry.interactor)
@@ -299,7 +301,7 @@ SAMPLES = {
     results.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
     results.ObserverBasedCompensator: observer_based(),
     results.ObserverDecision: st.builds(
-        lambda pair: exact.observers.realisation_is_observer_based(*pair),
+        lambda pair: exact.observers.realisation_is_observer_based(*pair, variable="s"),
         loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),
     ),
     results.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),

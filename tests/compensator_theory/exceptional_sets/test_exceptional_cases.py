@@ -1,6 +1,7 @@
 """Cases of symbolic answers: the oracle substitutes numbers first and constructs afterwards."""
 
 import functools
+import inspect
 import itertools
 from fractions import Fraction
 
@@ -11,9 +12,9 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import CompensatorError, InputError, exceptional_cases
-from compensator_theory.exceptional_sets.arguments import substituted
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
+from compensator_theory.polynomials.substitution import names_in, substituted
 from compensator_theory.results import BezoutIdentity, NullSpaceGCD
 
 s = sympy.Symbol("s")
@@ -285,7 +286,7 @@ def test_systems_and_matrices_are_substituted():
     plant = exact.Realisation(matrix, [[1], [c]], [[1, 1]])
     same = exceptional_cases(exact.kalman_decomposition, plant)
     texts = exceptional_cases(
-        exact.kalman_decomposition, ([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]])
+        exact.kalman_decomposition, ([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]), variable="s"
     )
     assert [case.answer.dimensions for case in same.cases] == [
         case.answer.dimensions for case in texts.cases
@@ -319,7 +320,7 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
     ("call", "words"),
     [
         (lambda: exceptional_cases("place_poles", "1/s"), "cannot be called"),
-        (lambda: exceptional_cases(exact.polynomial, "s + a"), "no exceptional set"),
+        (lambda: exceptional_cases(sympy.Poly, s + a, s), "no exceptional set"),
         (
             lambda: exceptional_cases(exact.canonical_forms.smith_form, [["s"]], cases=0),
             "positive integer",
@@ -409,3 +410,47 @@ def test_plain_answers_hold_where_the_cases_say(index, values):
     if isinstance(answer, sympy.MatrixBase | sympy.Expr):
         answer = answer.subs(put)
     assert answer == expected
+
+
+PAIR = "s**2 + a*s", "b*s + 1"
+FALLS = "(s - 1)/((b*s + 1)*(s - a))"
+AB = [["a", 1], [0, "b"]], [["b"], [1]]
+FORMULAS = {
+    "polynomial": (PAIR[1], "s"), "transfer_function": (FALLS, "s"), "realisation": (FALLS, "s"),
+    "transfer_matrix": ([[FALLS, "1/(s - a)"]], "s"), "polynomial_matrix": ([PAIR], "s"),
+    "standard_problem": (FALLS, "s"), "markov_parameters": ("1/(a*s + b)", 3),
+    "hankel_matrix": ("1/(a*s + b)", 2, 2), "controllability_matrix": AB,
+    "reachable_eigenvectors": (*AB, 1), "partial_fractions": ("1/((s - a)*(s - b))", "s"),
+    "feedback_connection": ("1/(s - a)", "b/(s + 1)"), "stability_conditions": PAIR[1:],
+    "sensitivity_function": ("1/(s - a)", "b/(s + 1)"), "decide_stability": (PAIR[1], "s"),
+    "observer_based_compensator": ("1/(a*s + b)", [-1], [-2]),
+    "monic": (exact.polynomial("a*s + b", "s"),),
+    "bezout.sylvester_m1": PAIR, "bezout.sylvester_m2": PAIR, "bezout.bezout_matrix": PAIR,
+    "bezout.subresultants": PAIR,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_plain_answers_say_where_they_hold(name):
+    """Each case, evaluated at points in it, is the answer that numbers give there."""
+    function, given = functools.reduce(getattr, name.split("."), exact), FORMULAS[name]
+    takes = inspect.signature(function).parameters
+    options = {"variable": "s"} if "variable" in takes and "s" not in given else {}
+    if "feedback" in takes:
+        options["feedback"] = -1
+    found = exceptional_cases(function, *given, **options)
+    compared = 0
+    for point in ((0, 1), (1, 1), (0, 0), (2, 0), (3, 5), (-1, 2)):
+        values = dict(zip((a, b), map(sympy.Integer, point), strict=True))
+        try:
+            case = found.at({k: v for k, v in values.items() if str(k) in names_in(given)})
+            there = function(*substituted(given, values), **options)
+        except CompensatorError:
+            continue
+        generic = substituted(case.answer, values)
+        if name == "reachable_eigenvectors":
+            assert generic.shape == there.shape and rank(generic.row_join(there)) == there.cols
+        elif name not in ("stability_conditions", "decide_stability"):
+            assert sorted(str(generic).split(" + ")) == sorted(str(there).split(" + "))
+        compared += 1
+    assert compared > 1

@@ -56,8 +56,8 @@ def test_high_authority_target_of_a_nonminimum_phase_plant():
 
 def test_design_and_recognise():
     """Which of the observer forms of a compensator is the design that made it?"""
-    made = observer_based_compensator(PLANT, [-5, -4], [-2, -6])
-    found = observer_forms(PLANT, made.compensator)
+    made = observer_based_compensator(PLANT, [-5, -4], [-2, -6], variable="s")
+    found = observer_forms(PLANT, made.compensator, variable="s")
     assert len(found.forms) == 6  # two of four distinct closed-loop poles for the regulator
     assert [made.K, made.F] in [[form.K, form.F] for form in found.forms]
 
@@ -99,7 +99,9 @@ def test_transfer_function_of_low_order():
 def test_hidden_mode_of_a_compensator():
     """Is a compensator observer-based that has a mode neither reached nor seen?"""
     plant = [[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]
-    found = realisation_is_observer_based(plant, ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]]))
+    found = realisation_is_observer_based(
+        plant, ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]]), variable="s"
+    )
     assert (
         found.answer is False
     )  # -7 is a mode of the loop once, of A + B K and A - F C it would be twice

@@ -86,14 +86,14 @@ def test_unknown_input_that_is_measured():
 
 def test_compensator_of_a_double_integrator():
     """The observer-based compensator of 1/s^2 with regulator poles -1 and observer poles -2."""
-    found = observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -1], [-2, -2])
+    found = observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -1], [-2, -2], variable="s")
     # K = -(1, 2), F = (4, 4)', and G_c = K (sI - A - B K + F C)^-1 F
     assert equal(found.transfer_function, "-(12*s + 4)/(s**2 + 6*s + 13)")
 
 
 def test_separation():
     """Are the poles of the loop those of the regulator and of the observer together?"""
-    found = observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -2], [-3, -5])
+    found = observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -2], [-3, -5], variable="s")
     loop = closed_loop_matrix(found.plant, found.compensator)
     assert equal(loop.charpoly(s).as_expr(), "(s + 1)*(s + 2)*(s + 3)*(s + 5)")
 

@@ -116,8 +116,8 @@ def test_proposition_1_the_allocation_does_not_matter(plant, data):
 
 
 def test_example_7_1_and_7_2():
-    first = observer_based_compensator(MOTOR, [-5, -4], [-2, -6])
-    second = observer_based_compensator(MOTOR, [-5, -6], [-2, -4])
+    first = observer_based_compensator(MOTOR, [-5, -4], [-2, -6], variable="s")
+    second = observer_based_compensator(MOTOR, [-5, -6], [-2, -4], variable="s")
     assert (list(first.K), list(first.F)) == ([-3, -5], [4, sympy.Rational(-3, 4)])
     assert (list(second.K), list(second.F)) == ([-5, -7], [2, sympy.Rational(-1, 4)])
     assert first.transfer_function == second.transfer_function
@@ -133,7 +133,7 @@ def test_the_numerator_may_have_a_low_degree():
     K, F = sympy.Matrix([[1, 0]]), sympy.Matrix([0, 1])
     p_R = sympy.Poly((A + B * K).charpoly(s).as_expr(), s)
     p_O = sympy.Poly((A - F * C).charpoly(s).as_expr(), s)
-    design = observer_based_compensator((A, B, C), p_R, p_O)
+    design = observer_based_compensator((A, B, C), p_R, p_O, variable="s")
     assert (design.K, design.F) == (K, F)
     assert design.transfer_function.numerator == polynomial(1, "s")
 
@@ -167,7 +167,7 @@ def test_refusals():
     with pytest.raises(NotObservableError, match="s - 1"):
         observer_gain(A, C, [-1, -2])
     with pytest.raises(NotControllableError, match="s - 2"):
-        observer_based_compensator((A, B, [[1, 1]]), [-1, -2], [-3, -4])
+        observer_based_compensator((A, B, [[1, 1]]), [-1, -2], [-3, -4], variable="s")
     with pytest.raises(InputError, match="2 columns"):
         regulator_gain(A, [[1, 0], [0, 1]], [-1, -2])
     with pytest.raises(InputError, match="2 rows"):

@@ -33,7 +33,7 @@ from compensator_theory.strategies import polynomials, rationals, spectra, stric
 
 s = sympy.Symbol("s")
 EXAMPLE_7_1 = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
-SECOND_ORDER = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+SECOND_ORDER = Realisation([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
 SERVO = "1/(s**3 + s**2 + 2*s)"
 
 
@@ -177,7 +177,9 @@ def test_hidden_modes_are_counted_as_the_subspaces_are(loop):
 
 
 def test_example_7_1_all_six_from_the_transfer_function_alone():
-    found = observer_forms(EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)"))
+    found = observer_forms(
+        EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)", variable="s"), variable="s"
+    )
     spectra_found = {
         (frozenset(sympy.roots(form.regulator)), frozenset(sympy.roots(form.observer)))
         for form in found.forms
@@ -194,7 +196,9 @@ def test_example_7_1_all_six_from_the_transfer_function_alone():
     assert len(gains) == 6 and all(holds(form) for form in found.forms)
     # An independent oracle: the gains that Ackermann's formula gives for each split.
     for pair in itertools.combinations(poles, 2):
-        design = observer_based_compensator(EXAMPLE_7_1, list(pair), list(poles - set(pair)))
+        design = observer_based_compensator(
+            EXAMPLE_7_1, list(pair), list(poles - set(pair)), variable="s"
+        )
         assert (tuple(design.K), tuple(design.F)) in gains
     assert "1. regulator" in str(found) and found._repr_latex_().count("p_R") == 6
 
@@ -202,23 +206,23 @@ def test_example_7_1_all_six_from_the_transfer_function_alone():
 def test_counterexample_b1_even_order_and_no_form():
     plant = ([[3, 0], [0, 4]], [[1], [1]], [[1, 1]])
     disconnected = ([[1, 0], [0, 2]], [[0], [0]], [[0, 0]])
-    found = observer_forms(plant, disconnected)
+    found = observer_forms(plant, disconnected, variable="s")
     assert (len(found.forms), len(found.rejections), found.is_complete) == (0, 6, True)
-    decision = realisation_is_observer_based(plant, disconnected)
+    decision = realisation_is_observer_based(plant, disconnected, variable="s")
     assert decision.answer is False and "both uncontrollable and unobservable" in decision.reason
 
 
 def test_counterexample_b2_a_hidden_mode_and_no_form():
     hidden = ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
-    found = observer_forms(SECOND_ORDER, hidden)
+    found = observer_forms(SECOND_ORDER, hidden, variable="s")
     assert sorted(sympy.roots(found.characteristic_polynomial)) == [-7, -5, -4, 0]
     assert (len(found.forms), len(found.rejections)) == (0, 6)
-    assert realisation_is_observer_based(SECOND_ORDER, hidden).answer is False
+    assert realisation_is_observer_based(SECOND_ORDER, hidden, variable="s").answer is False
 
 
 def test_counterexample_b2_with_a_double_root_has_a_family():
     hidden = ([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]])
-    found = observer_forms(SECOND_ORDER, hidden)
+    found = observer_forms(SECOND_ORDER, hidden, variable="s")
     assert found.has_continuum and not found.forms
     for family in found.families:
         assert len(family.parameters) == 1 and family.is_verified
@@ -230,7 +234,7 @@ def test_counterexample_b2_with_a_double_root_has_a_family():
             family.at([])
         with pytest.raises(InputError, match="other values"):
             family.at([0])
-    decision = realisation_is_observer_based(SECOND_ORDER, hidden)
+    decision = realisation_is_observer_based(SECOND_ORDER, hidden, variable="s")
     assert decision.answer is True and decision.number_of_forms == "a continuum"
     with pytest.raises(NoSolutionError, match="at"):
         found.best_conditioned()
@@ -248,11 +252,11 @@ def test_counterexample_b3_real_roots_and_no_form(form):
 
 def test_counterexample_b3_mixed_has_exactly_two():
     mixed = ([[-1, 0, 0], [0, -3, 0], [0, 0, -4]], [[1], [1], [0]], [[-2, 0, 1]])
-    found = observer_forms(SERVO, mixed)
+    found = observer_forms(SERVO, mixed, variable="s")
     assert len(found.forms) == 2 and all(holds(form) for form in found.forms)
     for form in found.forms:
         assert form.regulator.eval(-4) == 0 and form.observer.eval(-3) == 0
-    decision = realisation_is_observer_based(SERVO, mixed)
+    decision = realisation_is_observer_based(SERVO, mixed, variable="s")
     assert (decision.answer, decision.number_of_forms) == (True, 2)
 
 
@@ -286,10 +290,12 @@ def test_several_signals_generically_work():
 def test_grassmannian_of_forms_is_represented():
     """Plant and compensator 1 and 0 without coupling: every invertible T is a form."""
     one, zero = sympy.eye(2), sympy.zeros(2, 2)
-    found = observer_forms((one, one, one), (one, zero, zero))
+    found = observer_forms((one, one, one), (one, zero, zero), variable="s")
     assert found.has_continuum and found.families[0].is_verified
     assert (
-        realisation_is_observer_based((one, one, one), (one, zero, zero)).number_of_forms
+        realisation_is_observer_based(
+            (one, one, one), (one, zero, zero), variable="s"
+        ).number_of_forms
         == "a continuum"
     )
 
@@ -315,7 +321,9 @@ def test_irrational_factors_are_counted_and_left_to_float64():
 
 
 def test_choice_by_criterion():
-    found = observer_forms(EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)"))
+    found = observer_forms(
+        EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)", variable="s"), variable="s"
+    )
     assert set(sympy.roots(found.fastest_observer().observer)) == {-5, -6}
     assert tuple(found.closest_to([[-3, -5]], [[4], [-0.7]]).K) == (-3, -5)
     conditions = [np.linalg.cond(np.array(f.T, float), "fro") ** 2 for f in found.forms]
@@ -351,12 +359,16 @@ def test_refusals():
         observer_forms("1/s", "(s + 2)/(s + 1)")
     assert realisation_is_observer_based("1/s", "(s + 2)/(s + 1)").answer is False
     with pytest.raises(InputError, match="limit = 3"):
-        observer_forms(EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)"), limit=3)
+        observer_forms(
+            EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)"), limit=3, variable="s"
+        )
     with pytest.raises(InputError, match="states"):
         observer_forms("1/s", Realisation(sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0)))
     with pytest.raises(InputError, match="observer_forms"):
         youla_forms("1/s", "1/(s + 1)")
     with pytest.raises(InputError, match="continuum"):
-        youla_forms("1/(s + 5)", ([[-5, 0], [0, -5]], [[0], [0]], [[0, 0]]))
+        youla_forms("1/(s + 5)", Realisation([[-5, 0], [0, -5]], [[0], [0]], [[0, 0]]))
     with pytest.raises(NoSolutionError, match="rejections"):
-        observer_forms(SECOND_ORDER, ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])).fastest_observer()
+        observer_forms(
+            SECOND_ORDER, Realisation([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
+        ).fastest_observer()

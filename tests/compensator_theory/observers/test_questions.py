@@ -164,7 +164,9 @@ def test_examples_7_3_and_7_4(pair, other, loop):
 
 
 def test_example_7_6_is_not_observer_based():
-    plant = realisation(([[0, 1, 0], [0, -2, 0.85], [0, -3, -1]], [[0], [0], [1]], [[1, 0, 0]]))
+    plant = realisation(
+        ([[0, 1, 0], [0, -2, 0.85], [0, -3, -1]], [[0], [0], [1]], [[1, 0, 0]]), variable="s"
+    )
     roots = ["-0.5+0.1j", "-0.5-0.1j", "-1+0.5j", "-1-0.5j", "-2+1j", "-2-1j"]
     G_c = place_poles(plant.transfer_function(), roots, feedback=-1).compensator
     for question in (pair_is_observer_based, transfer_function_is_observer_based):
@@ -269,6 +271,6 @@ def test_suboptimality_is_decided_exactly_near_the_boundary():
 def test_more_states_than_the_plant_and_no_split_that_works():
     """All roots are rational, so that every real split is tested: the answer is no."""
     decision = realisation_is_observer_based(
-        ([[2]], [[0]], [[0]]), ([[3, -1], [0, 0]], [[2], [0]], [[-1, -2]])
+        ([[2]], [[0]], [[0]]), ([[3, -1], [0, 0]], [[2], [0]], [[-1, -2]]), variable="s"
     )
     assert decision.answer is False

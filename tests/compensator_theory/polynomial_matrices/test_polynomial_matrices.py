@@ -31,6 +31,9 @@ def test_what_has_no_product():
         with pytest.raises(InputError):
             call()
     with pytest.raises(TypeError):
-        P * "s"
+        P * None
+    assert (
+        P * "s" == "s" * P == s * P and polynomial_matrix([["a*s"]], "s").subs({"a": 0})[0, 0] == 0
+    )
     with pytest.raises(CompensatorError):
         polynomial_matrix([["s**300"]], "s") ** 100_000

@@ -39,7 +39,7 @@ def krylov(A, B):
 
 
 def test_a_known_plant_with_every_kind_of_state():
-    found = kalman_decomposition(HIDDEN)
+    found = kalman_decomposition(HIDDEN, variable="s")
     assert found.dimensions == (1, 1, 1, 1)
     assert [str(p.as_expr()) for p in found.block_polynomials] == [
         "s + 1",
@@ -149,10 +149,10 @@ def test_python_control_agrees(G):
 
 
 def test_symbols_say_where_they_hold():
-    found = kalman_decomposition(([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]))
+    found = kalman_decomposition(([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]), variable="s")
     assert found.dimensions == (0, 2, 0, 0) and found.is_minimal is None
     assert set(found.exceptional) == {a - b, sympy.Symbol("c")}
-    equal = kalman_decomposition(([["a", 0], [0, "a"]], [[1], ["c"]], [[1, 1]]))
+    equal = kalman_decomposition(([["a", 0], [0, "a"]], [[1], ["c"]], [[1, 1]]), variable="s")
     assert equal.dimensions == (0, 1, 1, 0) and equal.is_minimal is False
     assert equal.exceptional == (
         sympy.Symbol("c") + 1,
@@ -163,7 +163,7 @@ def test_symbols_say_where_they_hold():
 
 def test_no_states():
     assert minimal_realisation([[2, 0]], "s").order == 0
-    nothing = kalman_decomposition(([[0]], [[0]], [[0]]))
+    nothing = kalman_decomposition(([[0]], [[0]], [[0]]), variable="s")
     assert nothing.dimensions == (0, 0, 1, 0) and nothing.minimal.n == 0
     assert mcmillan_degree(5, "s") == 0
 
@@ -186,7 +186,7 @@ def test_the_factorisation_of_a_symbolic_plant_at_an_exceptional_value():
     [
         (lambda: minimal_realisation("s**2/(s + 1)"), ImproperError),
         (lambda: minimal_realisation([["s", 1]]), ImproperError),
-        (lambda: kalman_decomposition(([[1, 2]], [[1]], [[1]])), InputError),
+        (lambda: kalman_decomposition(([[1, 2]], [[1]], [[1]]), "s"), InputError),
         (lambda: kalman_decomposition("s"), ImproperError),
         (lambda: kalman_decomposition([[["sqrt(2)"]], [[1]], [[1]]]), InputError),
         (lambda: hankel_matrix("1/s", 0, 1), InputError),

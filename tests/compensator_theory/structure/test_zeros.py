@@ -113,11 +113,11 @@ def test_the_examples_of_the_notes():
     assert zero.factor == polynomial("s - 4")
     assert zero.input == Matrix([4, -3]) and zero.output == Matrix([3, -2])
     assert exact.mcmillan_degree(G) == 1
-    assert invariant_zeros(HIDDEN).polynomial == polynomial("(s + 1)*(s + 3)*(s + 4)")
-    assert input_decoupling_zeros(HIDDEN).polynomial == polynomial("(s + 3)*(s + 4)")
-    assert output_decoupling_zeros(HIDDEN).polynomial == polynomial("(s + 1)*(s + 3)")
+    assert invariant_zeros(HIDDEN, variable="s").polynomial == polynomial("(s + 1)*(s + 3)*(s + 4)")
+    assert input_decoupling_zeros(HIDDEN, variable="s").polynomial == polynomial("(s + 3)*(s + 4)")
+    assert output_decoupling_zeros(HIDDEN, variable="s").polynomial == polynomial("(s + 1)*(s + 3)")
     companion = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]], [[0], [0], [1]], [[2, 1, 0]]
-    (zero,) = invariant_zeros(companion).directions
+    (zero,) = invariant_zeros(companion, "s").directions
     assert zero.factor == polynomial("s + 2") and zero.state == Matrix([1, -2, 4])
 
 
@@ -126,7 +126,7 @@ def test_python_control_agrees(shape):
     n, m = shape
     rng = np.random.default_rng(n)
     A, B, C = (rng.integers(-3, 4, size).tolist() for size in ((n, n), (n, m), (m, n)))
-    mine = np.array([root.value for root in invariant_zeros((A, B, C)).roots()])
+    mine = np.array([root.value for root in invariant_zeros((A, B, C), variable="s").roots()])
     theirs = control.ss(A, B, C, np.zeros((m, m))).zeros()
     theirs = theirs[np.abs(theirs) < 1e6]  # those at infinity come out large
     np.testing.assert_allclose(np.sort_complex(mine), np.sort_complex(theirs), rtol=1e-6, atol=1e-6)

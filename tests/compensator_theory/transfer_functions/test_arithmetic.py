@@ -11,12 +11,14 @@ from sympy.physics.control import Feedback, Parallel, Series
 
 from compensator_theory import (
     InputError,
+    Realisation,
     TransferFunction,
     feedback_connection,
     polynomial,
     transfer_function,
+    transfer_matrix,
 )
-from compensator_theory.errors import BudgetError
+from compensator_theory.errors import BudgetError, ImproperError
 from compensator_theory.strategies import polynomials, rationals
 
 s, z, a, b = sympy.symbols("s z a b")
@@ -169,3 +171,35 @@ def test_what_cannot_be_computed_is_refused_by_name():
         G**2000
     with pytest.raises(InputError, match="denominator becomes zero"):
         G.compose(-1)
+
+
+def square(D):
+    """A realisation of two signals with the direct term D."""
+    return Realisation([[0, 1], [-2, "a"]], [[1, 0], [0, 1]], [[1, 0], [1, 1]], D)
+
+
+@pytest.mark.parametrize("made", [lambda R: R, Realisation.transfer_matrix], ids=["states", "map"])
+def test_systems_of_several_signals_compute_as_matrices(made):
+    G, H = made(square([[1, 0], [0, 2]])), made(square([[1, 1], [0, 1]]))
+
+    def at(system):
+        whole = system.transfer_matrix() if isinstance(system, Realisation) else system
+        return whole.subs({"a": 5}).as_matrix().subs(s, 2)
+
+    g, h = at(G), at(H)
+    assert at(G * H) == g * h and at(G - H) == g - h
+    assert at(2 * G) == at(G * 2) == 2 * g and at(G / "1/3") == 3 * g
+    assert at(G / H) == g * h.inv() and at(G**3) == g**3 and at(G**-2) == g**-2
+    assert at(G**1) == g and (G**0).subs({}) == G**0
+    for wrong in (lambda: G / 0, lambda: G.subs({"b": 1}), lambda: G.subs({"s": 1})):
+        with pytest.raises(InputError):
+            wrong()
+    with pytest.raises(TypeError):
+        G ** "2"
+
+
+def test_what_has_no_inverse_is_refused():
+    with pytest.raises(ImproperError, match="no inverse"):
+        square([[0, 0], [0, 1]]) ** -1
+    with pytest.raises(InputError, match="not square"):
+        transfer_matrix([["1/s", 1]]) ** 2

@@ -7,6 +7,8 @@ import control
 import numpy as np
 import pytest
 import scipy.signal
+import sympy
+import sympy.physics.control as sympy_control
 from sympy import Rational
 
 import compensator_theory as c
@@ -240,3 +242,73 @@ def test_time_is_named_where_the_variable_does_not_show_it_and_has_to_agree_else
         with pytest.raises(InputError, match="x does not show the time domain"):
             decide("x + 2")
     assert c.transfer_function("1/(x + 1)").time is None
+
+
+# ---- every kind of system, in each of these functions
+TEXT = "(z + 1)/(z**2 + z/2 + 1/4)"
+NUMERATOR, DENOMINATOR = [1, 1], [1, 0.5, 0.25]
+Z = sympy.Symbol("z")
+STATES = c.realisation(TEXT)
+KINDS = {
+    "text": TEXT,
+    "expression": c.parse_expression(TEXT),
+    "SymPy": sympy_control.TransferFunction(Z + 1, Z**2 + Z / 2 + sympy.Rational(1, 4), Z),
+    "python-control": control.tf(NUMERATOR, DENOMINATOR, True),
+    "python-control's states": control.ss([[0, 1], [-0.25, -0.5]], [[0], [1]], [[1, 1]], 0, True),
+    "SciPy": scipy.signal.dlti(NUMERATOR, DENOMINATOR, dt=1.0),
+    "SciPy's states": scipy.signal.dlti(NUMERATOR, DENOMINATOR, dt=1.0).to_ss(),
+    "(A, B, C)": STATES.matrices[:3],
+    "(A, B, C, D)": tuple(matrix.tolist() for matrix in STATES.matrices),
+    "TransferFunction": c.transfer_function(TEXT),
+    "TransferMatrix": c.transfer_matrix([[TEXT]]),
+    "Realisation": STATES,
+    "DescriptorSystem": c.descriptor_realisation(TEXT),
+}
+BARE = {"(A, B, C)", "(A, B, C, D)"}
+FIRST = {
+    name: given[1:] if isinstance(given, tuple) else ()
+    for name, given in ALONE.items()
+    if (given[0] if isinstance(given, tuple) else given) is G
+} | {name: ("1/(z + 1/4)",) for name in TOGETHER if name != "compensator_from_sensitivity"}
+FIRST |= {
+    "compensator_from_sensitivity": ("(z - 1/2)/(z + 1/4)",),
+    "youla_forms": ("1/(z**3 + 1/4)",),
+}
+TIMED = sorted(name for name in FIRST if "variable" in inspect.signature(PUBLIC[name]).parameters)
+
+
+def asked(name, system, **options):
+    if "feedback" in inspect.signature(PUBLIC[name]).parameters:
+        options["feedback"] = -1
+    return PUBLIC[name](system, *FIRST[name], **options)
+
+
+@pytest.mark.parametrize("name", sorted(FIRST))
+def test_all_kinds_are_read(name):
+    for kind, system in KINDS.items():
+        assert asked(name, system, **({"variable": "z"} if kind in BARE else {})) is not None
+
+
+@pytest.mark.parametrize("name", TIMED)
+@pytest.mark.parametrize("kind", sorted(BARE))
+def test_bare_matrices_are_asked_for_their_time(name, kind):
+    with pytest.raises(InputError, match=r"time domain.*write variable='s'"):
+        asked(name, KINDS[kind])
+
+
+def parameters(name):
+    """Those that the functions of the exact half share."""
+    for one in PUBLIC.values():
+        if inspect.isfunction(one) and name in (own := inspect.signature(one).parameters):
+            yield one.__name__, list(own).index(name), own[name]
+
+
+def test_options_have_one_place():
+    """The sign is always written, by name; a variable is second or by name, and evident."""
+    for name, _, feedback in parameters("feedback"):
+        assert feedback.kind is feedback.KEYWORD_ONLY, name
+        assert feedback.default in (feedback.empty, None), name  # None: that of the compensator
+    for name, place, variable in parameters("variable"):
+        assert variable.kind is variable.KEYWORD_ONLY or place == 1, name
+    for shared in ("time", "digits", "sample_time"):
+        assert all(one.kind is one.KEYWORD_ONLY for _, _, one in parameters(shared))

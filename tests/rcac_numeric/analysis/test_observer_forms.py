@@ -55,7 +55,7 @@ def test_random_minimal_loops_have_as_many_forms_as_real_divisors(n_c):
         for _ in range(5):
             plant = [rng.integers(-9, 9, shape) / 4 for shape in ((n, n), (n, 1), (1, n))]
             other = [rng.integers(-9, 9, shape) / 4 for shape in ((n_c, n_c), (n_c, 1), (1, n_c))]
-            system, controller = realisation(tuple(plant)), realisation(tuple(other))
+            system, controller = (Realisation(*matrices) for matrices in (plant, other))
             if not (system.is_minimal and controller.is_minimal):
                 continue
             found = numeric_observer_forms(system, controller)
@@ -92,7 +92,7 @@ def test_hidden_modes_are_rejected_as_the_exact_rule_says(data):
     modes = data.draw(st.lists(st.integers(-9, 9), min_size=n, max_size=n, unique=True))
     compensator = realisation((
         sympy.diag(*modes), [[reached] for reached, _ in shown], [[seen for _, seen in shown]]
-    ))  # fmt: skip
+    ), "s")  # fmt: skip
     decision = realisation_is_observer_based(plant, compensator)
     try:
         found = numeric_observer_forms(plant, compensator)
@@ -141,7 +141,8 @@ def test_several_signals_and_python_control():
 def test_refusals():
     with pytest.raises(InputError, match="Jordan blocks"):
         numeric_observer_forms(
-            ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), ([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]])
+            Realisation([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]),
+            Realisation([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]]),
         )
     with pytest.raises(InputError, match="rational"):
         numeric_observer_forms("1/(s + a)", "1/(s + 1)")
@@ -152,10 +153,11 @@ def test_refusals():
             numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)", singular=singular)
     with pytest.raises(InputError, match="states"):
         numeric_observer_forms(
-            "1/s", realisation((sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0)))
+            "1/s", Realisation(sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0))
         )
     none = numeric_observer_forms(
-        ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
+        Realisation([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]),
+        Realisation([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]]),
     )
     assert len(none) == 0 and none.rejected == 6 and "no observer-based form" in str(none)
     with pytest.raises(NoSolutionError):

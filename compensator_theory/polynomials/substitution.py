@@ -1,25 +1,61 @@
-"""Values for symbols, put into whatever a construction takes as an argument."""
+"""Values for symbols, put into a system or into whatever a construction takes as an argument."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
+import sympy
 from sympy import Basic, Expr, MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import from_expression
 from compensator_theory.polynomials.sympy_trees import settled
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_operator
+from compensator_theory.polynomials.variables import as_symbol, is_operator
 
 _NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
 _WORDS = {"sqrt", "CRootOf", "I", "j", "pi"}
+
+Value = TypeVar("Value", bound=ExactValue)
+
+
+def with_values(whole: Value, values: Mapping[str | Symbol, NumberLike], variable: Symbol) -> Value:
+    """Give values to symbols of a system or a matrix, but not to its variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials.substitution import with_values
+    >>> G = transfer_function("1/(s + a)", "s")
+    >>> print(with_values(G, {"a": 2}, G.variable))
+    (1)/(s + 2)
+    """
+    if not isinstance(values, Mapping):
+        raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
+    given = {as_symbol(name): exact_number(value) for name, value in values.items()}
+    names = {symbol.name for symbol in given}
+    if variable.name in names:
+        raise InputError(
+            f"{variable} is the variable of {whole}; a transfer function is called for a value, "
+            "as in G(1), and compose(...) puts another one in its place"
+        )
+    known = names_in(whole) - {variable.name}
+    if unknown := sorted(names - known):
+        raise InputError(
+            f"{whole} has no symbol {', '.join(unknown)}; its symbols: "
+            f"{', '.join(sorted(known)) or 'none'}"
+        )
+    if any(variable in value.free_symbols for value in given.values()):
+        raise InputError(f"a value contains {variable}, the variable of {whole}")
+    unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
+    return substituted(replace(whole, **unproven), given)  # type: ignore[type-var,no-any-return]
 
 
 def substituted(argument: Any, values: Mapping[Symbol, Expr]) -> Any:
@@ -88,7 +124,7 @@ def names_in(argument: Any) -> set[str]:
     Examples
     --------
     >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.exceptional_sets.arguments import names_in
+    >>> from compensator_theory.polynomials.substitution import names_in
     >>> sorted(names_in([transfer_function("1/(s + a)", "s"), "sqrt(2)*b", 3]))
     ['a', 'b']
     """
@@ -107,12 +143,42 @@ def names_in(argument: Any) -> set[str]:
     return set()
 
 
+def denominators_in(value: Any) -> list[Expr]:
+    """Return what coefficients and entries are divided by, polynomials in the symbols.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials.substitution import denominators_in
+    >>> denominators_in(transfer_function("b/(a*s + 1)", "s"))
+    [a]
+    """
+    fractions = (sympy.fraction(sympy.cancel(c)) for c in _coefficients(value) if c.free_symbols)
+    return [bottom for bottom in dict.fromkeys(b for _, b in fractions) if bottom.free_symbols]
+
+
+def _coefficients(value: Any) -> Iterator[Expr]:
+    if isinstance(value, Poly):
+        yield from value.coeffs()
+    elif isinstance(value, MatrixBase):
+        yield from value
+    elif isinstance(value, Expr):
+        yield value
+    elif type(value) in (list, tuple):
+        for part in value:
+            yield from _coefficients(part)
+    elif isinstance(value, ExactValue):
+        for name in _fields(value):
+            if name not in ("variable", "certificate"):
+                yield from _coefficients(getattr(value, name))
+
+
 def require_variable(before: Any, after: Any) -> None:
     """Refuse an argument whose variable dropped out with what was put in; it would be misread.
 
     Examples
     --------
-    >>> from compensator_theory.exceptional_sets.arguments import require_variable
+    >>> from compensator_theory.polynomials.substitution import require_variable
     >>> require_variable("1/(a*s + b)", "1/((2)*s + b)")
     """
     had = {name for name in names_in(before) if is_operator(Symbol(name))}
