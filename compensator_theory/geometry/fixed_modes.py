@@ -116,7 +116,7 @@ def decentralised_fixed_modes(
     >>> plant = A, B, [[1, 0, 0], [0, 1, 1]]
     >>> print(decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])], variable="s"))
     the roots of s - 1 are fixed
-    >>> print(decentralised_fixed_modes(plant, [([0, 1], [0, 1])]))
+    >>> print(decentralised_fixed_modes(plant, [([0, 1], [0, 1])], variable="s"))
     no fixed modes
     """
     source = realisation(plant, variable)

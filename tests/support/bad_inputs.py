@@ -36,8 +36,8 @@ BAD = OBJECTS + TEXTS + LARGE
 _P, _Q, _G = "s**2 + 3*s + 2", "s + 5", "(s + 5)/(s**2 + 3*s + 2)"
 _POLY = exact.polynomial(_P)
 _A, _B, _C = [[0, 1], [-2, -3]], [[0], [1]], [[5, 1]]
-_R = (_A, _B, _C)
-_REALISED = exact.realisation(_R)
+_R = exact.Realisation(_A, _B, _C, variable="s")
+_REALISED = _R
 _MATRIX = [["1/(s + 1)", "2/(s + 1)"], ["0", "1/(s + 2)"]]
 _SERVO = exact.servo_problem("1/(q**2 - 2*q)")
 _CONTINUOUS = exact.StandardProblem(

@@ -188,7 +188,7 @@ def test_the_factorisation_of_a_symbolic_plant_at_an_exceptional_value():
         (lambda: minimal_realisation([["s", 1]]), ImproperError),
         (lambda: kalman_decomposition(([[1, 2]], [[1]], [[1]]), "s"), InputError),
         (lambda: kalman_decomposition("s"), ImproperError),
-        (lambda: kalman_decomposition([[["sqrt(2)"]], [[1]], [[1]]]), InputError),
+        (lambda: kalman_decomposition([[["sqrt(2)"]], [[1]], [[1]]], "s"), InputError),
         (lambda: hankel_matrix("1/s", 0, 1), InputError),
         (lambda: hankel_matrix("1/s", True, 1), InputError),
         (lambda: hankel_matrix("1/s", 600, 600), BudgetError),

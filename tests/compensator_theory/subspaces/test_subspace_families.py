@@ -245,6 +245,6 @@ def test_many_blocks_are_refused_by_the_budget_and_scalar_ones_are_not():
 
 def test_refusals_name_the_dimension():
     with pytest.raises(InputError, match=r"lengths 1, 1, 1.*dimension 2 for its power 1, 2 for"):
-        youla_forms("1/(s + 5)", (-5 * sympy.eye(2), [[0], [0]], [[0, 0]]))
+        youla_forms("1/(s + 5)", Realisation(-5 * sympy.eye(2), [[0], [0]], [[0, 0]]))
     (part,) = primary_components(sympy.zeros(4, 4), Poly(s**4, s, domain="QQ"))
     assert next(sample_subspaces(sympy.zeros(4, 4), part, 3)).shape == (4, 3)
