@@ -40,8 +40,9 @@ class Subresultants(ExactValue):
         s = self.a.gen
         return tuple(sympy.sympify(poly.coeff_monomial(s**k)) for k, poly in enumerate(self.chain))
 
+    @property
     def gcd(self) -> Poly:
-        """Return the greatest common divisor as a subresultant; with symbols, the generic one."""
+        """The greatest common divisor as a subresultant; with symbols, the generic one."""
         for poly, coefficient in zip(self.chain, self.principal_coefficients, strict=True):
             if coefficient != 0:
                 return poly
@@ -86,7 +87,7 @@ def subresultants(
     --------
     >>> from compensator_theory.bezout import subresultants
     >>> found = subresultants("(s - 1)*(s - 2)*(s - 3)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)")
-    >>> found.principal_coefficients, found.gcd()
+    >>> found.principal_coefficients, found.gcd
     ((0, 0, 21, 1), Poly(21*s**2 - 63*s + 42, s, domain='QQ'))
     """
     first, second = in_one_variable(a, b, variable=variable)

@@ -74,12 +74,14 @@ class SmithMcMillanForm(ExactValue):
         at_infinity = sum(-order for order in self.orders_at_infinity if order < 0)
         return int(self.pole_polynomial.degree()) + at_infinity
 
+    @property
     def poles(self) -> tuple[Root, ...]:
-        """Return the certified finite poles with multiplicity; InputError with symbols."""
+        """The certified finite poles with multiplicity; InputError with symbols."""
         return certified_roots(self.pole_polynomial)
 
+    @property
     def zeros(self) -> tuple[Root, ...]:
-        """Return the certified finite zeros with multiplicity; InputError with symbols."""
+        """The certified finite zeros with multiplicity; InputError with symbols."""
         return certified_roots(self.zero_polynomial)
 
     def _product(self, factors: tuple[Poly, ...]) -> Poly:

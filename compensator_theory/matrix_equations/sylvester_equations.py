@@ -33,7 +33,7 @@ from compensator_theory.polynomials.budget import ask, decimal_digits
 def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSolution:
     r"""Solve Sylvester's equation.
 
-    .. math:: A X + X B = C
+    .. math:: A X + X B + C = 0
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     -------
     MatrixSolution
         One solution if no eigenvalue of A is one of -B: with p = det(sI - A) and
-        :math:`p(A) X - X p(-B) = \sum_k p_k \sum_{i+j=k-1} A^i C (-B)^j`, where p(A) = 0. Else a
+        :math:`X p(-B) - p(A) X = \sum_k p_k \sum_{i+j=k-1} A^i C (-B)^j`, where p(A) = 0. Else a
         family, by Kronecker's system.
 
     Raises
@@ -57,33 +57,34 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     Notes
     -----
     Source: J. J. Sylvester (1884); A. Jameson, SIAM J. Applied Mathematics 16 (1968) 1020-1023. The
-    convention is that of ``scipy.linalg.solve_sylvester``.
+    sign is that of Lyapunov's and Stein's equations here, and of ``control.lyap(A, B, C)``: for the
+    A X + X B = C of ``scipy.linalg.solve_sylvester`` and MATLAB's ``sylvester`` give -C.
 
     Examples
     --------
     >>> from compensator_theory import solve_sylvester
-    >>> found = solve_sylvester([[0, 1], [-2, -3]], [["a"]], [[1], [0]])
+    >>> found = solve_sylvester([[0, 1], [-2, -3]], [["a"]], [[-1], [0]])
     >>> print(found, found.exceptional)
     X = [[(a - 3)/(a**2 - 3*a + 2)], [2/(a**2 - 3*a + 2)]] (a - 1, a - 2)
     """
     a, b, c = (exact_matrix(M, name) for M, name in ((A, "A"), (B, "B"), (C, "C")))
     _require_shapes(a, b, c, "C")
-    identity, sources = "A X + X B = C", (a, b, c)
-    found = _by_characteristic_polynomial(a, b, c)
+    identity, sources = "A X + X B + C = 0", (a, b, c)
+    found = _by_characteristic_polynomial(a, b, -c)
     if found is not None:
         X, divisors = found
-        residual = [sum_of_products((a, X), (X, b), (-c,))]
+        residual = [sum_of_products((a, X), (X, b), (c,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of(sources)])
     X, more, divisors = solve_by_kronecker(
         [[(a, eye(b.rows)), (eye(a.rows), b)]],
         c.shape,
-        list(c),
-        contradiction="A X + X B = C has no solution: A and -B share an eigenvalue, and C lies "
+        list(-c),
+        contradiction="A X + X B + C = 0 has no solution: A and -B share an eigenvalue, and C lies "
         "outside of what A X + X B reaches; change C, or give the symbols other values",
         sources=sources,
     )
     return certified(
-        identity, [a * X + X * b - c, *(a * Y + Y * b for Y in more)], X, more, divisors
+        identity, [a * X + X * b + c, *(a * Y + Y * b for Y in more)], X, more, divisors
     )
 
 
@@ -149,7 +150,7 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
 def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> MatrixSolution:
     r"""Solve Stein's equation, the discrete Lyapunov equation.
 
-    .. math:: X = A X B + Q, \qquad B = A' \text{ by default}
+    .. math:: A X B - X + Q = 0, \qquad B = A' \text{ by default}
 
     Parameters
     ----------

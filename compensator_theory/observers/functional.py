@@ -74,8 +74,9 @@ class FunctionalObserver(ExactValue):
         """The polynomial det(sI - N), by which the error of the estimate vanishes."""
         return characteristic_polynomial(self.N, self.plant.variable)
 
+    @property
     def realisation(self) -> Realisation:
-        """Return the system from u and y, in this order, to the estimate of L x."""
+        """The system from u and y, in this order, to the estimate of L x."""
         plant, identity = self.plant, identity_matrix(self.order)
         inputs = (self.H - self.J * plant.D).row_join(self.J)
         direct = (-self.E * plant.D).row_join(self.E)

@@ -129,8 +129,9 @@ class FieldMatrix(ExactValue):
         rows, columns = self.shape
         return ImmutableMatrix(rows, columns, [written(e) for row in self.entries for e in row])
 
+    @property
     def polynomials(self) -> tuple[tuple[Poly, ...], ...]:
-        """Return the entries as polynomials in the generator."""
+        """The entries as polynomials in the generator."""
         return tuple(
             tuple(from_flint_polynomial(flint.fmpq_poly(list(e)), SIGMA) for e in row)
             for row in self.entries
@@ -153,13 +154,13 @@ class FieldMatrix(ExactValue):
     def __str__(self) -> str:
         if self.field.degree <= 4:
             return text(self.matrix.tolist())
-        rows = [", ".join(format_polynomial(p) for p in row) for row in self.polynomials()]
+        rows = [", ".join(format_polynomial(p) for p in row) for row in self.polynomials]
         return "[" + ", ".join(f"[{row}]" for row in rows) + "]"
 
     def _repr_latex_(self) -> str:
         if self.field.degree <= 4:
             return displayed(latex(self.matrix))
-        rows = [[p.as_expr() for p in row] for row in self.polynomials()]
+        rows = [[p.as_expr() for p in row] for row in self.polynomials]
         return displayed(table(rows))
 
 

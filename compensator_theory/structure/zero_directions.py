@@ -80,8 +80,9 @@ class Zeros(ExactValue):
     exceptional: tuple[Expr, ...]
     certificate: Certificate
 
+    @property
     def roots(self) -> tuple[Root, ...]:
-        """Return the certified zeros with multiplicity; InputError with symbols."""
+        """The certified zeros with multiplicity; InputError with symbols."""
         return certified_roots(self.polynomial)
 
     def __str__(self) -> str:

@@ -72,8 +72,9 @@ class SampledPlant(ExactValue):
     exceptional: tuple[Expr, ...]
     certificate: Certificate
 
+    @property
     def transfer_function(self) -> TransferFunction:
-        """Return the pulse transfer function without what cancels; InputError if not scalar."""
+        """The pulse transfer function without what cancels; InputError if not scalar."""
         return self.realisation.transfer_function().reduced()
 
     def __str__(self) -> str:
@@ -134,7 +135,7 @@ def zero_order_hold(
     --------
     >>> from sympy import log
     >>> from compensator_theory.sampling import zero_order_hold
-    >>> print(zero_order_hold("1/((s + 1)*(s + 2))", log(2)).transfer_function())
+    >>> print(zero_order_hold("1/((s + 1)*(s + 2))", log(2)).transfer_function)
     (z/8 + 1/16)/(z**2 - 3*z/4 + 1/8)
     >>> print(zero_order_hold("1/(s + 1)"))
     A = [[x]]
@@ -145,7 +146,7 @@ def zero_order_hold(
     >>> found.realisation.A[0, 0], found.exponentials  # cos(h)
     ((1 - y**2)/(y**2 + 1), ((y, tan(h/2)),))
     >>> from sympy import pi
-    >>> print(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function())
+    >>> print(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function)
     (z + 1)/(z**2 + 1)
     """
     return _sampled(plant, step, variable, discrete_variable, 1)
@@ -190,7 +191,7 @@ def first_order_hold(
     Examples
     --------
     >>> from compensator_theory.sampling import first_order_hold
-    >>> print(first_order_hold("1/s").transfer_function())
+    >>> print(first_order_hold("1/s").transfer_function)
     (h*z/2 + h/2)/(z - 1)
     """
     return _sampled(plant, step, variable, discrete_variable, 2)
@@ -227,7 +228,7 @@ def tustin(
     Examples
     --------
     >>> from compensator_theory.sampling import tustin
-    >>> print(tustin("1/(s + 1)", "1/2").transfer_function())
+    >>> print(tustin("1/(s + 1)", "1/2").transfer_function)
     (z/5 + 1/5)/(z - 3/5)
     """
     given, z, h = _read(plant, step, variable, discrete_variable)
@@ -292,9 +293,9 @@ def matched(
     --------
     >>> from sympy import log
     >>> from compensator_theory.sampling import matched
-    >>> print(matched("(s + 1)/(s + 2)", log(2)).transfer_function())
+    >>> print(matched("(s + 1)/(s + 2)", log(2)).transfer_function)
     (3*z/4 - 3/8)/(z - 1/4)
-    >>> print(matched("1/(s*(s + 1))").transfer_function())
+    >>> print(matched("1/(s*(s + 1))").transfer_function)
     ((-h*x/2 + h/2)*z + (-h*x/2 + h/2))/(z**2 + (-x - 1)*z + x)
     """
     given, z, h = _read(plant, step, variable, discrete_variable)

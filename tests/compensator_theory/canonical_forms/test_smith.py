@@ -127,7 +127,7 @@ def test_the_examples_of_the_notes():
     assert found.denominators == (polynomial("(s+1)**2*(s+2)**2"), polynomial("(s + 1)**2"))
     assert found.mcmillan_degree == 6
     assert found.pole_polynomial == polynomial("(s + 1)**4*(s + 2)**2")
-    assert sorted(root.multiplicity for root in found.poles()) == [2, 4]
+    assert sorted(root.multiplicity for root in found.poles) == [2, 4]
     mine = smith_mcmillan_form(G_OF_THE_NOTES)
     assert str(mine) == "diag((1)/(s**2 + 3*s + 2), (s + 3)/(s + 1))"
     assert mine.mcmillan_degree == hankel_matrix(G_OF_THE_NOTES, 3, 3).rank() == 3

@@ -50,11 +50,11 @@ def test_stein_equation_of_a_nilpotent_matrix():
 def test_sylvester_equation_by_diagonals():
     """Solve Sylvester's equation for two diagonal matrices."""
     found = solve_sylvester([[1, 0], [0, 2]], [[3, 0], [0, 5]], [["c", "d"], ["e", "f"]])
-    assert equal(found.X, [["c/4", "d/6"], ["e/5", "f/7"]])  # c_ij/(a_i + b_j)
+    assert equal(found.X, [["-c/4", "-d/6"], ["-e/5", "-f/7"]])  # -c_ij/(a_i + b_j)
 
 
 def test_common_eigenvalue_in_a_sylvester_equation():
-    """Solve x - x = 1."""
+    """Solve x - x + 1 = 0."""
     with pytest.raises(CompensatorError):
         solve_sylvester([[1]], [[-1]], [[1]])
 

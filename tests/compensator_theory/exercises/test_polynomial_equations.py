@@ -91,7 +91,7 @@ def test_subresultants_find_the_degree():
     """The degree of the gcd of s^4 - 1 and s^6 - 1 by vanishing principal subresultants."""
     found = subresultants("s**6 - 1", "s**4 - 1")
     assert [bool(c) for c in found.principal_coefficients[:3]] == [False, False, True]
-    assert equal(found.gcd().monic(), "s**2 - 1")
+    assert equal(found.gcd.monic(), "s**2 - 1")
 
 
 def test_bezout_matrix_and_companion():

@@ -18,17 +18,17 @@ z, h = sympy.symbols("z h")
 
 def with_exponentials(found):
     """The sampled transfer function with its exponentials written out."""
-    return found.transfer_function().as_expr().subs(found.exponentials)
+    return found.transfer_function.as_expr().subs(found.exponentials)
 
 
 def test_sampled_integrator():
     """1/s with a zero-order hold."""
-    assert equal(zero_order_hold("1/s").transfer_function(), "h/(z - 1)")
+    assert equal(zero_order_hold("1/s").transfer_function, "h/(z - 1)")
 
 
 def test_sampled_double_integrator():
     """1/s^2 with a zero-order hold."""
-    assert equal(zero_order_hold("1/s**2").transfer_function(), "h**2*(z + 1)/(2*(z - 1)**2)")
+    assert equal(zero_order_hold("1/s**2").transfer_function, "h**2*(z + 1)/(2*(z - 1)**2)")
 
 
 def test_sampled_lag():
@@ -47,7 +47,7 @@ def test_sampled_double_pole():
 
 def test_sampled_oscillator():
     """1/(s^2 + 1) with a zero-order hold and a step of a quarter of the period."""
-    assert equal(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function(), "(z + 1)/(z**2 + 1)")
+    assert equal(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function, "(z + 1)/(z**2 + 1)")
 
 
 def test_pathological_step():
@@ -59,7 +59,7 @@ def test_pathological_step():
 
 def test_irrational_step():
     """1/((s + 1)(s + 2)) with a zero-order hold and the step log(3)."""
-    found = zero_order_hold("1/((s + 1)*(s + 2))", log(3)).transfer_function()
+    found = zero_order_hold("1/((s + 1)*(s + 2))", log(3)).transfer_function
     # (1 - 1/3)/(z - 1/3) - (1 - 1/9)/2/(z - 1/9)
     assert equal(
         found, Rational(2, 3) / (z - Rational(1, 3)) - Rational(4, 9) / (z - Rational(1, 9))
@@ -68,25 +68,25 @@ def test_irrational_step():
 
 def test_first_order_hold_of_a_double_integrator():
     """1/s^2 with a first-order hold."""
-    found = first_order_hold("1/s**2").transfer_function()
+    found = first_order_hold("1/s**2").transfer_function
     assert equal(found, "h**2*(z**2 + 4*z + 1)/(6*(z - 1)**2)")  # the cubes of the ramp
 
 
 def test_tustin_of_a_lag():
     """Tustin's rule for 1/(s + a)."""
-    found = tustin("1/(s + a)").transfer_function()
+    found = tustin("1/(s + a)").transfer_function
     assert equal(found, "h*(z + 1)/((2 + a*h)*z - (2 - a*h))")
 
 
 def test_tustin_of_a_pi_controller():
     """Tustin's rule for k_p + k_i/s: the trapezoidal rule."""
-    found = tustin("k_p + k_i/s", variable="s").transfer_function()
+    found = tustin("k_p + k_i/s", variable="s").transfer_function
     assert equal(found, "k_p + k_i*h*(z + 1)/(2*(z - 1))")
 
 
 def test_matched_lead():
     """Match the pole and the zero of (s + 1)/(s + 3) with the step log(2)."""
-    found = matched("(s + 1)/(s + 3)", log(2)).transfer_function()
+    found = matched("(s + 1)/(s + 3)", log(2)).transfer_function
     # zero 1/2, pole 1/8, gain at rest 1/3
     assert equal(
         found,
@@ -106,5 +106,5 @@ def test_sampling_zeros_of_euler_and_frobenius():
 
 def test_zeros_of_a_sampled_triple_integrator():
     """The zeros of 1/s^3 with a zero-order hold, for any step."""
-    found = zero_order_hold("1/s**3").transfer_function()
+    found = zero_order_hold("1/s**3").transfer_function
     assert equal(found, "h**3*(z**2 + 4*z + 1)/(6*(z - 1)**3)")

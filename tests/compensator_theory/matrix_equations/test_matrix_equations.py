@@ -81,7 +81,7 @@ def test_sylvester_against_kronecker_and_scipy(case):
     eye = sympy.eye
     left = sympy.kronecker_product(A, eye(m)) + sympy.kronecker_product(eye(n), B.T)
     found = held_against(
-        lambda: solve_sylvester(A, B, C), left, Matrix(n * m, 1, list(C)),
+        lambda: solve_sylvester(A, B, -C), left, Matrix(n * m, 1, list(C)),
         lambda X: A * X + X * B - C,
     )  # fmt: skip
     gap = [
@@ -140,7 +140,7 @@ def large(rows, columns, seed):
 @pytest.mark.parametrize(("n", "m"), [(12, 9), (7, 14), (1, 20)])
 def test_large_ones_against_their_residual_and_scipy(n, m):
     A, B, C = large(n, n, 1), large(m, m, 2), large(n, m, 3)
-    X = solve_sylvester(A, B, C).X
+    X = solve_sylvester(A, B, -C).X
     assert (A * X + X * B - C).is_zero_matrix
     expected = scipy.linalg.solve_sylvester(*map(as_numpy, (A, B, C)))
     assert np.allclose(as_numpy(X), expected, rtol=1e-6, atol=1e-9)

@@ -156,7 +156,7 @@ def test_a_functional_of_order_one_of_a_plant_of_order_four():
         functional_observer((A, B, C), L, [-5], variable="s")
     found = functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s")
     assert found.error_polynomial == polynomial_from_roots([-5, -6], "s")
-    whole = found.realisation()
+    whole = found.realisation
     assert transfer_matrix(whole).shape == (2, 3) and whole.n == 2
     with pytest.raises(InputError, match="no function of L x and y"):
         functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], variable="s").compensator(
