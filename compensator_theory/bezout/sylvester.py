@@ -34,7 +34,7 @@ def holds_while_degrees_do(function: Function) -> Function:
         a: PolynomialLike, b: PolynomialLike, *sizes: int, variable: str | Symbol | None = None
     ) -> tuple[Any, list[Expr]]:
         read = in_one_variable(a, b, variable=variable, default="s")
-        leading = [sympy.sympify(poly.LC()) for poly in read if not poly.is_zero]
+        leading = [poly.LC() for poly in read if not poly.is_zero]
         return function(a, b, *sizes, variable=variable), leading
 
     return function
