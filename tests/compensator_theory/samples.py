@@ -275,7 +275,7 @@ SAMPLES = {
     results.PartialFractions: EXPANSIONS,
     results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.results.Certificate: minimal_plants().map(
-        lambda plant: exact.realisation(plant).transfer_function().certificate
+        lambda plant: exact.realisation(plant, "s").transfer_function().certificate
     ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
     results.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())

@@ -55,8 +55,10 @@ RCAC_INLINE void lane_dots_of_triangle(std::size_t j, const double* u, const dou
 template <std::size_t C>
 RCAC_INLINE void lane_whole_dots(std::size_t j, const double* u, const double* row, Vec* f) {
     RCAC_UNROLL for (std::size_t c = 0; c < C; ++c) f[c] = zero();
-    lane_dots<C>(0, j, u, row, f);
-    lane_dots_of_triangle<C>(j, u, row, f);
+    if constexpr (C > 0) {  // else there may be no rows before j either
+        lane_dots<C>(0, j, u, row, f);
+        lane_dots_of_triangle<C>(j, u, row, f);
+    }
 }
 
 // The C columns from j on with their v and factors, and on the way f of the N columns from j + 8 on:
@@ -124,12 +126,12 @@ template <std::size_t C>
 struct Columns {
     static constexpr std::size_t count = C;
 };
-// Calls what with the number of columns, at most 4, where there are any. Not by pointers to
-// functions: without optimisation those cannot be inlined.
+// Calls what with the number of columns, at most 4. Not by pointers to functions: without
+// optimisation those cannot be inlined.
 template <class What>
 RCAC_INLINE void with_columns(std::size_t columns, const What& what) {
     switch (columns) {
-        case 0: return;
+        case 0: return what(Columns<0>{});
         case 1: return what(Columns<1>{});
         case 2: return what(Columns<2>{});
         case 3: return what(Columns<3>{});

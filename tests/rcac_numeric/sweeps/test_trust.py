@@ -42,6 +42,7 @@ def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
     name, mark = evil
     path = tmp_path / "store.sqlite"
     run_study(studies.study(1, keep=[Kept("rms")], axes=[]), path, workers=0)
+    CliRunner().invoke(main, ["replay", str(tmp_path / "none"), "0"])  # imports what refusals need
     source = "def edit(*a, **k):\n    return 1.0\n"
     for function, hashed in ((name, digest(source)), ("click.termui:edit", "0" * 16)):
         named = {"function": function, "source": hashed}
