@@ -171,8 +171,8 @@ def numeric_observer_forms(
     ----------
     plant : Run, Plant or realisation
         A run has its compensator: its last controller. A realisation is anything that
-        :func:`compensator_theory.realisation` reads, rational: matrices, a transfer function, a
-        python-control system. Floats mean their shortest decimals.
+        :func:`compensator_theory.realisation` reads, rational: ``Realisation(A, B, C, D, "s")``, a
+        transfer function, a python-control system. Floats mean their shortest decimals.
     compensator : Compensator or realisation
         :math:`u = C_c x_c`.
     limit : int
