@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import UD, ControllerSettings, Supervision, TargetModel, iir
 from rcac_numeric.arrays.values import replaced
-from rcac_numeric.dissertation import load_example
 from rcac_numeric.export.building import compiled
 from rcac_numeric.export.folder import core_texts
 from rcac_numeric.export.header import config_header

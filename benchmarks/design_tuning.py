@@ -14,7 +14,8 @@ import numpy as np
 from design_road import random_plant, surroundings
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import design, tune
+from rcac_experiments import tune
+from rcac_numeric import design
 from rcac_numeric.synthesis.plants import read_plant
 
 

@@ -13,9 +13,9 @@ from collections import Counter
 import numpy as np
 
 from compensator_theory import CompensatorError
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.examples import example_ids, read_example
-from rcac_numeric.experiments.judging.claim import HOLDS, OURS
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.dissertation.examples import example_ids, read_example
+from rcac_experiments.judging.claim import HOLDS, OURS
 from tests.support.mutations import mutations, outcomes
 
 

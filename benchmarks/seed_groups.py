@@ -11,11 +11,11 @@ from collections import Counter
 
 import numpy as np
 
-from rcac_numeric import verify
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.dissertation.examples import example_ids
+from rcac_experiments.judging.claim import OURS
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.examples import example_ids
-from rcac_numeric.experiments.judging.claim import OURS
 
 
 def main() -> int:

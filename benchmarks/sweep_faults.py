@@ -24,8 +24,16 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 
-from rcac_numeric.sweeps import Axis, Kept, StoreError, Study, check_store, read_table, run_study
-from rcac_numeric.sweeps.running import sweep
+from rcac_experiments.sweeps import (
+    Axis,
+    Kept,
+    StoreError,
+    Study,
+    check_store,
+    read_table,
+    run_study,
+)
+from rcac_experiments.sweeps.running import sweep
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},

@@ -21,11 +21,11 @@ from pathlib import Path
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+from rcac_experiments.sweeps import Axis, Kept, Study, check_store, read_table, run_study
+from rcac_experiments.sweeps.chunks.worker import run_chunk
+from rcac_experiments.sweeps.running import schedule
+from rcac_experiments.sweeps.store import store
 from rcac_numeric import UD, ControllerSettings, FunctionPlant, SimulationCase, TargetModel, iir
-from rcac_numeric.sweeps import Axis, Kept, Study, check_store, read_table, run_study
-from rcac_numeric.sweeps.chunks.worker import run_chunk
-from rcac_numeric.sweeps.running import schedule
-from rcac_numeric.sweeps.store import store
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/(q*(q - 0.9))"},

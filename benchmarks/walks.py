@@ -22,27 +22,25 @@ from typing import Any
 import compensator_theory
 import rcac_numeric
 from compensator_theory import place_poles, transfer_function
+from rcac_experiments import check_arguments, load_experiment, verify
+from rcac_experiments.sweeps import read_table, run_study
+from rcac_experiments.sweeps.study.files import load_study
 from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
     ModellingInformation,
-    check_arguments,
     check_controller,
     fir_target,
     iir,
-    load_experiment,
     read_log,
-    verify,
 )
 from rcac_numeric.estimation import EKF, Estimator, LinearModel
-from rcac_numeric.sweeps import read_table, run_study
-from rcac_numeric.sweeps.study.files import load_study
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = tuple(str(ROOT / name) for name in ("compensator_theory", "rcac_numeric"))
 EXAMPLES = ROOT / "examples"
-CASE = ROOT / "rcac_numeric/dissertation/example_files/4.7.toml"
+CASE = ROOT / "rcac_experiments/dissertation/example_files/4.7.toml"
 STUDY = """
 title = "one cell"
 [plant]

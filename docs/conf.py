@@ -10,7 +10,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 from sphinx.util import logging
 
-import rcac_numeric.dissertation
+import rcac_experiments.dissertation
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
 from docs.equation_index import equations, equations_page
 from docs.equation_links import setup_equations
@@ -23,11 +23,11 @@ from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
 from docs.reference_pages import ROOT, changed, write_reference, write_rocq
 from docs.thumbnails import insert_thumbnails
-from rcac_numeric.explorer.page import explorer_page
+from rcac_experiments.explorer.page import explorer_page
 from rcac_numeric.reports.page.rendering import write_page
 from tests.house.layers import LAYERS
 
-EXAMPLES = Path(rcac_numeric.dissertation.__file__).parent / "example_files"
+EXAMPLES = Path(rcac_experiments.dissertation.__file__).parent / "example_files"
 REFERENCE = Path(__file__).resolve().parent / "reference"
 write_reference(REFERENCE, LAYERS)
 index = equations()

@@ -13,12 +13,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-import rcac_numeric.explorer
-from rcac_numeric import load_experiment, simulate
+import rcac_experiments.explorer
+from rcac_experiments import load_experiment
+from rcac_numeric import simulate
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 
 FOLDER = Path(__file__).resolve().parent / "_static"
-CASE = Path(rcac_numeric.explorer.__file__).parent / "scenes" / "tame.toml"
+CASE = Path(rcac_experiments.explorer.__file__).parent / "scenes" / "tame.toml"
 INKS = {
     "light": {"ink": "#1f2328", "reached": "#0969da", "predicted": "#cf222e", "faint": "#6e7781"},
     "dark": {"ink": "#e6edf3", "reached": "#58a6ff", "predicted": "#ff7b72", "faint": "#8b949e"},

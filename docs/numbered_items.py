@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from docs.errata_page import escaped
-from rcac_numeric.dissertation import find_errata, load_example
-from rcac_numeric.dissertation.errata.entries import KINDS
-from rcac_numeric.dissertation.examples import example_ids
-from rcac_numeric.experiments.judging.claim import (
+from rcac_experiments.dissertation import find_errata, load_example
+from rcac_experiments.dissertation.errata.entries import KINDS
+from rcac_experiments.dissertation.examples import example_ids
+from rcac_experiments.judging.claim import (
     DEPENDS,
     MISPRINT,
     NOT_REPRODUCED,

@@ -24,7 +24,7 @@ INDEX = """# Reference
 
 Every public name has a page under the name by which it is imported: from its package,
 `from rcac_numeric import simulate`, or from one of the package's namespaces,
-`from rcac_numeric.sweeps import Study`; the classes of what functions return are all in `results`.
+`from rcac_experiments.sweeps import Study`; the classes of what functions return are all in `results`.
 The groups are by task. Whoever has the dissertation beside them begins with
 [its equations](equations.md); whoever changes the code, with [the folders](folders.md).
 

@@ -1,11 +1,9 @@
 __version__: str
-from . import dissertation as dissertation
 from . import estimation as estimation
 from . import gallery as gallery
 from . import identification as identification
 from . import plots as plots
 from . import results as results
-from . import sweeps as sweeps
 from . import targets as targets
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.loop_analysis import LoopAnalysis as LoopAnalysis
@@ -14,7 +12,6 @@ from .analysis.match import intercalated_match as intercalated_match
 from .analysis.match import split_residual as split_residual
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
-from .checks.case_files import check_arguments as check_arguments
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
@@ -71,13 +68,6 @@ from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.target_learner import TargetLearner as TargetLearner
-from .experiments.budgets import Budget as Budget
-from .experiments.experiment import Experiment as Experiment
-from .experiments.experiment import verify as verify
-from .experiments.figure_requests import FigureRequest as FigureRequest
-from .experiments.files.builder import load_experiment as load_experiment
-from .experiments.files.schema import json_schema as json_schema
-from .explorer.display import explore as explore
 from .export.fmu import export_fmu as export_fmu
 from .export.folder import export_controller as export_controller
 from .h2.conversion import compensator_from_state_space as compensator_from_state_space
@@ -117,7 +107,6 @@ from .signals.waveforms import WhiteNoise as WhiteNoise
 from .synthesis.cold_start import cold_start as cold_start
 from .synthesis.design import design as design
 from .synthesis.plants import Uncertainty as Uncertainty
-from .synthesis.tuning import tune as tune
 from .targets.data_driven import DataDriven as DataDriven
 from .targets.filters import target_model as target_model
 from .targets.model import TargetModel as TargetModel

@@ -10,10 +10,6 @@ from .controllers.gain_schedule import ScheduledSteps as ScheduledSteps
 from .controllers.supervision import SupervisionEvent as SupervisionEvent
 from .controllers.supervision import SupervisionRecord as SupervisionRecord
 from .controllers.supervision import TroubleCount as TroubleCount
-from .dissertation.errata.checking import Checked as Checked
-from .dissertation.errata.entries import Erratum as Erratum
-from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
-from .dissertation.reproduction import Reproduction as Reproduction
 from .engine.batches import CaseResult as CaseResult
 from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
@@ -29,8 +25,6 @@ from .estimation.refinement.refinement import Evidence as Evidence
 from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates
-from .experiments.experiment import Verification as Verification
-from .explorer.display import ExplorerPage as ExplorerPage
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
 from .h2.conversion import ConversionCertificate as ConversionCertificate
@@ -53,11 +47,7 @@ from .margins.classical import Margins as Margins
 from .margins.disk import DiskMargin as DiskMargin
 from .plants.gallery.operating_points import OperatingPoint as OperatingPoint
 from .plants.gallery.zeros import ZeroPath as ZeroPath
-from .sweeps.results.overview import SweepOverview as SweepOverview
-from .sweeps.results.replay import ReplayedRun as ReplayedRun
-from .sweeps.results.statistics import SweepSummary as SweepSummary
 from .synthesis.design import Design as Design
 from .synthesis.logs import LoggedPlant as LoggedPlant
-from .synthesis.tuning import Tuned as Tuned
 from .targets.direction_checks import DirectionCheck as DirectionCheck
 from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros

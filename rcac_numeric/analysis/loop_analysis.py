@@ -64,7 +64,7 @@ class LoopAnalysis(Value):
     >>> from rcac_numeric import (
     ...     Compensator, LoopAnalysis, fir_target, standard_plant, target_model)
     >>> from rcac_numeric.analysis.loop_analysis import attempted
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_experiments.dissertation import load_example
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> other = target_model("1/q")
     >>> LoopAnalysis(run).match.worst < 1e-5, LoopAnalysis(run, other).match.worst > 0.1

@@ -289,7 +289,7 @@ def load_run(
     --------
     >>> import pathlib, tempfile
     >>> from rcac_numeric import load_run
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_experiments.dissertation import load_example
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "run.npz"
     >>> run.save(file)
@@ -315,7 +315,7 @@ def require_consistent(run: Run) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_experiments.dissertation import load_example
     >>> from rcac_numeric.engine.runs import require_consistent
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> require_consistent(run)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.experiments.experiment import Verification
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.checks.check import ControllerCheck
@@ -16,7 +17,6 @@ from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.controller import Controller
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.experiment import Verification
 from rcac_numeric.health.health import (
     LoopHealth,
     SignalSize,

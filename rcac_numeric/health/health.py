@@ -241,8 +241,9 @@ class LoopHealth(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import loop_health, verify
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_numeric import loop_health
+    >>> from rcac_experiments import verify
+    >>> from rcac_experiments.dissertation import load_example
     >>> health = loop_health(verify(load_example("4.7")))
     >>> health.is_stable, round(health.margins["u"].gain_up.value, 3)
     (True, 1.041)

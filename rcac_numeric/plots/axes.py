@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rcac_experiments.sweeps.tuning import ROUNDS, RULE, Tuned
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import line_style
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.trials import FIXED
-from rcac_numeric.synthesis.tuning import ROUNDS, RULE, Tuned
 
 
 def plot_design(design: Design) -> Figure:

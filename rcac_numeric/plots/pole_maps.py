@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
+from rcac_experiments.experiments.experiment import RunResult
+from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.experiment import RunResult
-from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle
 

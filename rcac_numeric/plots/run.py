@@ -45,9 +45,9 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import verify
+    >>> from rcac_experiments import verify
     >>> from rcac_numeric.plots import plot_sheet
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_experiments.dissertation import load_example
     >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
     >>> len(figure.axes)
     6

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from rcac_experiments.sweeps.tuning import RULE, Candidate, Tuned
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.synthesis.design import ADAPTED, Design, compared
 from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial
-from rcac_numeric.synthesis.tuning import RULE, Candidate, Tuned
 
 
 def design_sheet(design: Design) -> Sheet:

@@ -15,6 +15,8 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_experiments.experiments.experiment import JUDGING
+from rcac_experiments.files.design_files import experiment_file
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
@@ -28,13 +30,11 @@ from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.experiment import JUDGING
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.synthesis.expected import LONGEST, UNKNOWN, Expected, read_expected
-from rcac_numeric.synthesis.files import experiment_file
 from rcac_numeric.synthesis.logs import LoggedPlant, plant_from_log
 from rcac_numeric.synthesis.plants import (
     DesignPlant,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import docs
-from rcac_numeric.dissertation import check_erratum, find_errata
+from rcac_experiments.dissertation import check_erratum, find_errata
 
 PAGE = (Path(docs.__path__[0]) / "letters.md").read_text("utf-8")
 LETTERS = re.findall(r"^## (\S+)\n\n(.*?)(?=\n## |\Z)", PAGE, re.M | re.S)

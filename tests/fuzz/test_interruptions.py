@@ -22,7 +22,7 @@ import pytest
 BEGIN = """
 import os, resource, signal
 signal.signal(signal.SIGINT, lambda *_: os._exit(130))  # until main() has an answer of its own
-from rcac_numeric.cli.__main__ import main
+from rcac_experiments.cli.__main__ import main
 resource.setrlimit(resource.RLIMIT_FSIZE, {limits})
 os.write({begun}, b".")
 main()

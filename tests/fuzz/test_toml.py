@@ -17,12 +17,12 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import json_schema, load_experiment
-from rcac_numeric.dissertation.examples import example_ids, read_example
-from rcac_numeric.experiments.files.builder import FILE, build
-from rcac_numeric.experiments.files.runs import TABLES
-from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Table
-from rcac_numeric.experiments.format.values import (
+from rcac_experiments import json_schema, load_experiment
+from rcac_experiments.dissertation.examples import example_ids, read_example
+from rcac_experiments.files.builder import FILE, build
+from rcac_experiments.files.runs import TABLES
+from rcac_experiments.format.tables import ByKey, Deferred, Kinds, Table
+from rcac_experiments.format.values import (
     ByStep,
     Choice,
     Either,
@@ -216,7 +216,7 @@ def folder(tmp_path_factory):
 @given(seed=st.integers(0, 2**64))
 def test_mutated_text(seed, folder):
     rng = random.Random(seed)
-    paths = sorted(ROOT.glob("rcac_numeric/dissertation/example_files/*.toml"))
+    paths = sorted(ROOT.glob("rcac_experiments/dissertation/example_files/*.toml"))
     text = bytearray(rng.choice(paths).read_bytes())
     for _ in range(rng.choice([1, 1, 2, 4, 8])):
         at = rng.randrange(len(text))

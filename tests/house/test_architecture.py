@@ -20,11 +20,11 @@ BY_NAME = {
     "compensator_theory/showing.py",
     "rcac_numeric/arrays/frames.py",
     "rcac_numeric/arrays/showing.py",
-    "rcac_numeric/cli/__main__.py",
-    "rcac_numeric/cli/main.py",
-    "rcac_numeric/dissertation/errata/checking.py",
+    "rcac_experiments/cli/__main__.py",
+    "rcac_experiments/cli/main.py",
+    "rcac_experiments/dissertation/errata/checking.py",
     "rcac_numeric/reports/page/displays.py",
-    "rcac_numeric/sweeps/store/versions.py",
+    "rcac_experiments/sweeps/store/versions.py",
 }
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
@@ -33,7 +33,7 @@ FOLDERS = sorted({p.parent for p in SOURCES if p.relative_to(ROOT).parts[0] in L
 
 
 def folder(module):
-    """The folder of a dotted module of this project, such as rcac_numeric.experiments.files."""
+    """The folder of a dotted module of this project, such as rcac_experiments.files."""
     path = ROOT.joinpath(*module.split("."))
     return module if path.is_dir() else module.rpartition(".")[0]
 

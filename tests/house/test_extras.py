@@ -61,7 +61,7 @@ def run(code, *arguments, cwd=ROOT):
     )  # fmt: skip
 
 
-COMMAND = "from rcac_numeric.cli.__main__ import main\nmain()"
+COMMAND = "from rcac_experiments.cli.__main__ import main\nmain()"
 
 
 @pytest.mark.costly

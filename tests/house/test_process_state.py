@@ -19,12 +19,12 @@ ATTRIBUTES = {"prec", "dps", "environ", "rcParams", "filters", "umask"}
 # which is for one thread at a time anyway.
 ALLOWED = {
     ("compensator_theory/polynomials/ball_precision.py", "prec"),
-    ("rcac_numeric/cli/__main__.py", "signal"),
-    ("rcac_numeric/dissertation/reproduction.py", "signal"),
-    ("rcac_numeric/sweeps/chunks/worker.py", "signal"),  # of the main thread, while measuring
-    ("rcac_numeric/sweeps/running/pools.py", "signal"),
-    ("rcac_numeric/sweeps/running/pools.py", "environ"),
-    ("rcac_numeric/sweeps/chunks/worker.py", "environ"),
+    ("rcac_experiments/cli/__main__.py", "signal"),
+    ("rcac_experiments/dissertation/reproduction.py", "signal"),
+    ("rcac_experiments/sweeps/chunks/worker.py", "signal"),  # of the main thread, while measuring
+    ("rcac_experiments/sweeps/running/pools.py", "signal"),
+    ("rcac_experiments/sweeps/running/pools.py", "environ"),
+    ("rcac_experiments/sweeps/chunks/worker.py", "environ"),
     ("rcac_numeric/reports/page/svg.py", "rc_context"),
 }
 

@@ -10,10 +10,11 @@ import numpy as np
 from scipy.signal import lfilter
 
 import rcac_numeric as rcac
-from rcac_numeric import gallery, identification, results, sweeps
+from rcac_experiments import sweeps
+from rcac_experiments.files.builder import build
+from rcac_numeric import gallery, identification, results
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.signals.signal import Scaled, Sum
 from rcac_numeric.synthesis.logs import plant_from_log
 from tests.support.estimation_samples import ESTIMATION_SAMPLES

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 
 import rcac_numeric as rcac
 from compensator_theory.errors import DivergedError
-from rcac_numeric import identification, sweeps
+from rcac_experiments import sweeps
+from rcac_numeric import identification
 from rcac_numeric.arrays.values import equal, field_names
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS

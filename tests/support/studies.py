@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import rcac_numeric as rcac
-from rcac_numeric import sweeps
+from rcac_experiments import sweeps
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.signal import StateSpace, lsim
 
+from rcac_experiments.experiments.figure_requests import FigureRequest
+from rcac_experiments.measures.measures import windows_of
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.measures import windows_of
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros

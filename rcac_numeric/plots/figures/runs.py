@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_experiments.plots.histories import thinned
 from rcac_numeric.arrays.validation import instance_of, number, one_of
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.coefficients import draw_theta, legend_above
-from rcac_numeric.plots.figures.histories import thinned
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
     INK,
@@ -76,7 +76,7 @@ def plot_runs(
     Examples
     --------
     >>> from rcac_numeric.plots import plot_runs
-    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_experiments.dissertation import load_example
     >>> specs = load_example("2.1").runs
     >>> figure = plot_runs({name: spec.execute().first.run for name, spec in specs.items()})
     >>> figure.axes[0].get_ylabel(), figure.axes[-1].get_xlabel()

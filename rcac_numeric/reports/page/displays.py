@@ -40,10 +40,10 @@ PICTURES = {
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
     "rcac_numeric.estimation.estimates:ModeEstimates": (
-        "rcac_numeric.plots.figures.histories:plot_modes"
+        "rcac_experiments.plots.histories:plot_modes"
     ),
-    "rcac_numeric.experiments.experiment:Verification": (
-        "rcac_numeric.plots.figures.requested:plot_verification"
+    "rcac_experiments.experiments.experiment:Verification": (
+        "rcac_experiments.plots.requested:plot_verification"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.margins:plot_margins",
@@ -54,9 +54,9 @@ PICTURES = {
     "rcac_numeric.plants.gallery.zeros:ZeroPath": (
         "rcac_numeric.plots.figures.plants:plot_zero_path"
     ),
-    "rcac_numeric.sweeps.results.statistics:SweepSummary": "rcac_numeric.plots.sweep:plot_summary",
+    "rcac_experiments.sweeps.results.statistics:SweepSummary": "rcac_experiments.plots.sweep:plot_summary",
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.plots.design:plot_design",
-    "rcac_numeric.synthesis.tuning:Tuned": "rcac_numeric.plots.design:plot_tuned",
+    "rcac_experiments.sweeps.tuning:Tuned": "rcac_numeric.plots.design:plot_tuned",
 }
 
 # From a type to the function that writes its report.
@@ -67,24 +67,24 @@ SHEETS = {
     "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.reports.loop:analysis_sheet",
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.loop:run_sheet",
-    "rcac_numeric.experiments.experiment:Verification": (
-        "rcac_numeric.reports.verification:verification_sheet"
+    "rcac_experiments.experiments.experiment:Verification": (
+        "rcac_experiments.reports.verification:verification_sheet"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
     "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.loop:health_sheet",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.check:margins_sheet",
-    "rcac_numeric.sweeps.results.overview:SweepOverview": (
-        "rcac_numeric.reports.studies:sweep_sheet"
+    "rcac_experiments.sweeps.results.overview:SweepOverview": (
+        "rcac_experiments.reports.studies:sweep_sheet"
     ),
-    "rcac_numeric.sweeps.results.replay:ReplayedRun": ("rcac_numeric.reports.studies:replay_sheet"),
+    "rcac_experiments.sweeps.results.replay:ReplayedRun": ("rcac_experiments.reports.studies:replay_sheet"),
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.reports.design:design_sheet",
-    "rcac_numeric.synthesis.tuning:Tuned": "rcac_numeric.reports.design:tuned_sheet",
+    "rcac_experiments.sweeps.tuning:Tuned": "rcac_numeric.reports.design:tuned_sheet",
 }
 
 # From a type to the function that draws it as several small pictures for a page.
 SMALL_PICTURES = {
-    "rcac_numeric.experiments.experiment:Verification": (
-        "rcac_numeric.reports.page.single:page_figures"
+    "rcac_experiments.experiments.experiment:Verification": (
+        "rcac_experiments.reports.single:page_figures"
     ),
 }
 

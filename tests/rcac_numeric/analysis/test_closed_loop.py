@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from compensator_theory.errors import ImproperError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -26,7 +27,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.analysis.exact_comparison import pairing
-from rcac_numeric.dissertation import load_example
 from tests.support.strategies import plants, seeds, targets
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -20,7 +21,6 @@ from rcac_numeric import (
     target_model,
 )
 from rcac_numeric.analysis.loop_analysis import attempted
-from rcac_numeric.dissertation import load_example
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import DivergedError, InputError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Compensator,
@@ -31,7 +32,6 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.checks.replays import replay_compensator
-from rcac_numeric.dissertation import load_example
 from tests.support.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from compensator_theory import InputError
+from rcac_experiments.files.builder import build
 from rcac_numeric import CoefficientBounds, Compensator, Normalization, SignalWeight, pid
-from rcac_numeric.experiments.files.builder import build
 
 PLANT = {"problem": "standard", "G": "1/(q - 0.9)"}
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
+from rcac_experiments.sweeps import Axis, Kept, Study
 from rcac_numeric import (
     UD,
     CoefficientBounds,
@@ -47,7 +48,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import fingerprint
-from rcac_numeric.sweeps import Axis, Kept, Study
 
 SAVED = Path(__file__).parent / "saved"
 TARGET = TargetModel([0.0, 1.0])

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import rcac_numeric as r
 from compensator_theory.errors import InputError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import FunctionPlant, load_run, simulate, simulate_reference
-from rcac_numeric.dissertation import load_example
 from tests.rcac_numeric import samples
 
 SPECIFICATIONS = {

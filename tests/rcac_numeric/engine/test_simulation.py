@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import CompensatorError, InputError
 from compensator_theory.errors import DivergedError, ImproperError
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Controller,
@@ -31,7 +32,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Controller,
@@ -17,7 +18,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
 from tests.support.dissertation_plants import PLANT_4_1
 
 

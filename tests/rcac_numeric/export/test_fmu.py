@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
+from rcac_experiments.cli.main import main
 from rcac_numeric import (
     UD,
     Compensator,
@@ -22,7 +23,6 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.cli.main import main
 from tests.support import core_builds
 from tests.support.core_cases import Loop
 from tests.support.signals import noise

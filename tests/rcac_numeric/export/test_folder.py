@@ -11,6 +11,8 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 
 from compensator_theory.errors import BudgetError, DivergedError, InputError
+from rcac_experiments.cli.main import main
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Compensator,
@@ -32,8 +34,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.cli.main import main
-from rcac_numeric.dissertation import load_example
 from rcac_numeric.export import building, folder
 from rcac_numeric.export.recording import recorded
 from rcac_numeric.export.tables import core_tables

@@ -13,9 +13,9 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.files.builder import build
 from rcac_numeric import Plant, h2_cost, lqg, servo_plant, standard_plant, with_bias
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.experiments.files.builder import build
 from tests.support.dissertation_plants import (
     PLANT_4_1,
     PLANT_4_2,

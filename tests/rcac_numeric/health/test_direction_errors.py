@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.yardsticks.directed_plants import plant_of_fractions
+from rcac_experiments.cli.main import main
 from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, iir, loop_health, simulate
-from rcac_numeric.cli.main import main
 from rcac_numeric.health.rules import direction_errors
 from rcac_numeric.targets import markov_target, zero_direction_target
 

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
+from rcac_experiments import load_experiment, verify
+from rcac_experiments.reports.cases import case_of
+from rcac_experiments.reports.verification import verification_sheet
 from rcac_numeric import (
     UD,
     Compensator,
@@ -19,13 +22,11 @@ from rcac_numeric import (
     exogenous,
     fir_target,
     iir,
-    load_experiment,
     loop_health,
     servo_plant,
     simulate,
     stability_margins,
     standard_plant,
-    verify,
 )
 from rcac_numeric.analysis.internal_models import drift_of
 from rcac_numeric.arrays.values import replaced as replace
@@ -35,9 +36,7 @@ from rcac_numeric.health.target_errors import target_errors
 from rcac_numeric.health.trials import next_disturbance
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.loop import health_lines
-from rcac_numeric.reports.page.cases import case_of
 from rcac_numeric.reports.sheets.sheet import as_dict
-from rcac_numeric.reports.verification import verification_sheet
 
 MOTOR = """
 title = "A motor with unit steps"

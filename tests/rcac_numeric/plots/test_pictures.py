@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from rcac_numeric import check_controller, iir, read_log, verify
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
+from rcac_numeric import check_controller, iir, read_log
 from rcac_numeric.analysis.match import IntercalatedMatch
-from rcac_numeric.dissertation import load_example
 from rcac_numeric.plots.style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
 
 OMEGA = np.linspace(0.01, 3.13, 200)

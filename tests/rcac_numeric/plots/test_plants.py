@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import FigureRequest, verify
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures.measures import windows_of
+from rcac_experiments import FigureRequest, verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.files.builder import build
+from rcac_experiments.measures.measures import windows_of
+from rcac_experiments.plots.requested import plot_request
 from rcac_numeric.gallery import (
     aircraft_transition,
     no_guaranteed_margins,
@@ -14,7 +15,6 @@ from rcac_numeric.gallery import (
     rohrs_plant,
     zero_path,
 )
-from rcac_numeric.plots.figures.requested import plot_request
 
 OPEN_LOOP = {
     "plant": {"problem": "aircraft transition", "start": 14, "duration": 1},

@@ -6,6 +6,8 @@ from matplotlib.figure import Figure
 
 from compensator_theory import place_poles
 from compensator_theory.errors import InputError
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     check_controller,
     load_run,
@@ -17,9 +19,7 @@ from rcac_numeric import (
     simulate,
     stability_margins,
     standard_plant,
-    verify,
 )
-from rcac_numeric.dissertation import load_example
 from rcac_numeric.plots import plot_runs
 from rcac_numeric.plots.coefficients import coefficient_names
 from tests.rcac_numeric import samples

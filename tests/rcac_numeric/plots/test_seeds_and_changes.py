@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import FigureRequest, lqg, verify
+from rcac_experiments import FigureRequest, verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.files.builder import build
+from rcac_experiments.plots import plot_request
+from rcac_numeric import lqg
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.plots import plot_request
 
 SEEDS = 4
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric.dissertation import load_example
+from rcac_experiments.dissertation import load_example
 from rcac_numeric.plots import plot_runs
 
 

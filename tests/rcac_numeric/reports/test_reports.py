@@ -10,16 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory import place_poles
-from rcac_numeric import Compensator, check_controller, verify
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.experiments.experiment import Claim
+from rcac_experiments.reports.verification import verification_sheet
+from rcac_numeric import Compensator, check_controller
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.experiments.experiment import Claim
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.observer import observer_sheet
 from rcac_numeric.reports.placement import placement_sheet
 from rcac_numeric.reports.sheets.sheet import as_dict
 from rcac_numeric.reports.sheets.terminal import as_text
-from rcac_numeric.reports.verification import verification_sheet
 from tests.support.strategies import plants, seeds
 
 

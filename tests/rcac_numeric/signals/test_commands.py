@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
+from rcac_experiments.files.builder import build
 from rcac_numeric import (
     FilteredCommand,
     Harmonic,
@@ -15,7 +16,6 @@ from rcac_numeric import (
     Step,
     WhiteNoise,
 )
-from rcac_numeric.experiments.files.builder import build
 
 omegas = st.floats(1e-3, 3.0)
 zetas = st.one_of(st.none(), st.floats(0.05, 20.0), st.just(1.0))

@@ -12,6 +12,11 @@ from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import t as student
 
 from compensator_theory.errors import InputError, NoSolutionError, PrecisionError
+from rcac_experiments import load_experiment
+from rcac_experiments.files import design_files as files
+from rcac_experiments.files.builder import build
+from rcac_experiments.files.design_files import design_arguments
+from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     FixedController,
@@ -25,19 +30,14 @@ from rcac_numeric import (
     design,
     exogenous,
     intercalated_match,
-    load_experiment,
     simulate,
     stability_margins,
     standard_plant,
 )
 from rcac_numeric.arrays.values import equal
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.files.documents import parsed
 from rcac_numeric.h2.noise import with_oscillation
-from rcac_numeric.synthesis import files
 from rcac_numeric.synthesis.design import verdict_of
 from rcac_numeric.synthesis.expected import KINDS, read_expected
-from rcac_numeric.synthesis.files import design_arguments
 from rcac_numeric.synthesis.plants import Variation, read_plant
 from rcac_numeric.synthesis.reference import MOST, Ladder, reference_loop, sensitivity_peak
 from rcac_numeric.synthesis.road import Knobs, settings_of

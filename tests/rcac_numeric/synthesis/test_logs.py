@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_experiments import load_experiment
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -15,7 +16,6 @@ from rcac_numeric import (
     WhiteNoise,
     design,
     exogenous,
-    load_experiment,
     simulate,
 )
 from rcac_numeric.arrays.values import equal

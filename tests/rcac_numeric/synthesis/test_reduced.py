@@ -6,6 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_experiments import tune
+from rcac_experiments.files.builder import build
+from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -27,12 +30,9 @@ from rcac_numeric import (
     intercalated_match,
     pid,
     simulate,
-    tune,
 )
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.values import equal
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.files.documents import parsed
 from rcac_numeric.synthesis.expected import read_expected
 from rcac_numeric.synthesis.plants import read_plant, variations
 from rcac_numeric.synthesis.reduced import reduced_reference, with_feedforward

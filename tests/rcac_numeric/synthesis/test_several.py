@@ -9,6 +9,9 @@ from scipy.signal import butter, freqz, lfilter, sosfilt
 
 from compensator_theory import transfer_matrix
 from compensator_theory.errors import InputError
+from rcac_experiments.files.builder import build
+from rcac_experiments.files.design_files import design_arguments
+from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Step,
@@ -19,10 +22,7 @@ from rcac_numeric import (
     simulate,
 )
 from rcac_numeric.arrays.values import equal
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.files.documents import parsed
 from rcac_numeric.synthesis.expected import read_expected
-from rcac_numeric.synthesis.files import design_arguments
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.reference import MOST, reference_loop
 from rcac_numeric.synthesis.road import miss, settings_of, truncated

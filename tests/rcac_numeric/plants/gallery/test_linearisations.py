@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import load_experiment
+from rcac_experiments import load_experiment
 from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,

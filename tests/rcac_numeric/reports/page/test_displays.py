@@ -89,6 +89,6 @@ def test_a_report_loads_no_matplotlib_and_a_picture_no_studies():
         assert "matplotlib" not in sys.modules
         check.plot()
         assert "matplotlib" in sys.modules
-        assert not [name for name in sys.modules if name.startswith("rcac_numeric.sweeps.")]
+        assert not [name for name in sys.modules if name.startswith("rcac_experiments.sweeps.")]
     """
     subprocess.run([sys.executable, "-c", code], check=True)

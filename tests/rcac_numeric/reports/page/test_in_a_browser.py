@@ -4,11 +4,11 @@ import shutil
 
 import pytest
 
-from rcac_numeric import verify
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.dissertation.pages import example_page, gallery_page
+from rcac_experiments.reports.cases import case_of
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.pages import example_page, gallery_page
-from rcac_numeric.reports.page.cases import case_of
 from rcac_numeric.reports.page.rendering import write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")

@@ -8,25 +8,25 @@ from itertools import pairwise
 import pytest
 from matplotlib.figure import Figure
 
-from rcac_numeric import verify
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.pages import LETTERS, WORK, example_page, gallery_page, headline
-from rcac_numeric.dissertation.typesetting import typeset
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.judging.claim import (
+from rcac_experiments import verify
+from rcac_experiments.dissertation import load_example
+from rcac_experiments.dissertation.pages import LETTERS, WORK, example_page, gallery_page, headline
+from rcac_experiments.dissertation.typesetting import typeset
+from rcac_experiments.files.builder import build
+from rcac_experiments.judging.claim import (
     CLASSES,
     DEPENDS,
     NOT_REPRODUCED,
     REPRODUCED,
     VERDICTS,
 )
-from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of, case_page
+from rcac_experiments.reports.cases import Case, ClaimRow, case_of, case_page
+from rcac_experiments.reports.verification import verification_sheet
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.reports.page.rendering import sheet_html, words
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reports.sheets.terminal import as_text
-from rcac_numeric.reports.verification import verification_sheet
 from tests.support.pages import Page
 
 NUMBERS = ("2.2", "2.5", "7.1", "B.2")

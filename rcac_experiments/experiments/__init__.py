@@ -1,0 +1,1 @@
+"""Experiments, what is asked of them, and their verification."""

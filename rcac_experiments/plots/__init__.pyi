@@ -1,0 +1,1 @@
+from .requested import plot_request as plot_request

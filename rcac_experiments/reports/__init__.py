@@ -1,0 +1,1 @@
+"""Reports of verifications and of studies, and the pages of many of them."""

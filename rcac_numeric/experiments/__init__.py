@@ -1,1 +1,0 @@
-"""Plants, runs and claims as data, and the verdicts computed from them."""

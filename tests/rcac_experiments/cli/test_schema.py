@@ -1,0 +1,13 @@
+"""The command `rcac schema`."""
+
+import json
+
+from click.testing import CliRunner
+
+from rcac_experiments.cli.main import main
+from rcac_experiments.sweeps.study.files import study_schema
+
+
+def test_the_schema_is_printed_as_it_is():
+    result = CliRunner().invoke(main, ["schema"])
+    assert result.exit_code == 0 and json.loads(result.stdout) == study_schema()

@@ -1,0 +1,122 @@
+"""The commands sweep, show and replay: what they print, write and end with."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from rcac_experiments.cli.main import main
+from rcac_experiments.sweeps import read_table
+from rcac_experiments.sweeps.store.store import Store, chunk_digest
+from tests.support import studies
+
+
+def rcac(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("studies")
+    (folder / "study.toml").write_text(studies.FILE % {"steps": 60, "repetitions": 4})
+    result = rcac("sweep", folder / "study.toml", "-o", folder / "s.sqlite", "--workers", 0)
+    assert result.exit_code == 0, result.output
+    assert "All 24 runs completed." in result.stdout
+    return folder / "s.sqlite"
+
+
+def test_the_same_command_again_has_nothing_to_do(store):
+    before = read_table(store)
+    result = rcac("sweep", store.parent / "study.toml", "-o", store, "--workers", 0, "--json")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 0 and found["study"]["stored"] == found["study"]["runs"] == 24
+    assert found["outcomes"] == {"completed": 24} and read_table(store) == before
+
+
+def test_show_groups_draws_and_exports(store, tmp_path):
+    picture, table = tmp_path / "map.svg", tmp_path / "runs.csv"
+    options = ["--by", "R_theta,n_c", "--measure", "radius", "--plot", picture, "--export", table]
+    result = rcac("show", store, *options)
+    assert result.exit_code == 0, result.output
+    assert "and radius of the completed runs" in " ".join(
+        result.stdout.split()
+    ) and picture.read_text().startswith("<?xml")
+    assert len(table.read_text().splitlines()) == 25
+    found = json.loads(rcac("show", store, "--by", "n_c", "--json").stdout)
+    assert found["groups"]["n_c"] == [3, 6] and found["groups"]["runs"] == [12, 12]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--by", "gain"], "'gain' is no axis; the axes are R_theta, n_c"),
+        (["--measure", "rmss"], "no column 'rmss'"),
+        (["--export", "runs.xls"], "must end in one of .csv, .parquet"),
+        (["--plot", "map.svg", "--by", ""], "one axis or two"),
+    ],
+)
+def test_what_show_cannot_do_it_says(store, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    if "--plot" in arguments:
+        (tmp_path / "one.toml").write_text(
+            (studies.FILE % {"steps": 60, "repetitions": 1}).split("axes.R_theta")[0]
+        )
+        rcac("sweep", "one.toml", "-o", "one.sqlite", "--workers", 0)
+        store = tmp_path / "one.sqlite"
+    result = rcac("show", store, *arguments)
+    assert result.exit_code == 2 and words in result.stderr
+
+
+def test_a_run_is_replayed(store, tmp_path):
+    result = rcac("replay", store, 7, "--plot", tmp_path / "run.png")
+    assert result.exit_code == 0 and "Bit for bit the run that is stored." in result.stdout
+    assert (tmp_path / "run.png").stat().st_size > 1000
+    found = json.loads(rcac("replay", store, 7, "--json").stdout)
+    row = read_table(store)
+    assert found["is_identical"] and found["found"]["rms"] == row["rms"][7]
+    missing = rcac("replay", store, 24)
+    assert missing.exit_code == 2 and "its runs are 0 to 23" in missing.stderr
+
+
+def test_a_run_that_is_not_what_is_stored_ends_with_1(store, tmp_path):
+    """As another version of the software might leave it: stored whole, with another number."""
+    path = tmp_path / "other.sqlite"
+    path.write_bytes(store.read_bytes())
+    with Store(path) as opened:
+        chunk = opened.chunks()[0]
+        rows = [(*row[:6], 2 * row[6], *row[7:]) for row in opened.rows(chunk)]
+        with opened.writing() as connection:
+            connection.execute(
+                "UPDATE run SET rms = 2 * rms WHERE run BETWEEN ? AND ?", (chunk.first, chunk.last)
+            )
+            connection.execute(
+                "UPDATE chunk SET digest = ? WHERE chunk = 1",
+                (chunk_digest(opened.study, chunk, rows),),
+            )
+    result = rcac("replay", path, 0)
+    assert result.exit_code == 1 and "Not the run that is stored: rms." in result.stdout
+
+
+def test_a_measure_that_fails_is_seen_in_the_status(tmp_path):
+    file = tmp_path / "study.toml"
+    text = studies.FILE % {"steps": 60, "repetitions": 1}
+    file.write_text(text.replace('{ measure = "rms" }', '{ measure = "coefficient", index = 8 }'))
+    result = rcac("sweep", file, "-o", tmp_path / "s.sqlite", "--workers", 0)
+    assert result.exit_code == 1, result.output
+    assert "3 runs have an error recorded." in result.stdout  # those with six coefficients
+    assert "measure coefficient: InputError: index = 8" in result.stdout
+
+
+def test_bad_files_end_with_2_before_anything_is_made(tmp_path):
+    file, store = tmp_path / "study.toml", tmp_path / "s.sqlite"
+    text, few = (studies.FILE % {"steps": 60, "repetitions": n} for n in (10**9, 1))
+    for changed, words in (
+        (text, "6000000000 runs: 3 (R_theta) x 2 (n_c)"),
+        (few.replace("controller.n_c", "controller.nc"), "unknown key 'nc' in [controller]"),
+        ("", "is empty"),
+        (few.partition("[study]")[0], "no table [study]"),
+    ):
+        file.write_text(changed)
+        result = rcac("sweep", file, "-o", store)
+        assert result.exit_code == 2 and words in result.stderr, result.stderr
+        assert not store.exists()

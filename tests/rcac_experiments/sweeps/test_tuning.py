@@ -1,0 +1,209 @@
+"""Tuning: what is tried, what is chosen, what is judged on what."""
+
+import itertools
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_experiments import load_experiment, tune
+from rcac_experiments.sweeps import read_table
+from rcac_experiments.sweeps.store.problems import StoreError
+from rcac_experiments.sweeps.tuning import LEARNING, RULE, Candidate, _judged, drawn
+from rcac_numeric import Uncertainty, design
+from rcac_numeric.arrays.values import equal, replaced
+from rcac_numeric.synthesis.design import compared
+from rcac_numeric.synthesis.plants import read_plant
+from rcac_numeric.synthesis.road import Knobs, settings_of
+from rcac_numeric.synthesis.trials import FIXED, RCAC, Trials
+
+PLANT = "1/(q - 0.9)"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design(PLANT, disturbance=1.0, noise=0.05, seeds=1, steps=300)
+
+
+@pytest.fixture(scope="module")
+def tuned(found):
+    return tune(found, 8, held_out=2, seeds=3)
+
+
+@pytest.mark.costly
+def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
+    by_name = {one.name: one for one in tuned.candidates}
+    assert set(by_name) == {FIXED, RULE, *map(str, range(1, 9))}
+    rounds = [one.rounds for one in tuned.candidates]
+    assert sorted(rounds) == [1] * 4 + [2] * 2 + [3] + [4] * 3
+    last = [one for one in tuned.candidates if one.rounds == 4 and one.name != FIXED]
+    assert tuned.chosen in last
+    better = [one for one in last if one.order < tuned.chosen.order]
+    assert not better or tuned.chosen.name == RULE
+    assert by_name[FIXED].beside.ratio == 1 and by_name[FIXED].beside.stable[1] == 24 * 7
+    assert by_name[RULE].knobs == Knobs()
+
+
+def test_a_candidate_is_what_its_knobs_make_on_the_draws_of_learning(found, tuned):
+    one = next(c for c in tuned.candidates if c.rounds == 1)
+    settings = settings_of(found.model, found.reference, found.expected, one.knobs)
+    plants = [t.variation for t in found.evidence if t.controller == RCAC]
+    trials = Trials({"it": settings, FIXED: found.fixed}, found.model, found.expected,
+                    tuple(plants), 300, 3, LEARNING)  # fmt: skip
+    assert compared(trials.in_threads(), "it") == one.beside
+
+
+def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
+    trained = {t.variation for t in found.evidence}
+    judged = {t.variation for t in tuned.design.evidence}
+    assert {one.name for one in judged & trained} == {"nominal"} and len(judged) == 3
+    assert tuned.verdict.rcac == compared(tuned.design.evidence, RCAC)
+    made = settings_of(found.model, found.reference, found.expected, tuned.chosen.knobs)
+    assert equal(tuned.settings, made)
+    rule = {RCAC: tuned.settings, RULE: found.settings}
+    plants = [t.variation for t in tuned.design.evidence if t.controller == RCAC]
+    trials = Trials(rule, found.model, found.expected, tuple(plants), 300, 3)
+    assert compared(trials.in_threads(), RCAC, RULE) == tuned.beside_rule
+
+
+@pytest.mark.costly
+def test_the_seed_repeats_it(found):
+    one, again, other = (tune(found, 1, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
+    assert again.candidates == one.candidates and equal(again.settings, one.settings)
+    assert {c.knobs for c in other.candidates} & {c.knobs for c in one.candidates} == {
+        None, Knobs()
+    }  # fmt: skip
+
+
+def test_the_file_and_the_report_are_of_the_tuned_design(tuned, tmp_path):
+    tuned.save(tmp_path / "tuned.toml")
+    assert equal(load_experiment(tmp_path / "tuned.toml").runs[RCAC].settings, tuned.settings)
+    lines = tuned.report().splitlines()
+    assert lines[0].startswith("A tuned controller") and lines[1].startswith("  Use ")
+    assert len(tuned.plot().axes) == 1
+
+
+@given(
+    gain=st.tuples(st.floats(0.1, 1), st.floats(1, 10)), late=st.integers(0, 3),
+    more=st.integers(0, 3), time=st.floats(1, 3), noise=st.floats(1, 10), seed=st.integers(0, 99),
+)  # fmt: skip
+def test_drawn_plants_are_inside_the_uncertainty(gain, late, more, time, noise, seed):
+    plant = read_plant(PLANT, None, late)
+    within = Uncertainty(gain=gain, delay=more, time=time, noise=noise)
+    plants = drawn(plant, within, 5, seed)
+    for one in plants:
+        assert gain[0] * (1 - 1e-12) <= one.gain <= gain[1] * (1 + 1e-12)
+        assert -min(more, late) <= one.delay <= more
+        assert abs(np.log(one.time)) <= np.log(time) + 1e-12
+        assert 1 <= one.noise <= noise * (1 + 1e-12)
+    assert plants == drawn(plant, within, 5, seed)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"design": "1/(q - 0.9)"}, "Design"),
+        ({"budget": 0}, "budget"),
+        ({"held_out": 0}, "held_out"),
+        ({"seeds": 0}, "seeds"),
+        ({"steps": 5}, "steps"),
+    ],
+)
+def test_bad_arguments_are_named(found, arguments, words):
+    with pytest.raises(InputError, match=words):
+        tune(**({"design": found} | arguments))
+
+
+class Stopped(Exception):
+    """What kills a run of `tune` in the middle."""
+
+
+def stops_after(runs):
+    """A `progress` that raises when so many runs of all rounds have ended."""
+    ended = []
+
+    def progress(now):
+        ended.append(now.done)
+        if sum(b > a for a, b in itertools.pairwise(ended)) >= runs:
+            raise Stopped
+
+    return progress
+
+
+@pytest.mark.slow
+def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_path):
+    arguments = {"budget": 8, "held_out": 2, "seeds": 3, "store": tmp_path / "runs", "workers": 0}
+    kept = []
+    for runs in (2, 4):
+        with pytest.raises(Stopped):
+            tune(found, **arguments, progress=stops_after(runs))
+        kept.append([len(read_table(one)) for one in sorted((tmp_path / "runs").iterdir())
+                     if one.suffix == ".sqlite"])  # fmt: skip
+    assert 0 < sum(kept[0]) < sum(kept[1])
+    seen = []
+    resumed = tune(found, **arguments, progress=seen.append)
+    assert resumed.candidates == tuned.candidates and resumed.chosen == tuned.chosen
+    assert resumed.beside_rule == tuned.beside_rule
+    assert equal(resumed.design.evidence, tuned.design.evidence)
+    assert seen[0].done >= kept[1][0] and seen[-1].done == seen[-1].total
+    again = []
+    tune(found, **arguments, progress=again.append)
+    assert all(now.done == now.total for now in again)  # nothing is run twice
+
+
+@pytest.mark.costly
+def test_processes_leave_the_same_runs(found, tmp_path):
+    arguments = {"budget": 1, "held_out": 1, "seeds": 1}
+    with ThreadPoolExecutor(1) as pool:  # of others, as dask's is
+        one, *others = (
+            tune(found, **arguments, **more)
+            for more in (
+                {},
+                {"store": tmp_path / "runs", "workers": 1},
+                {"store": tmp_path / "theirs", "executor": pool},
+            )
+        )
+        assert pool.submit(int).result() == 0  # not shut down
+    for other in others:
+        assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
+
+
+@pytest.mark.costly
+def test_a_store_of_another_design_is_refused(found, tmp_path):
+    arguments = {"budget": 1, "held_out": 1, "seeds": 1, "store": tmp_path / "runs", "workers": 0}
+    tune(found, **arguments)
+    with pytest.raises(StoreError, match="another study"):
+        tune(replaced(found, uncertainty=Uncertainty(noise=2.0)), **arguments)
+    with pytest.raises(InputError, match="is a file"):
+        (tmp_path / "file").write_text("")
+        tune(found, **{**arguments, "store": tmp_path / "file"})
+    with pytest.raises(InputError, match="no store"):
+        tune(found, 1, workers=2)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="in their place"):
+        tune(found, **arguments, executor=pool)
+
+
+@pytest.mark.parametrize("run", [(np.inf, np.inf, np.inf), (1.1, 1.0, 1.5)])  # lost, or worse
+def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, tuned, run):
+    knobs = {RULE: Knobs(), "1": Knobs(samples=10.0)}
+    made = {FIXED: found.fixed} | {
+        name: settings_of(found.model, found.reference, found.expected, one)
+        for name, one in knobs.items()
+    }
+    beside = tuned.chosen.beside
+    candidates = tuple(Candidate(name, one, beside, 1.5, 4) for name, one in knobs.items())
+
+    def runner(name, trials):  # one run of the point is this one, all others are alike
+        runs = [
+            run if (n, i, j) == (RCAC, 1, 0) else (1.0, 1.0, 1.5)
+            for n in trials.controllers for i in range(len(trials.variations))
+            for j in range(trials.seeds)
+        ]  # fmt: skip
+        return trials.of(runs)
+
+    kept = _judged(found, made, candidates[1], candidates, 300, (2, 1, 0), runner)
+    assert kept.chosen.name == RULE and equal(kept.settings, made[RULE])
+    assert kept.verdict.rcac.stable == (3, 3) and kept.beside_rule.losses == 0
