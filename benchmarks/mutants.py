@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("compensator_theory", "rcac_numeric")
+PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 # What is printed, drawn, written or read there is held by the tests of other names.
 NOT_CORE = {"cli", "dissertation", "experiments", "export", "plots", "reports", "strategies"}
 LONGEST = 300  # seconds

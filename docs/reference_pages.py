@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GROUPS = Path(__file__).resolve().parent / "reference_groups"
 PACKAGES = {
     "rcac_numeric": "The numeric half: run RCAC in float64, and hold it against exact theory.",
+    "rcac_experiments": "What uses the libraries: experiment files, studies, pages, the dissertation.",
     "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
 }
 INDEX = """# Reference

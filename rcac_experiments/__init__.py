@@ -1,1 +1,21 @@
-"""What uses the libraries: experiment files, judging, studies, pages, the dissertation, the command."""
+"""What uses the two libraries: experiment files, judging, studies, pages, the dissertation, `rcac`.
+
+Every name below is imported when it is first used, so that the command line answers at once.
+"""
+
+import lazy_loader
+
+import compensator_theory as _exact
+
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+del lazy_loader
+
+# The table of what shows the results of this package.
+DISPLAYS = "rcac_experiments.reports.displays"
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used."""
+    if name == "__version__":
+        return _exact.__version__
+    return _public(name)

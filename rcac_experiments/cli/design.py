@@ -12,13 +12,14 @@ import click
 from compensator_theory.errors import InputError
 from rcac_experiments.cli.check import is_transfer_function, read_case
 from rcac_experiments.cli.output import as_json_option, picture_option, show
-from rcac_experiments.files.design_files import design_arguments
+from rcac_experiments.files.design_files import design_arguments, save_design
+from rcac_experiments.reports.tuned import tuned_sheet
 from rcac_experiments.sweeps.running.progress import ProgressLine
 from rcac_experiments.sweeps.tuning import Tuned, tune
 from rcac_numeric.checks.logs import read_log
 from rcac_numeric.controllers.kinds import fir, fir_integrator, pid
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.reports.design import design_sheet, tuned_sheet
+from rcac_numeric.reports.design import design_sheet
 from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
 from rcac_numeric.synthesis.design import Design
@@ -231,5 +232,5 @@ def _numbers(name: str, text: str) -> float | tuple[float, ...]:
 def _written(found: Design | Tuned, output: Path | None) -> list[str]:
     if output is None:
         return []
-    found.save(output)
+    save_design(found.design if isinstance(found, Tuned) else found, output)
     return [f"Experiment file: {output} (rcac verify {output})"]

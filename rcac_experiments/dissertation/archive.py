@@ -14,7 +14,7 @@ from pathlib import Path
 from rcac_experiments.dissertation.reproduction import CASES, Reproduction
 from rcac_numeric.arrays.files import replacing
 
-PACKAGES = ("compensator_theory", "rcac_numeric")
+PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 SOURCES = (".py", ".pyi", ".toml", ".css", ".js", ".html")
 DATE = (1980, 1, 1, 0, 0, 0)  # the same content is the same file
 README = """This is a reproduction of the examples of a dissertation.

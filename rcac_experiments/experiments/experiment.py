@@ -22,6 +22,7 @@ from rcac_experiments.judging.claim import Check, Claim, Measured, OpenItem, Ver
 from rcac_experiments.measures.measures import MEASURES, OF_PLANT
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value, replaced
@@ -37,7 +38,6 @@ from rcac_numeric.signals.signal import Signal, exogenous
 from rcac_numeric.targets.model import TargetModel
 
 STILL = 1e-12  # of 1, or of an initial coefficient: less is no adaptation
-JUDGING = 1_000_000  # the first seed that no setting and no bound was chosen by
 GROUP = 1_000  # seeds of one group
 
 
@@ -390,6 +390,11 @@ class Verification(Value):
             what = "estimates: no controller" if self.estimates else "is exact: nothing"
             raise InputError(f"{self.experiment.id or 'this'} {what} ran, or is drawn.")
         return next(iter(self.results.values()))
+
+    @property
+    def main_loop(self) -> LoopAnalysis:
+        """The first repetition of the main run."""
+        return self.main.first
 
     @property
     def diverged(self) -> list[str]:

@@ -11,7 +11,6 @@ import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError, PrecisionError
-from rcac_experiments.experiments.experiment import JUDGING
 from rcac_experiments.files.builder import FILE, build
 from rcac_experiments.files.documents import named, parsed, read_file
 from rcac_experiments.files.plants import ServoOfG, StandardOfG, read_plant
@@ -19,6 +18,8 @@ from rcac_experiments.files.signals import SIGNALS
 from rcac_experiments.format.places import Place
 from rcac_experiments.format.tables import Table
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.controllers.kinds import feedforward, fir, fir_integrator, iir, pid
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -31,6 +32,7 @@ from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.recordings import Recorded
 from rcac_numeric.signals.signal import Scaled, Signal, Sum, exogenous
 from rcac_numeric.signals.waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
+from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.expected import Expected
 from rcac_numeric.synthesis.trials import FIXED, RCAC
 
@@ -41,6 +43,50 @@ WORDS = {
 }  # fmt: skip
 SHORT = 2000  # values of a record that a file holds itself
 NAME = "design.toml"
+
+
+def design_toml(design: Design) -> str:
+    """A design as an experiment file, for `load_experiment`: what was decided, and why.
+
+    Parameters
+    ----------
+    design : Design
+        From `rcac_numeric.design`.
+
+    Raises
+    ------
+    PrecisionError
+        Where what was read back is not what was written.
+
+    Examples
+    --------
+    >>> from rcac_experiments import design_toml
+    >>> from rcac_numeric import design
+    >>> design_toml(design("0.1/(q - 0.9)", steps=500)).startswith("#")
+    True
+    """
+    words = [str(design.verdict)]
+    words += [f"Assumed: {q.name}: {q.assumed}; {q.words}." for q in design.questions]
+    return experiment_file(
+        design.plant, design.settings, design.expected, steps=design.steps,
+        saturation=design.saturation, words=words,
+        reasons={one.name: f"{one.value}: {one.words}" for one in design.reasons},
+        adapts=design.verdict.use == RCAC,
+    )  # fmt: skip
+
+
+def save_design(design: Design, path: str | Path) -> None:
+    """Write `design_toml(design)` into a file, whole or not at all.
+
+    Examples
+    --------
+    >>> from rcac_experiments import save_design
+    >>> from rcac_numeric import design
+    >>> save_design(design("0.1/(q - 0.9)", steps=500), getfixture("tmp_path") / "design.toml")
+    """
+    text = design_toml(design)
+    with replacing(path) as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def experiment_file(

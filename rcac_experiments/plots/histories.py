@@ -13,11 +13,11 @@ from rcac_experiments.experiments.experiment import RunResult
 from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.estimation.estimates import ModeEstimates
 from rcac_numeric.plots.axes import legend_below, mark_changes
 from rcac_numeric.plots.coefficients import coefficient_names, draw_theta
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, line_style
+from rcac_numeric.plots.thinning import thinned
 
 WORDS = {
     "z": "performance $z$",
@@ -25,7 +25,6 @@ WORDS = {
     "y": "measurement $y$",
     "u_applied": "applied control $u$",
 }
-MANY = 2000  # points of a line; of longer signals each point is the largest of its neighbours
 SMALLEST = 1e-2  # a coefficient below which a logarithmic axis is straight
 BLOCKS = 300  # points of a band: what lies between them counts by its largest value
 ROOM = 0.25  # above and below what the runs that did not diverge need
@@ -58,7 +57,7 @@ def draw_responses(figure: Figure, results: Results, request: FigureRequest) -> 
         low, high = axis.get_ylim()
         for k, value in ends:
             axis.plot(k, np.clip(value, low, high), "x", color=INK, ms=7, clip_on=False)
-        mark_changes(axis, runs.values(), request)
+        mark_changes(axis, runs.values(), request.first, request.last)
         axis.grid(alpha=0.25)
     axis.locator_params(axis="x", nbins=6)  # steps have five digits
     axis.set_xlabel("step $k$")
@@ -80,7 +79,7 @@ def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) 
         draw_theta(axis, run, shown=shown, legend=not alike)
         if request.magnitude:  # gains of several sizes, with their signs
             axis.set_yscale("symlog", linthresh=SMALLEST)
-        mark_changes(axis, [run], request)
+        mark_changes(axis, [run], request.first, request.last)
         if len(adapting) > 1:
             axis.set_title(shortened(name, 60), fontsize=10)
         axis.grid(alpha=0.25)
@@ -161,23 +160,6 @@ def _leave_out_divergence(axis: Axes, results: Results, request: FigureRequest, 
         axis.set_ylim(low - ROOM * (high - low), high + ROOM * (high - low))
 
 
-def thinned(k: np.ndarray, values: Array) -> tuple[np.ndarray, Array]:
-    """Blocks of a long signal by their largest and smallest value: peaks stay."""
-    size = len(values) // (MANY // 2)
-    if size < 2:
-        return k, values
-    count = len(values) // size
-    blocks = values[: count * size].reshape(count, size)
-    steps = k[: count * size].reshape(count, size)
-    rows = np.arange(count)[:, None]
-    places = np.sort(np.stack([blocks.argmin(1), blocks.argmax(1)], 1), axis=1)
-    rest = slice(count * size, None)
-    return (
-        np.concatenate([steps[rows, places].ravel(), k[rest]]),
-        np.concatenate([blocks[rows, places].ravel(), values[rest]]),
-    )
-
-
 def draw_estimates(
     figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
 ) -> None:
@@ -219,26 +201,3 @@ def _finish(axis: Axes, request: FigureRequest, label: str) -> None:
     axis.locator_params(axis="x", nbins=6)
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8, loc="best")
-
-
-def plot_modes(found: ModeEstimates) -> Figure:
-    """Above, each entry of x with two deviations on either side; below, the probabilities."""
-    n = found.x.shape[1]
-    figure = Figure(figsize=(9, 2 + 1.6 * n), layout="constrained")
-    axes = figure.subplots(n + 1, 1, sharex=True)
-    k = np.arange(len(found.x))
-    for i, (axis, name) in enumerate(zip(axes, found.settings.model.names, strict=False)):
-        low, high = (found.x[:, i] + sign * 2 * found.deviation[:, i] for sign in (-1, 1))
-        style = line_style(0)
-        axis.fill_between(k, low, high, step="post", color=style["color"], alpha=0.2, linewidth=0)
-        axis.step(k, found.x[:, i], where="post", linewidth=1.1, **style)
-        axis.set_ylabel(name)
-    for j, probability in enumerate(found.probabilities.T):
-        axes[-1].step(
-            k, probability, where="post", linewidth=1.1, label=f"mode {j}", **line_style(j)
-        )
-    axes[-1].set(ylabel="probability", xlabel="step $k$", ylim=(-0.05, 1.05))
-    axes[-1].legend(fontsize=8)
-    for axis in axes:
-        axis.grid(alpha=0.25)
-    return figure

@@ -16,8 +16,8 @@ from rcac_experiments.plots.histories import (
     draw_outputs,
     draw_responses,
 )
+from rcac_experiments.plots.plant_zeros import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.arrays.validation import instance_of
-from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
@@ -120,10 +120,14 @@ def _of_runs(draw: Callable[..., None]) -> Drawing:
     )
 
 
+def _pole_maps(figure: Figure, results: Results, request: FigureRequest) -> None:
+    draw_pole_maps(figure, {name: result.first for name, result in results.items()})
+
+
 DRAWINGS: dict[str, Drawing] = {
     "responses": draw_responses,
     "coefficients": draw_coefficients,
-    "poles": draw_pole_maps,
+    "poles": _pole_maps,
     "disturbance response": draw_disturbance_response,
     "intercalated match": draw_matches,
     "distribution": draw_distribution,

@@ -14,11 +14,12 @@ from scipy.stats import qmc
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_experiments.experiments.experiment import JUDGING
+from rcac_experiments.files.design_files import design_toml, save_design
 from rcac_experiments.sweeps.running.pools import InProcess, WorkerPool
 from rcac_experiments.sweeps.running.progress import Progress
 from rcac_experiments.sweeps.stored_trials import stored
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value
@@ -114,11 +115,11 @@ class Tuned(Value):
 
     def to_toml(self) -> str:
         """The experiment file of the tuned design."""
-        return self.design.to_toml()
+        return design_toml(self.design)
 
     def save(self, path: str | Path) -> None:
         """Write `to_toml()` into a file, whole or not at all."""
-        self.design.save(path)
+        save_design(self.design, path)
 
     def report(self) -> str:
         """The held-out verdict, what tuning brought over the rule, and the best candidates."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.experiments.experiment import Verification
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.checks.check import ControllerCheck
@@ -29,8 +28,17 @@ from rcac_numeric.health.trials import cost_over_lqg, missed_poles, next_disturb
 from rcac_numeric.margins.classical import channel_margins
 
 
+@runtime_checkable
+class HasMainLoop(Protocol):
+    """What has one analysed loop before others, such as a verification."""
+
+    @property
+    def main_loop(self) -> LoopAnalysis:
+        """The analysis that its health is that of."""
+
+
 def loop_health(
-    of: Run | LoopAnalysis | Verification | ControllerCheck | Controller,
+    of: Run | LoopAnalysis | HasMainLoop | ControllerCheck | Controller,
 ) -> LoopHealth:
     """The health of a loop: stability, sizes of signals, margins, arithmetic, excitation.
 
@@ -57,14 +65,14 @@ def loop_health(
     match of:
         case ControllerCheck():
             return _of_check(of)
-        case Verification():
-            return _of_run(of.main.first)
         case LoopAnalysis():
             return _of_run(of)
         case Run():
             return _of_run(LoopAnalysis(of))
         case Controller():
             return _of_controller(of)
+        case HasMainLoop():
+            return _of_run(of.main_loop)
     raise InputError(
         f"loop_health of {type(of).__name__}: give a Run, a Verification, a ControllerCheck or "
         "a Controller."

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.engine.runs import Run
@@ -30,15 +29,15 @@ def draw_control(axis: Axes, run: Run) -> None:
     axis.legend(fontsize=8)
 
 
-def mark_changes(axis: Axes, runs: Iterable[Run], request: FigureRequest) -> None:
+def mark_changes(axis: Axes, runs: Iterable[Run], first: int, last: int | None) -> None:
     """A line at each step that is shown at which the plant of one of the runs changes."""
-    last = np.inf if request.last is None else request.last
+    end = np.inf if last is None else last
     starts = {
         change.start
         for run in runs
         if isinstance(run.plant, PlantSchedule)
         for change in run.plant.changes
-        if max(request.first, run.first_step) < change.start <= last
+        if max(first, run.first_step) < change.start <= end
     }
     for number, k in enumerate(sorted(starts)):
         axis.axvline(k, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5,

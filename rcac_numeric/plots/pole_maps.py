@@ -10,8 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
-from rcac_experiments.experiments.experiment import RunResult
-from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
@@ -108,12 +106,8 @@ NARROWEST = 2.2  # inches of a map in which its words have room
 LETTERS = 11  # of a title, for each inch
 
 
-def draw_pole_maps(
-    figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
-) -> None:
+def draw_pole_maps(figure: Figure, runs: Mapping[str, LoopAnalysis]) -> None:
     """A map for each run; what was asked for is drawn where the loop is scalar."""
-    del request
-    runs = {name: result.first for name, result in results.items()}
     width = figure.get_figwidth()
     columns = min(int(width // NARROWEST), len(runs))
     rows = -(-len(runs) // columns)

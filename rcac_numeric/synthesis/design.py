@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -15,9 +14,7 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_experiments.experiments.experiment import JUDGING
-from rcac_experiments.files.design_files import experiment_file
-from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
 from rcac_numeric.arrays.values import Value
@@ -232,28 +229,6 @@ class Design(Value):
     def controller(self) -> ControllerSettings:
         """What the verdict says to use, for `Controller`, `simulate` and exports."""
         return self.settings if self.verdict.use == RCAC else self.frozen
-
-    def to_toml(self) -> str:
-        """The experiment file that says the same, read back and compared before it is returned.
-
-        Raises
-        ------
-        PrecisionError
-            Where what was read back is not what was written.
-        """
-        words = [str(self.verdict)]
-        words += [f"Assumed: {q.name}: {q.assumed}; {q.words}." for q in self.questions]
-        return experiment_file(
-            self.plant, self.settings, self.expected, steps=self.steps, saturation=self.saturation,
-            words=words, reasons={one.name: f"{one.value}: {one.words}" for one in self.reasons},
-            adapts=self.verdict.use == RCAC,
-        )  # fmt: skip
-
-    def save(self, path: str | Path) -> None:
-        """Write `to_toml()` into a file, whole or not at all."""
-        text = self.to_toml()
-        with replacing(path) as new:
-            new.write_text(text, encoding="utf-8")
 
     def report(self) -> str:
         """The verdict, what was assumed, and why each setting is what it is."""

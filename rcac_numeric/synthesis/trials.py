@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rcac_experiments.experiments.experiment import JUDGING
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController

@@ -17,7 +17,7 @@ import rcac_numeric
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-PACKAGES = ("compensator_theory", "rcac_numeric")
+PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 RECIPE = yaml.safe_load((ROOT / "recipe" / "recipe.yaml").read_text())
 
 
@@ -82,7 +82,7 @@ def test_classifiers_name_every_python_from_the_first_on():
     assert named == list(range(int(lowest), named[-1] + 1))
 
 
-def test_the_wheel_has_our_two_packages_only():
+def test_the_wheel_has_our_three_packages_only():
     assert PROJECT["tool"]["scikit-build"]["wheel"]["packages"] == [*PACKAGES]
 
 

@@ -13,7 +13,7 @@ from compensator_theory.libraries import EXTRAS
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-OWN = {"compensator_theory", "rcac_numeric"}
+OWN = {"compensator_theory", "rcac_numeric", "rcac_experiments"}
 # What a library is imported as, where its distribution has another name.
 IMPORTED_AS = {"lazy-loader": "lazy_loader", "python-flint": "flint"}
 

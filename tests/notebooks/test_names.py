@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("compensator_theory", "rcac_numeric")
+PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
 BLOCK = re.compile(r"^```(?:\{code-cell\} )?python\n(?:---\n.*?^---\n)?(.*?)^```", re.M | re.S)
 MADE = {"_build", "reference", "notebooks", "jupyter_execute"}
 SOURCES = [

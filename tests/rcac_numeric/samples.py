@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import lfilter
 
+import rcac_experiments
 import rcac_numeric as rcac
 from rcac_experiments import sweeps
 from rcac_experiments.files.builder import build
@@ -217,7 +218,7 @@ def sweep_table(seed):
 
 
 def erratum(seed):
-    return replace(rcac.dissertation.find_errata()[0], name=f"entry-{seed}")
+    return replace(rcac_experiments.dissertation.find_errata()[0], name=f"entry-{seed}")
 
 
 def first_order(seed):
@@ -400,17 +401,17 @@ SAMPLES = {
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
         *answered(seed), orders=(1,), delays=(0,)
     ),
-    results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
+    rcac_experiments.results.Tuned: lambda seed: rcac_experiments.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
     # export, explorer
-    results.ExplorerPage: lambda seed: results.ExplorerPage("own", f"page {seed}"),
+    rcac_experiments.results.ExplorerPage: lambda seed: rcac_experiments.results.ExplorerPage("own", f"page {seed}"),
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),
     # errata
-    results.Erratum: erratum,
-    results.ErratumEvidence: lambda seed: results.ErratumEvidence(check=f"chapter_{seed}.step"),
-    results.Checked: lambda seed: results.Checked(erratum(seed), ()),
-    results.Reproduction: lambda seed: results.Reproduction((), Path(f"gallery-{seed}/index.html")),
+    rcac_experiments.results.Erratum: erratum,
+    rcac_experiments.results.ErratumEvidence: lambda seed: rcac_experiments.results.ErratumEvidence(check=f"chapter_{seed}.step"),
+    rcac_experiments.results.Checked: lambda seed: rcac_experiments.results.Checked(erratum(seed), ()),
+    rcac_experiments.results.Reproduction: lambda seed: rcac_experiments.results.Reproduction((), Path(f"gallery-{seed}/index.html")),
     # sweeps
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
     sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
@@ -424,7 +425,7 @@ SAMPLES = {
     ),
     sweeps.Progress: lambda seed: sweeps.Progress(seed, SEEDS, 2.5, diverged=1),
     sweeps.SweepTable: sweep_table,
-    results.SweepOverview: lambda seed: results.SweepOverview(
+    rcac_experiments.results.SweepOverview: lambda seed: rcac_experiments.results.SweepOverview(
         "store",
         "",
         "",
@@ -440,18 +441,18 @@ SAMPLES = {
         sweep_table(seed),
         sweeps.summarise(sweep_table(seed), "rms"),
     ),
-    results.ReplayedRun: lambda seed: results.ReplayedRun(
+    rcac_experiments.results.ReplayedRun: lambda seed: rcac_experiments.results.ReplayedRun(
         seed, 1, {"gain": 1}, LoopAnalysis(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
     ),
     sweeps.StoreCheck: lambda seed: sweeps.StoreCheck(
         "store", seed, SEEDS, 1, ((8, 15),), ("why",)
     ),
-    results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
+    rcac_experiments.results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
     # experiments, checks
-    rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
-    rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
-    rcac.Experiment: experiment,
-    results.Verification: lambda seed: rcac.verify(experiment(seed)),
+    rcac_experiments.FigureRequest: lambda seed: rcac_experiments.FigureRequest("responses", "", first=seed),
+    rcac_experiments.Budget: lambda seed: rcac_experiments.Budget(memory=1e8 + seed),
+    rcac_experiments.Experiment: experiment,
+    rcac_experiments.results.Verification: lambda seed: rcac_experiments.verify(experiment(seed)),
     rcac.ControllerLog: log,
     results.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
     results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import rcac_experiments
 import rcac_numeric as rcac
 from compensator_theory.errors import DivergedError
 from rcac_experiments import sweeps
@@ -25,7 +26,9 @@ from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
 from tests.support.public import public_objects
 
-PUBLIC = [*public_objects("rcac_numeric").values()]
+PUBLIC = [
+    value for p in ("rcac_numeric", "rcac_experiments") for value in public_objects(p).values()
+]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
 DATA_CLASSES = [cls for cls in CLASSES if attrs.has(cls) or is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
@@ -49,7 +52,7 @@ while size := sys.stdin.buffer.read(8):
 
 ADDRESS = re.compile(r" at 0x\w+")  # of a function
 seeds = st.integers(0, SEEDS - 1)
-DESIGNED = [rcac.results.Design, rcac.results.Tuned, rcac.results.LoggedPlant]
+DESIGNED = [rcac.results.Design, rcac_experiments.results.Tuned, rcac.results.LoggedPlant]
 every_class = pytest.mark.parametrize(
     "cls", [cls for cls in SAMPLES if cls not in DESIGNED], ids=lambda cls: cls.__name__
 )

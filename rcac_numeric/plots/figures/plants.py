@@ -2,92 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.signal import StateSpace, lsim
 
-from rcac_experiments.experiments.figure_requests import FigureRequest
-from rcac_experiments.measures.measures import windows_of
 from rcac_numeric.arrays.array_types import ComplexArray
-from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
-from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
-from rcac_numeric.plants.schedules import PlantSchedule, plant_at
+from rcac_numeric.plants.gallery.zeros import ZeroPath
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_circle, line_style
 
-FROZEN = 81  # steps at which the zeros of a plant that changes are found
 FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
-
-
-def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
-    """The zeros of the plant of each run, frozen at steps: in the plane, and their moduli."""
-    if not any(isinstance(run.plant, PlantSchedule) for run in runs.values()):
-        _draw_fixed(figure, runs)
-        return
-    rows = figure.subplots(len(runs), 2, squeeze=False)
-    figure.set_figheight(max(figure.get_figheight(), 2.8 * len(runs)))
-    for (plane, moduli), (name, run) in zip(rows, runs.items(), strict=True):
-        last = run.steps - 1 if request.last is None else request.last
-        steps = np.unique(np.linspace(request.first, last, FROZEN).round().astype(int))
-        found = [plant_zeros(plant_at(run.plant, int(k))) for k in steps]
-        _plane(plane, found)
-        _moduli(moduli, steps, found, "step $k$")
-        if len(runs) > 1:
-            moduli.set_title(shortened(name, 45), fontsize=10)
-
-
-def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
-    """The zeros of plants that do not change, one plane beside the other."""
-    figure.set_figheight(min(figure.get_figheight(), 1.25 * figure.get_figwidth() / len(runs)))
-    for axis, (name, run) in zip(
-        np.ravel(figure.subplots(1, len(runs), squeeze=False)), runs.items(), strict=True
-    ):
-        zeros = plant_zeros(plant_at(run.plant, 0))
-        draw_circle(axis)
-        near = zeros[np.abs(zeros) <= FARTHEST]
-        axis.plot(near.real, near.imag, "o", mfc="none", mec=WANTED, ms=7, label="zeros")
-        axis.set(xlabel="real", ylabel="imaginary")
-        axis.set_aspect("equal", adjustable="datalim")
-        moduli = ", ".join(f"{size:.4g}" for size in np.abs(zeros))
-        axis.set_title(f"{shortened(name, 45)}\nmoduli {moduli or 'none'}",
-                       fontsize=10)  # fmt: skip
-        axis.grid(alpha=0.25)
-
-
-def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
-    """Moduli of the zeros that windows of each run's data show, over those of the plant."""
-    axes = np.ravel(figure.subplots(len(runs), 1, sharex=True, squeeze=False))
-    for axis, (name, run) in zip(axes, runs.items(), strict=True):
-        last = run.steps if request.last is None else request.last
-        steps = np.unique(np.linspace(request.first, last - 1, FROZEN).round().astype(int))
-        _moduli(axis, steps, [plant_zeros(plant_at(run.plant, int(k))) for k in steps], "")
-        windows = [w for w in windows_of(run) if request.first <= w.start and w.stop <= last]
-        for window in windows:
-            if window.zeros is not None:
-                size = np.abs(window.zeros.zeros)
-                axis.errorbar(
-                    np.full(len(size), (window.start + window.stop) / 2), size,
-                    yerr=np.minimum(1.96 * window.zeros.modulus_error, FARTHEST),
-                    fmt="o", mfc="none", color=WANTED, ms=5, linewidth=0.8,
-                )  # fmt: skip
-        refused = sum(window.zeros is None for window in windows)
-        note = f"; {refused} of {len(windows)} windows refused" if refused else ""
-        axis.set_title(f"{shortened(name, 45)}: windows of 70 samples{note}",
-                       fontsize=10)  # fmt: skip
-        axis.set_ylim(0, FARTHEST / 2)
-    axes[-1].set_xlabel("step $k$")
 
 
 def plot_zero_path(path: ZeroPath) -> Figure:
     """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     plane, moduli = figure.subplots(1, 2)
-    _plane(plane, list(path.zeros))
-    _moduli(moduli, path.steps, list(path.zeros), "step $k$")
+    draw_zeros(plane, list(path.zeros))
+    draw_moduli(moduli, path.steps, list(path.zeros), "step $k$")
     return figure
 
 
@@ -107,7 +42,7 @@ def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> F
     plane.locator_params(nbins=6)
     _step_response(response, plant, poles)
     found = sampling_zeros(plant, periods)
-    _moduli(sampled, np.asarray(periods), found, "sampling period, s")
+    draw_moduli(sampled, np.asarray(periods), found, "sampling period, s")
     sampled.set_title("zeros of the sampled plant", fontsize=10)
     for axis in (plane, response):
         axis.grid(alpha=0.25)
@@ -137,7 +72,7 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
         axis.legend(fontsize=7)
 
 
-def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
+def draw_zeros(axis: Axes, found: Sequence[ComplexArray]) -> None:
     """Zeros in the plane, the first ones as rings and the last ones filled."""
     draw_circle(axis)
     every = np.concatenate([np.zeros(0), *found])
@@ -160,7 +95,7 @@ def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
     axis.legend(fontsize=8)
 
 
-def _moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:
+def draw_moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:
     """Moduli of zeros over steps or periods, a point each, and the unit circle."""
     axis.axhline(1, color=INK, linewidth=0.7)
     at = np.concatenate(

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_experiments.plots.histories import thinned
 from rcac_numeric.arrays.validation import instance_of, number, one_of
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
@@ -24,6 +23,7 @@ from rcac_numeric.plots.style import (
     label_words,
     line_style,
 )
+from rcac_numeric.plots.thinning import thinned
 
 LONG = 200_000  # steps, above which a line has a point for the extremes of each block of them
 SIGNALS = {

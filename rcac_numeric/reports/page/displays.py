@@ -7,7 +7,9 @@ A type that is derived from one of these is shown like it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable
+from importlib import import_module
 from importlib.util import find_spec
 from itertools import count
 from pkgutil import resolve_name
@@ -40,10 +42,7 @@ PICTURES = {
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
     "rcac_numeric.estimation.estimates:ModeEstimates": (
-        "rcac_experiments.plots.histories:plot_modes"
-    ),
-    "rcac_experiments.experiments.experiment:Verification": (
-        "rcac_experiments.plots.requested:plot_verification"
+        "rcac_numeric.plots.modes:plot_modes"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.margins:plot_margins",
@@ -54,9 +53,7 @@ PICTURES = {
     "rcac_numeric.plants.gallery.zeros:ZeroPath": (
         "rcac_numeric.plots.figures.plants:plot_zero_path"
     ),
-    "rcac_experiments.sweeps.results.statistics:SweepSummary": "rcac_experiments.plots.sweep:plot_summary",
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.plots.design:plot_design",
-    "rcac_experiments.sweeps.tuning:Tuned": "rcac_numeric.plots.design:plot_tuned",
 }
 
 # From a type to the function that writes its report.
@@ -67,42 +64,30 @@ SHEETS = {
     "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.reports.loop:analysis_sheet",
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.loop:run_sheet",
-    "rcac_experiments.experiments.experiment:Verification": (
-        "rcac_experiments.reports.verification:verification_sheet"
-    ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
     "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.loop:health_sheet",
     "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.check:margins_sheet",
-    "rcac_experiments.sweeps.results.overview:SweepOverview": (
-        "rcac_experiments.reports.studies:sweep_sheet"
-    ),
-    "rcac_experiments.sweeps.results.replay:ReplayedRun": ("rcac_experiments.reports.studies:replay_sheet"),
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.reports.design:design_sheet",
-    "rcac_experiments.sweeps.tuning:Tuned": "rcac_numeric.reports.design:tuned_sheet",
 }
 
 # From a type to the function that draws it as several small pictures for a page.
-SMALL_PICTURES = {
-    "rcac_experiments.experiments.experiment:Verification": (
-        "rcac_experiments.reports.single:page_figures"
-    ),
-}
+SMALL_PICTURES: dict[str, str] = {}
 
 
 def picture_of(result: object, *arguments: Any, **options: Any) -> figures.Figure:
     """The picture of a result."""
-    drawn: figures.Figure = _shows(PICTURES, result)(result, *arguments, **options)
+    drawn: figures.Figure = _shows("PICTURES", result)(result, *arguments, **options)
     return drawn
 
 
 def small_pictures_of(result: object) -> dict[str, figures.Figure]:
     """The pictures of a result for a page that is read on a phone, by what they show."""
-    return dict(_shows(SMALL_PICTURES, result)(result))
+    return dict(_shows("SMALL_PICTURES", result)(result))
 
 
 def sheet_of(result: object) -> Sheet:
     """The report of a result as data."""
-    sheet: Sheet = _shows(SHEETS, result)(result)
+    sheet: Sheet = _shows("SHEETS", result)(result)
     return sheet
 
 
@@ -116,11 +101,17 @@ def notebook_of(result: object, draw: Callable[[], figures.Figure] | None = None
     return notebook_html(sheet_of(result), draw)
 
 
-def _shows(table: Mapping[str, str], result: object) -> Any:
+def _shows(table: str, result: object) -> Any:
     """What shows a result; that of a base class where its own has none."""
     for kind in type(result).__mro__:
-        if shown := table.get(f"{kind.__module__}:{kind.__qualname__}"):
-            return resolve_name(shown)
+        # A package that has results of its own names its table, and is imported where they are.
+        package = sys.modules.get(kind.__module__.partition(".")[0])
+        for home in (__name__, getattr(package, "DISPLAYS", __name__)):
+            shown = getattr(import_module(home), table).get(
+                f"{kind.__module__}:{kind.__qualname__}"
+            )
+            if shown is not None:
+                return resolve_name(shown)
     raise InputError(f"a {type(result).__name__} cannot be shown in this way.")
 
 

@@ -11,8 +11,8 @@ from rcac_experiments.dissertation import load_example
 from rcac_experiments.dissertation.examples import example_ids
 from rcac_experiments.experiments.figure_requests import KINDS
 from rcac_experiments.plots import plot_request
-from rcac_experiments.plots.histories import MANY, thinned
 from rcac_experiments.plots.requested import DRAWINGS, OF_STUDIES
+from rcac_numeric.plots.thinning import MANY, thinned
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from compensator_theory.errors import InputError, NoSolutionError, PrecisionErro
 from rcac_experiments import load_experiment
 from rcac_experiments.files import design_files as files
 from rcac_experiments.files.builder import build
-from rcac_experiments.files.design_files import design_arguments
+from rcac_experiments.files.design_files import design_arguments, design_toml, save_design
 from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
@@ -138,7 +138,7 @@ def test_frozen_rcac_is_the_fixed_controller():
 
 
 def load_of(found):
-    return build(parsed(found.to_toml()), "design.toml")
+    return build(parsed(design_toml(found)), "design.toml")
 
 
 def test_spare_order_is_the_same_controller():
@@ -324,7 +324,7 @@ def test_the_limits_scale_what_nobody_said():
 def test_the_file_says_the_same(arguments, tmp_path):
     found = design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
     path = tmp_path / "tuned.toml"
-    found.save(path)
+    save_design(found, path)
     experiment = load_experiment(path)
     run = experiment.runs[RCAC]
     assert equal(run.settings, found.settings)
@@ -389,7 +389,7 @@ def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monk
     found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, **QUICK)
     monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
     with pytest.raises(PrecisionError, match="does not read back"):
-        found.to_toml()
+        design_toml(found)
 
 
 def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():

@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_experiments import load_experiment
+from rcac_experiments.files.design_files import save_design
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -195,7 +196,7 @@ def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
 
 
 def test_its_file_says_the_same(found, tmp_path):
-    found.save(tmp_path / "log.toml")
+    save_design(found, tmp_path / "log.toml")
     assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
 
 

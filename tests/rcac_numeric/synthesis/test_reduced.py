@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_experiments import tune
 from rcac_experiments.files.builder import build
+from rcac_experiments.files.design_files import design_toml
 from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
@@ -125,7 +126,7 @@ def test_a_reduced_design_has_lqg_beside_it_and_a_file(structure):
     )
     assert isinstance(found.alternatives[FULL], FixedController)
     assert any(trial.controller == FULL for trial in found.evidence)
-    read = build(parsed(found.to_toml()), "design.toml")
+    read = build(parsed(design_toml(found)), "design.toml")
     assert equal(read.runs["RCAC"].settings, found.settings)
     assert found.settings.structure == structure
 
@@ -168,7 +169,7 @@ def test_a_design_with_feedforward():
     assert np.array_equal(first.past_y, found.fixed.compensator.past_y)
     alone = Compensator(first.past_u, first.past_y[:, :, :1])
     assert intercalated_match(ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
-    read = build(parsed(found.to_toml()), "design.toml")
+    read = build(parsed(design_toml(found)), "design.toml")
     assert equal(read.runs["RCAC"].settings, found.settings)
 
 

@@ -10,7 +10,7 @@ from scipy.signal import butter, freqz, lfilter, sosfilt
 from compensator_theory import transfer_matrix
 from compensator_theory.errors import InputError
 from rcac_experiments.files.builder import build
-from rcac_experiments.files.design_files import design_arguments
+from rcac_experiments.files.design_files import design_arguments, design_toml, save_design
 from rcac_experiments.files.documents import parsed
 from rcac_numeric import (
     ClosedLoop,
@@ -155,7 +155,7 @@ def test_it_is_a_design_as_any_other(two):
 
 @pytest.mark.costly
 def test_the_file_says_the_same(two):
-    file = build(parsed(two.to_toml()), "design.toml")
+    file = build(parsed(design_toml(two)), "design.toml")
     assert equal(file.runs[RCAC].settings, two.settings)
     w = exogenous([Step(0.0)] * 2 + [Step(0.5)] * 2 + [WhiteNoise(0.01)] * 2, 200, seed=5)
     ours = simulate(two.plant, file.runs["fixed"].settings, w)
@@ -166,7 +166,7 @@ def test_the_file_says_the_same(two):
 @pytest.mark.costly
 def test_a_file_of_several_signals_is_read_for_a_design(two, tmp_path):
     file = tmp_path / "two.toml"
-    two.save(file)
+    save_design(two, file)
     arguments = design_arguments(file)
     again = design(**arguments, seeds=1, steps=100)
     assert again.expected.m == 2 and again.expected.size == two.expected.size

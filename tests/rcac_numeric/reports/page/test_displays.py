@@ -11,16 +11,18 @@ import pytest
 
 import rcac_numeric
 from compensator_theory.errors import InputError
+from rcac_experiments.reports import displays as more
 from rcac_numeric.arrays import showing
 from rcac_numeric.reports.page import displays
 from rcac_numeric.reports.sheets.sheet import Sheet
 
 ENTRIES = [
     pytest.param(kind, shown, made, id=f"{kind} by {shown}")
+    for page in (displays, more)
     for table, made in (
-        (displays.PICTURES, "Figure"),
-        (displays.SHEETS, Sheet),
-        (displays.SMALL_PICTURES, "dict"),
+        (page.PICTURES, "Figure"),
+        (page.SHEETS, Sheet),
+        (page.SMALL_PICTURES, "dict"),
     )
     for kind, shown in table.items()
 ]
@@ -39,15 +41,15 @@ def test_an_entry_takes_the_type_that_it_stands_for(kind, shown, made):
 def test_every_result_that_asks_the_table_stands_in_it():
     """A class that calls picture_of(self) has a picture, and so on."""
     tables = {
-        "picture_of": displays.PICTURES,
-        "report_of": displays.SHEETS,
-        "sheet_of": displays.SHEETS,
-        "notebook_of": displays.SHEETS,
+        "picture_of": displays.PICTURES | more.PICTURES,
+        "report_of": displays.SHEETS | more.SHEETS,
+        "sheet_of": displays.SHEETS | more.SHEETS,
+        "notebook_of": displays.SHEETS | more.SHEETS,
     }
     asked = {name: set() for name in tables}
     root = Path(rcac_numeric.__file__).parents[1]
-    halves = [*(root / "compensator_theory").rglob("*.py"), *(root / "rcac_numeric").rglob("*.py")]
-    for path in halves:
+    packages = ("compensator_theory", "rcac_numeric", "rcac_experiments")
+    for path in (one for name in packages for one in (root / name).rglob("*.py")):
         module = ".".join(path.relative_to(root).with_suffix("").parts)
         for kind in ast.walk(ast.parse(path.read_text())):
             if isinstance(kind, ast.ClassDef):
@@ -57,8 +59,8 @@ def test_every_result_that_asks_the_table_stands_in_it():
                         asked[name].add(f"{module}:{kind.name}")
     for name, kinds in asked.items():
         assert kinds and kinds <= set(tables[name]), name
-    assert asked["picture_of"] == set(displays.PICTURES)
-    assert set.union(*(asked[n] for n in tables if n != "picture_of")) == set(displays.SHEETS)
+    assert asked["picture_of"] == set(tables["picture_of"])
+    assert set.union(*(asked[n] for n in tables if n != "picture_of")) == set(tables["sheet_of"])
 
 
 def test_what_is_derived_is_shown_like_its_base():

@@ -1,0 +1,9 @@
+"""The classes of what verifications, studies, errata and tuning return.
+
+Nobody constructs them: they are here to be named in annotations and to be read about. Each is
+imported when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub("rcac_experiments", __file__)
