@@ -56,7 +56,7 @@ from compensator_theory import (
     solve_lyapunov,
 )
 from compensator_theory.bezout import number_of_common_roots, sylvester_m
-from compensator_theory.canonical_forms import kronecker_form, smith_form
+from compensator_theory.forms import kronecker_form, smith_form
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import (

@@ -82,52 +82,52 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
         lambda x: x,
     ),
     "smith_form": (
-        exact.canonical_forms.smith_form,
+        exact.forms.smith_form,
         lambda p, q, r, t: _plain([[f"s + {p}", q], [r, f"s**2 + {t}*s"]], "s"),
         invariants("rank", "invariant_polynomials"),
     ),
     "smith_mcmillan_form": (
-        exact.canonical_forms.smith_mcmillan_form,
+        exact.forms.smith_mcmillan_form,
         lambda p, q, r, t: _plain([[f"1/(s + {p})", f"{q}/(s + {r})"], ["0", f"1/(s + {t})"]], "s"),
         invariants("numerators", "denominators", "orders_at_infinity"),
     ),
     "hermite_form": (
-        exact.canonical_forms.hermite_form,
+        exact.forms.hermite_form,
         lambda p, q, r, t: _plain([[f"s + {p}", q], [f"s + {r}", t]], "s"),
         invariants("form", "rank"),
     ),
     "row_reduced_form": (
-        exact.canonical_forms.row_reduced_form,
+        exact.forms.row_reduced_form,
         lambda p, q, r, t: _plain([[f"s**2 + {p}", f"{q}*s"], [f"s + {r}", t]], "s"),
         lambda x: (x.rank, sorted(_row_degrees(x.form))),
     ),
     "popov_form": (
-        exact.canonical_forms.popov_form,
+        exact.forms.popov_form,
         lambda p, q, r, t: _plain([[f"s + {p}", q], [f"{r}*s", f"s + {t}"]], "s"),
         invariants("form", "degrees"),
     ),
     "minimal_basis": (
-        exact.canonical_forms.minimal_basis,
+        exact.forms.minimal_basis,
         lambda p, q, r, t: _plain([[f"s + {p}", q, r], ["0", f"s + {t}", "1"]], "s"),
         lambda x: sorted(x.indices),
     ),
     "frobenius_form": (
-        exact.canonical_forms.frobenius_form,
+        exact.forms.frobenius_form,
         lambda p, q, r, t: _plain([[p, "1", "0"], [q, r, "0"], ["0", "0", t]]),
         invariants("form", "invariant_polynomials"),
     ),
     "jordan_form": (
-        exact.canonical_forms.jordan_form,
+        exact.forms.jordan_form,
         lambda p, q, r, t: _plain([[p, q, "0"], ["0", r, "1"], ["0", "0", t]]),
         lambda x: x,
     ),
     "complex jordan_form": (
-        exact.canonical_forms.jordan_form,
+        exact.forms.jordan_form,
         lambda p, q, r, t: _plain([[p, q], [r, t]], over="complex"),
         lambda x: x,
     ),
     "kronecker_form": (
-        exact.canonical_forms.kronecker_form,
+        exact.forms.kronecker_form,
         lambda p, q, r, t: _plain([[p, "1", "0"], [q, r, "1"]], [["1", "0", t], ["0", "1", "0"]]),
         invariants("right_indices", "left_indices", "invariant_polynomials", "infinite_orders"),
     ),
@@ -232,36 +232,36 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
         lambda x: len(x.homogeneous) or (x.Pi, x.Gamma),
     ),
     "interactor": (
-        exact.geometry.interactor,
+        exact.placement.interactor,
         lambda p, q, r, t: _plain([[f"1/(s + {p})", f"{q}/(s + 1)"], [f"{r}/s", f"{t}/s**2"]], "s"),
         invariants("powers", "matrix"),
     ),
     "decouple": (
-        exact.geometry.decouple,
+        exact.placement.decouple,
         lambda p, q, r, t: _plain(
             ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), variable="s"
         ),
         invariants("relative_degrees", "matrix"),
     ),
     "controlled_invariant_subspaces": (
-        exact.geometry.controlled_invariant_subspaces,
+        exact.placement.controlled_invariant_subspaces,
         lambda p, q, r, t: _plain(([[p, "1"], [q, r]], [["1"], [t]], [["1", "0"]]), variable="s"),
         lambda x: (x.V.cols, x.R.cols, x.S.cols, x.zero_polynomial),
     ),
     "laurent_expansion": (
-        exact.interpolation.laurent_expansion,
+        exact.stability.laurent_expansion,
         lambda p, q, r, t: _plain(
             f"(s + {p})/((s + {q})*(s**2 + {r}*s + {t}))", "0", 3, variable="s"
         ),
         invariants("order", "coefficients"),
     ),
     "pade_approximant": (
-        exact.interpolation.pade_approximant,
+        exact.stability.pade_approximant,
         lambda p, q, r, t: _plain([p, q, r, t], 1, 2),
         lambda x: (x.approximant.numerator, x.approximant.denominator),
     ),
     "partial_realisation": (
-        exact.interpolation.partial_realisation,
+        exact.stability.partial_realisation,
         lambda p, q, r, t: _plain([p, q, r, t]),
         lambda x: (x.order, x.free_parameters),
     ),

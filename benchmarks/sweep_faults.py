@@ -32,8 +32,8 @@ from rcac_experiments.sweeps import (
     check_store,
     read_table,
     run_study,
+    sweep,
 )
-from rcac_experiments.sweeps.running import sweep
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},

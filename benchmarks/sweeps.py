@@ -21,10 +21,17 @@ from pathlib import Path
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
-from rcac_experiments.sweeps import Axis, Kept, Study, check_store, read_table, run_study
-from rcac_experiments.sweeps.chunks.worker import run_chunk
-from rcac_experiments.sweeps.running import schedule
-from rcac_experiments.sweeps.store import store
+from rcac_experiments.sweeps import (
+    Axis,
+    Kept,
+    Study,
+    check_store,
+    read_table,
+    run_study,
+    schedule,
+    store,
+)
+from rcac_experiments.sweeps.worker import run_chunk
 from rcac_numeric import UD, ControllerSettings, FunctionPlant, SimulationCase, TargetModel, iir
 
 BASE = {

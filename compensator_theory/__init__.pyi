@@ -1,28 +1,35 @@
 __version__: str
 from . import bezout as bezout
-from . import canonical_forms as canonical_forms
 from . import errors as errors
-from . import geometry as geometry
-from . import interpolation as interpolation
+from . import forms as forms
 from . import loops as loops
 from . import observers as observers
+from . import placement as placement
 from . import results as results
 from . import roots as roots
 from . import sampling as sampling
+from . import stability as stability
 from . import strategies as strategies
 from .bezout.common_factors import bezout_identity as bezout_identity
 from .bezout.resultants import resultant as resultant
-from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
-from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
-from .frequency.delays import stability_delays as stability_delays
-from .frequency.margins import stability_margins as stability_margins
-from .frequency.norms import h_infinity_norm as h_infinity_norm
-from .frequency.passivity import decide_bounded_real as decide_bounded_real
-from .frequency.passivity import decide_positive_real as decide_positive_real
-from .frequency.root_locus import root_locus as root_locus
+from .forms.coprime_fractions import coprime_fractions as coprime_fractions
+from .forms.descriptor_realisations import descriptor_realisation as descriptor_realisation
+from .forms.expansions import markov_parameters as markov_parameters
+from .forms.expansions import partial_fractions as partial_fractions
+from .forms.hankel_matrices import hankel_matrix as hankel_matrix
+from .forms.hankel_matrices import mcmillan_degree as mcmillan_degree
+from .forms.kalman import kalman_decomposition as kalman_decomposition
+from .forms.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
+from .forms.minimal_realisations import minimal_realisation as minimal_realisation
+from .forms.polynomial_equations import solve_diophantine as solve_diophantine
+from .forms.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .forms.zeros import input_decoupling_zeros as input_decoupling_zeros
+from .forms.zeros import invariant_zeros as invariant_zeros
+from .forms.zeros import output_decoupling_zeros as output_decoupling_zeros
+from .forms.zeros import transmission_zeros as transmission_zeros
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
 from .loops.closed_loop_matrix import closed_loop_matrix as closed_loop_matrix
 from .loops.feedback import feedback_connection as feedback_connection
@@ -31,30 +38,38 @@ from .loops.intercalation import intercalated_transfer_matrix as intercalated_tr
 from .loops.sensitivity import sensitivity_function as sensitivity_function
 from .loops.zero_directions import zero_direction_target as zero_direction_target
 from .lqg.controllers import lqg_controller as lqg_controller
+from .lqg.gramians import gramians as gramians
 from .lqg.high_authority_limits import high_authority_limits as high_authority_limits
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import lqg_poles as lqg_poles
+from .lqg.regulator_equations import (
+    solve_regulator_equations as solve_regulator_equations,
+)
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.riccati_formulas import riccati_formula as riccati_formula
+from .lqg.sylvester_equations import solve_lyapunov as solve_lyapunov
+from .lqg.sylvester_equations import solve_stein as solve_stein
+from .lqg.sylvester_equations import solve_sylvester as solve_sylvester
 from .lqg.targets import high_authority_target as high_authority_target
 from .lqg.weighted_problems import lqg_problem as lqg_problem
-from .matrix_equations.gramians import gramians as gramians
-from .matrix_equations.regulator_equations import (
-    solve_regulator_equations as solve_regulator_equations,
-)
-from .matrix_equations.sylvester_equations import solve_lyapunov as solve_lyapunov
-from .matrix_equations.sylvester_equations import solve_stein as solve_stein
-from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylvester
 from .observers.design import observer_based_compensator as observer_based_compensator
 from .observers.enumeration import observer_forms as observer_forms
 from .observers.functional import functional_observer as functional_observer
 from .observers.functional import reduced_order_observer as reduced_order_observer
 from .observers.gains import observer_gain as observer_gain
 from .observers.gains import regulator_gain as regulator_gain
+from .placement.brunovsky import brunovsky_form as brunovsky_form
+from .placement.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
+from .placement.eigenstructure import assign_eigenstructure as assign_eigenstructure
+from .placement.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
+from .placement.gain_families import state_feedback_family as state_feedback_family
 from .placement.matrix_placement import place_matrix_poles as place_matrix_poles
+from .placement.observer_gain_families import observer_gain_family as observer_gain_family
 from .placement.pole_placement import place_poles as place_poles
-from .polynomial_matrices.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .placement.stabilising_compensators import (
+    stabilising_compensators as stabilising_compensators,
+)
 from .polynomials.ball_precision import ball_precision as ball_precision
 from .polynomials.budget import Budget as Budget
 from .polynomials.budget import budget as budget
@@ -69,37 +84,26 @@ from .roots.counts import count_roots as count_roots
 from .roots.regions import locate_roots as locate_roots
 from .roots.spectral_factors import spectral_factor as spectral_factor
 from .roots.stability import decide_stability as decide_stability
-from .stabilisation.conditions import stability_conditions as stability_conditions
-from .stabilisation.interval_polynomials import (
+from .stability.conditions import stability_conditions as stability_conditions
+from .stability.delays import stability_delays as stability_delays
+from .stability.interval_polynomials import (
     decide_interval_stability as decide_interval_stability,
 )
-from .stabilisation.simultaneous import (
+from .stability.margins import stability_margins as stability_margins
+from .stability.norms import h_infinity_norm as h_infinity_norm
+from .stability.passivity import decide_bounded_real as decide_bounded_real
+from .stability.passivity import decide_positive_real as decide_positive_real
+from .stability.root_locus import root_locus as root_locus
+from .stability.simultaneous import (
     decide_simultaneous_stabilisability as decide_simultaneous_stabilisability,
 )
-from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
-from .stabilisation.stability_intervals import stability_intervals as stability_intervals
-from .stabilisation.stability_regions import stability_region as stability_region
-from .stabilisation.stable_compensators import stable_compensator as stable_compensator
-from .stabilisation.strong_stabilisability import (
+from .stability.stabilising_gains import stabilising_gains as stabilising_gains
+from .stability.stability_intervals import stability_intervals as stability_intervals
+from .stability.stability_regions import stability_region as stability_region
+from .stability.stable_compensators import stable_compensator as stable_compensator
+from .stability.strong_stabilisability import (
     decide_strong_stabilisability as decide_strong_stabilisability,
 )
-from .state_feedback.brunovsky import brunovsky_form as brunovsky_form
-from .state_feedback.eigenstructure import assign_eigenstructure as assign_eigenstructure
-from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
-from .state_feedback.gain_families import state_feedback_family as state_feedback_family
-from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
-from .structure.coprime_fractions import coprime_fractions as coprime_fractions
-from .structure.descriptor_realisations import descriptor_realisation as descriptor_realisation
-from .structure.expansions import markov_parameters as markov_parameters
-from .structure.expansions import partial_fractions as partial_fractions
-from .structure.hankel_matrices import hankel_matrix as hankel_matrix
-from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
-from .structure.kalman import kalman_decomposition as kalman_decomposition
-from .structure.minimal_realisations import minimal_realisation as minimal_realisation
-from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
-from .structure.zeros import invariant_zeros as invariant_zeros
-from .structure.zeros import output_decoupling_zeros as output_decoupling_zeros
-from .structure.zeros import transmission_zeros as transmission_zeros
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix
@@ -113,9 +117,5 @@ from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .systems.standard_problems import servo_problem as servo_problem
 from .systems.standard_problems import standard_problem as standard_problem
-from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
-from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
-from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
-from .youla_kucera.stabilising_compensators import (
-    stabilising_compensators as stabilising_compensators,
-)
+from .systems.transfer_functions import TransferFunction as TransferFunction
+from .systems.transfer_matrices import TransferMatrix as TransferMatrix

@@ -3,11 +3,11 @@
 import re
 from pathlib import Path
 
-import rcac_experiments.dissertation.errata
-from rcac_experiments.dissertation.errata.entries import KINDS, Erratum
-from rcac_experiments.dissertation.errata.reading import find_errata
+import rcac_experiments.dissertation
+from rcac_experiments.dissertation.entries import KINDS, Erratum
+from rcac_experiments.dissertation.reading import find_errata
 
-CHAPTERS = Path(rcac_experiments.dissertation.errata.__file__).parent / "chapters"
+CHAPTERS = Path(rcac_experiments.dissertation.__file__).parent / "chapters"
 HEADINGS = {
     "1": "Chapter 1: plants that are hard to control",
     "2": "Chapter 2: the controller and its update",
@@ -58,7 +58,7 @@ def _evidence(entry: Erratum) -> str:
     evidence = entry.evidence
     if evidence.check:
         module, _, function = evidence.check.partition(".")
-        where = f"rcac_experiments.dissertation.errata.evidence.{module}.{function}"
+        where = f"rcac_experiments.dissertation.{module}.{function}"
         return f"Shown by a check that runs: {{py:func}}`{where}`."
     if evidence.ledger:
         case = f", refuted by `{evidence.counterexample}`" if evidence.counterexample else ""

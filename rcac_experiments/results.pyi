@@ -1,10 +1,10 @@
-from .dissertation.errata.checking import Checked as Checked
-from .dissertation.errata.entries import Erratum as Erratum
-from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
+from .dissertation.checking import Checked as Checked
+from .dissertation.entries import Erratum as Erratum
+from .dissertation.entries import ErratumEvidence as ErratumEvidence
 from .dissertation.reproduction import Reproduction as Reproduction
 from .experiments.experiment import Verification as Verification
 from .explorer.display import ExplorerPage as ExplorerPage
-from .sweeps.results.overview import SweepOverview as SweepOverview
-from .sweeps.results.replay import ReplayedRun as ReplayedRun
-from .sweeps.results.statistics import SweepSummary as SweepSummary
+from .sweeps.overview import SweepOverview as SweepOverview
+from .sweeps.replay import ReplayedRun as ReplayedRun
+from .sweeps.statistics import SweepSummary as SweepSummary
 from .sweeps.tuning import Tuned as Tuned

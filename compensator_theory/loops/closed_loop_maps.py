@@ -10,7 +10,7 @@ from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
 @holds_where_defined

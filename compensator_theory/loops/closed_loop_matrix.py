@@ -8,7 +8,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
+from compensator_theory.systems.sample_times import shared_sample_time
 
 
 @holds_where_defined

@@ -12,7 +12,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
 def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:

@@ -19,9 +19,9 @@ from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.sample_times import shared_sample_time
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 SeveralSignals: TypeAlias = TransferMatrix | MatrixBase
 """What says by itself that a loop is one of matrices."""

@@ -6,8 +6,8 @@ from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
 @holds_where_defined

@@ -21,9 +21,9 @@ from compensator_theory.polynomials.poly import from_expression
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
+from compensator_theory.systems.adjugates import adjugate_and_determinant
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 PolynomialMatrixLike: TypeAlias = PolynomialLike | MatrixBase | Sequence[Sequence[PolynomialLike]]
 """A polynomial, or a SymPy matrix or nested lists of polynomials."""

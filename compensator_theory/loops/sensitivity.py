@@ -8,8 +8,8 @@ from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
 from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.poly import canonical, over_one_field
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.sample_times import shared_sample_time
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @holds_where_defined

@@ -15,12 +15,12 @@ from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
-from compensator_theory.transfer_functions.transfer_functions import (
+from compensator_theory.systems.sample_times import shared_sample_time
+from compensator_theory.systems.transfer_functions import (
     TransferFunction,
     require_proper,
 )
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 LoopPart: TypeAlias = TransferFunctionLike | Realisation
 """What :func:`read_loop` reads: a transfer function in any form, or a realisation."""

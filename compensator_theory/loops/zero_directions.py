@@ -25,7 +25,7 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 IDENTITY = "eta' W G_f(z0) = 0 at every zero"
 # A zero on the unit circle may have been rounded.

@@ -40,8 +40,8 @@ from compensator_theory.roots.number_fields import (
     transposed,
 )
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 ControllerMatrices: TypeAlias = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
 JOINT_FIELD = 64

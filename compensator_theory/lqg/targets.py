@@ -21,7 +21,7 @@ from compensator_theory.roots.unit_circle_enclosures import (
     multiply_enclosures,
 )
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)

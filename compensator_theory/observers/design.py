@@ -24,7 +24,7 @@ from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.controllability import controllability_matrix
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 SIMILARITY = "S A~ = A' S, det(sI - A - B K) = p_R, det(sI - A + F C) = p_O"
 

@@ -10,6 +10,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.loops.siso import agreed_sign
+from compensator_theory.matrices.cyclic_families import sample_subspaces
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     divisors,
@@ -17,14 +18,13 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices.open_cells import families as parametrised
+from compensator_theory.matrices.strata import continuum_size, is_irreducible
 from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.subspaces.cyclic_families import sample_subspaces
-from compensator_theory.subspaces.open_cells import families as parametrised
-from compensator_theory.subspaces.strata import continuum_size, is_irreducible
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 

@@ -15,12 +15,12 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices.invariant_subspaces import kernel
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.placement.observer_gain_families import observer_gain_family
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.poly import monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
-from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
 from compensator_theory.systems.canonical_forms import RealisationLike, timed_realisation
 from compensator_theory.systems.controllability import controllability_matrix
 from compensator_theory.systems.realisations import Realisation

@@ -20,12 +20,12 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.matrices.strata import continuum_size
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, total
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
-from compensator_theory.subspaces.strata import continuum_size
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 

@@ -1,1 +1,5 @@
-"""Every compensator that places given poles."""
+"""Geometric control: controlled invariant subspaces, decoupling, fixed modes."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,8 +8,14 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
-from compensator_theory.canonical_forms.row_forms import row_reduced_form
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.forms.coprime_fractions import coprime_fractions
+from compensator_theory.forms.polynomial_matrices import (
+    PolynomialMatrix,
+    denominators,
+    polynomial_matrix,
+)
+from compensator_theory.forms.row_forms import row_reduced_form
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate, proven
@@ -17,11 +23,6 @@ from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import identity_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
-from compensator_theory.polynomial_matrices.polynomial_matrices import (
-    PolynomialMatrix,
-    denominators,
-    polynomial_matrix,
-)
 from compensator_theory.polynomials.budget import ask, integer, listed
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -29,9 +30,8 @@ from compensator_theory.polynomials.poly import canonical, from_coefficients, mo
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.coprime_fractions import coprime_fractions
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 IDENTITY = "D_l D_c - f N_l N_c = diag(targets)"
 

@@ -12,15 +12,15 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.bezout.coprime_equations import solve_coprime_equation
 from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
+from compensator_theory.forms.polynomial_matrices import (
+    PolynomialMatrix,
+    denominators,
+)
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.flint_matrices import zero_matrix
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.solutions import PolePlacement
-from compensator_theory.polynomial_matrices.polynomial_matrices import (
-    PolynomialMatrix,
-    denominators,
-)
 from compensator_theory.polynomials.budget import integer, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
@@ -35,7 +35,7 @@ from compensator_theory.polynomials.reading import PolynomialLike, is_one_of
 from compensator_theory.polynomials.reading import polynomial as read_polynomial
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.transfer_functions.transfer_functions import (
+from compensator_theory.systems.transfer_functions import (
     TransferFunction,
     require_proper,
 )

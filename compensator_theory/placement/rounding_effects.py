@@ -20,7 +20,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete, time_of
 from compensator_theory.roots.certified import Root, certified_roots, root_balls
 from compensator_theory.roots.counts import count_roots
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 DANGEROUS_SHARE = 0.1
 

@@ -12,22 +12,22 @@ from sympy import Expr, Poly
 
 from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, RoundingWarning
+from compensator_theory.forms.polynomial_matrices import (
+    PolynomialMatrix,
+    denominators,
+)
 from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.matrices.certificates import Certified
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomial_matrices.polynomial_matrices import (
-    PolynomialMatrix,
-    denominators,
-)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, over_one_field, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:
     import control

@@ -18,7 +18,7 @@ from compensator_theory.strategies.polynomials import (
     rationals,
 )
 from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 # The signs of d, by turns, and whether the second factor is the first again.
 _SIGNS = (

@@ -16,7 +16,7 @@ from compensator_theory.strategies.polynomials import (
 from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 _S = Symbol("s")
 

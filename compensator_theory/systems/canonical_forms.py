@@ -19,9 +19,9 @@ from compensator_theory.systems.conversions import TransferFunctionLike, transfe
 from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation, of_bare_matrices
+from compensator_theory.systems.sample_times import sampled_every
 from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.transfer_functions.sample_times import sampled_every
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 RealisationLike: TypeAlias = Realisation | TransferFunctionLike
 """What :func:`realisation` reads."""

@@ -21,8 +21,8 @@ from compensator_theory.systems.conversions import TransferFunctionLike, transfe
 from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
 @roots_in_sympy()

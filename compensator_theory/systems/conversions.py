@@ -44,9 +44,9 @@ from compensator_theory.systems.realisations import (
     are_bare_matrices,
     of_bare_matrices,
 )
-from compensator_theory.transfer_functions.sample_times import sampled_every
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.sample_times import sampled_every
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 TransferFunctionLike: TypeAlias = (
     TransferFunction

@@ -38,10 +38,10 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 from compensator_theory.printing import text
 from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.sample_times import System
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.transfer_functions.sample_times import System
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 IDENTITY = "P E Q = diag(I, N), P A Q = diag(J, I), N nilpotent, det P and det Q not 0"
 RESPONSE = "({0}E - A) X = det({0}I - J) B"

@@ -27,16 +27,16 @@ from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.transfer_functions.sample_times import (
+from compensator_theory.systems.sample_times import (
     System,
     control_state_space,
     period_in,
     shared_sample_time,
     time_base,
 )
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 if TYPE_CHECKING:
     import control

@@ -17,15 +17,15 @@ from compensator_theory.polynomials.generic_answers import holds_where_defined
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.printing import text
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.transfer_functions.sample_times import (
+from compensator_theory.systems.sample_times import (
     System,
     control_state_space,
     period_in,
     time_base,
 )
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 if TYPE_CHECKING:
     import control

@@ -19,11 +19,11 @@ from compensator_theory.matrices.flint_matrices import (
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
-from compensator_theory.transfer_functions.transfer_functions import (
+from compensator_theory.systems.transfer_functions import (
     TransferFunction,
     require_proper,
 )
-from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 IDENTITY = "adj({0}I - A) B by ({0}I - A) adj({0}I - A) B = det({0}I - A) B"
 

@@ -7,7 +7,7 @@
 
 namespace rcac {
 
-// The order is that of OPERATIONS in rcac_numeric/estimation/models/tape.py.
+// The order is that of OPERATIONS in rcac_numeric/estimation/tape.py.
 enum class Operation : std::int32_t {
     add, subtract, multiply, divide, power, negative, square_root, exponential, logarithm, sine,
     cosine, tangent, arc_sine, arc_cosine, arc_tangent, arc_tangent_2, hyperbolic_sine,

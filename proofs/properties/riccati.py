@@ -16,7 +16,7 @@ from compensator_theory.strategies import (
 )
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
 from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 from ..ledger.checks import for_all
 

@@ -20,7 +20,7 @@ from rcac_experiments.experiments.experiment import Experiment
 from rcac_experiments.files.builder import build, load_experiment
 from rcac_experiments.files.documents import Raw, read_file
 from rcac_experiments.files.schema import json_schema
-from rcac_experiments.sweeps.study.study import with_value
+from rcac_experiments.sweeps.study import with_value
 
 values_option = click.option(
     "--set", "values", multiple=True, metavar="KEY=VALUE",

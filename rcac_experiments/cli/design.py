@@ -14,17 +14,17 @@ from rcac_experiments.cli.check import is_transfer_function, read_case
 from rcac_experiments.cli.output import as_json_option, picture_option, show
 from rcac_experiments.files.design_files import design_arguments, save_design
 from rcac_experiments.reports.tuned import tuned_sheet
-from rcac_experiments.sweeps.running.progress import ProgressLine
+from rcac_experiments.sweeps.progress import ProgressLine
 from rcac_experiments.sweeps.tuning import Tuned, tune
 from rcac_numeric.checks.logs import read_log
 from rcac_numeric.controllers.kinds import fir, fir_integrator, pid
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.designing.design import Design
+from rcac_numeric.designing.design import design as designed
+from rcac_numeric.designing.plants import Uncertainty
 from rcac_numeric.reports.design import design_sheet
 from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
-from rcac_numeric.synthesis.design import Design
-from rcac_numeric.synthesis.design import design as designed
-from rcac_numeric.synthesis.plants import Uncertainty
 
 # What only the owner of the plant knows: the option, the question, and what is taken unasked.
 ASKED = {

@@ -14,21 +14,21 @@ from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
 from rcac_experiments.cli.output import as_json_option, show, silence, writable
 from rcac_experiments.dissertation.archive import write_archive
-from rcac_experiments.dissertation.errata.checking import can_run, check_erratum
-from rcac_experiments.dissertation.errata.reading import find_errata
-from rcac_experiments.dissertation.errata.sheet import errata_sheet
+from rcac_experiments.dissertation.checking import can_run, check_erratum
 from rcac_experiments.dissertation.examples import example_ids
 from rcac_experiments.dissertation.load import load_example
 from rcac_experiments.dissertation.pages import headline
+from rcac_experiments.dissertation.reading import find_errata
 from rcac_experiments.dissertation.reproduction import (
     Reproduction,
     case_workers,
     reduced,
     reproduce,
 )
+from rcac_experiments.dissertation.sheet import errata_sheet
 from rcac_experiments.judging.claim import OURS, READING, TEXT, VERDICTS
 from rcac_experiments.reports.cases import Case
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 LARGEST_JOBS = 256
 

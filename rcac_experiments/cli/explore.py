@@ -12,8 +12,8 @@ from rcac_experiments.cli.output import as_json_option, budget_option, show, wri
 from rcac_experiments.experiments.budgets import Budget
 from rcac_experiments.explorer.case import case_of
 from rcac_experiments.explorer.page import explorer_page
-from rcac_numeric.reports.page.rendering import write_page
-from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
+from rcac_numeric.reports.rendering import write_page
+from rcac_numeric.reports.sheet import Fact, Section, Sheet
 
 
 @click.command("explore")

@@ -19,7 +19,7 @@ from rcac_numeric.export.fmu import VERSIONS, export_fmu
 from rcac_numeric.export.folder import LAYOUTS, Export, export_controller
 from rcac_numeric.export.header import REALS
 from rcac_numeric.export.recording import STEPS
-from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
+from rcac_numeric.reports.sheet import Fact, Section, Sheet, Text
 
 
 @click.command("export")

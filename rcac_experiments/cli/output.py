@@ -15,9 +15,9 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_experiments.experiments.budgets import Budget
 from rcac_numeric.plots.formats import require_picture_format, save
-from rcac_numeric.reports.sheets.sheet import Sheet
-from rcac_numeric.reports.sheets.sheet import as_json as json_of
-from rcac_numeric.reports.sheets.terminal import print_sheet
+from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.sheet import as_json as json_of
+from rcac_numeric.reports.terminal import print_sheet
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

@@ -6,7 +6,7 @@ import json
 
 import click
 
-from rcac_experiments.sweeps.study.files import study_schema
+from rcac_experiments.sweeps.files import study_schema
 
 
 @click.command("schema")

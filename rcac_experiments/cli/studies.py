@@ -18,13 +18,13 @@ from rcac_experiments.cli.exits import DONE, EXIT_STATUS, NO
 from rcac_experiments.cli.output import as_json_option, picture_option, show, silence
 from rcac_experiments.dissertation.examples import example_text
 from rcac_experiments.reports.studies import replay_sheet, store_sheet, sweep_sheet
-from rcac_experiments.sweeps.results.export import export_table
-from rcac_experiments.sweeps.results.overview import sweep_overview
-from rcac_experiments.sweeps.results.replay import replay_run
-from rcac_experiments.sweeps.running.progress import ProgressLine
-from rcac_experiments.sweeps.running.sweep import StudyInterrupted, run_study
-from rcac_experiments.sweeps.store.care import check_store, repair_store
-from rcac_experiments.sweeps.study.files import load_study
+from rcac_experiments.sweeps.care import check_store, repair_store
+from rcac_experiments.sweeps.export import export_table
+from rcac_experiments.sweeps.files import load_study
+from rcac_experiments.sweeps.overview import sweep_overview
+from rcac_experiments.sweeps.progress import ProgressLine
+from rcac_experiments.sweeps.replay import replay_run
+from rcac_experiments.sweeps.sweep import StudyInterrupted, run_study
 from rcac_numeric.arrays.wording import printable, shortened
 
 

@@ -29,7 +29,7 @@ from rcac_experiments.experiments.experiment import verify as verified
 from rcac_experiments.reports.cases import case_of, case_page
 from rcac_experiments.reports.verification import verification_sheet
 from rcac_numeric.plots.formats import save
-from rcac_numeric.reports.page.rendering import write_page
+from rcac_numeric.reports.rendering import write_page
 
 
 def _checked_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from rcac_experiments.dissertation.errata.entries import KINDS, Erratum
-from rcac_experiments.dissertation.errata.reading import find_errata
+from rcac_experiments.dissertation.entries import KINDS, Erratum
+from rcac_experiments.dissertation.reading import find_errata
 from rcac_experiments.dissertation.typesetting import typeset, typeset_quotes
 from rcac_experiments.judging.claim import (
     CLASSES,
@@ -24,7 +24,7 @@ from rcac_experiments.judging.claim import (
     VERDICTS,
 )
 from rcac_experiments.reports.cases import Case, ClaimRow, case_page, made_with
-from rcac_numeric.reports.page.rendering import whole_page
+from rcac_numeric.reports.rendering import whole_page
 
 HOME = "rcac_experiments.dissertation"
 # Whose work it is. The text that we worked from names neither year nor repository.

@@ -28,7 +28,7 @@ from rcac_experiments.reports.cases import Case, case_of
 from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value, replaced
-from rcac_numeric.reports.page.rendering import rendered, write_page
+from rcac_numeric.reports.rendering import rendered, write_page
 
 PAGE, CASES = "index.html", "cases"
 FAILED = 2  # the status of a case that could not be made

@@ -26,12 +26,12 @@ from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import instance_of, integer, matrix, number, vector
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.estimation.estimates import estimated_record
-from rcac_numeric.estimation.models.symbolic import SymbolicModel
-from rcac_numeric.estimation.refinement.refinement import refined_record
-from rcac_numeric.estimation.refinement.settings import RCMR
-from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
-from rcac_numeric.estimation.riccati.indirect import IndirectSettings
+from rcac_numeric.estimation.indirect import IndirectSettings
+from rcac_numeric.estimation.refinement import refined_record
+from rcac_numeric.estimation.refinement_settings import RCMR
 from rcac_numeric.estimation.settings import EKF, UKF
+from rcac_numeric.estimation.subsystems import FIRSubsystem, RepeatedParameters
+from rcac_numeric.estimation.symbolic import SymbolicModel
 from rcac_numeric.plants.linear import Plant
 
 OF_MODEL = "Of the model."

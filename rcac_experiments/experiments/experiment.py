@@ -19,7 +19,7 @@ from rcac_experiments.experiments.figure_requests import STANDARD_FIGURES, Figur
 from rcac_experiments.format.places import did_you_mean
 from rcac_experiments.format.values import Integer
 from rcac_experiments.judging.claim import Check, Claim, Measured, OpenItem, Verdict, judged
-from rcac_experiments.measures.measures import MEASURES, OF_PLANT
+from rcac_experiments.judging.measures import MEASURES, OF_PLANT
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.seeds import JUDGING
@@ -29,7 +29,7 @@ from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController, controllers_of
-from rcac_numeric.engine.reference.run import require_supported, simulate_reference
+from rcac_numeric.engine.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation

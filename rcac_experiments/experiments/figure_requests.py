@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_experiments.format.places import did_you_mean
 from rcac_experiments.format.tables import Table
 from rcac_experiments.format.values import Choice, Integer, ListOf, MapOf, Numbers
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 from rcac_numeric.arrays.validation import instance_of, integer, items, one_of, reads, with_checks
 from rcac_numeric.arrays.values import Value
 

@@ -19,8 +19,8 @@ from rcac_experiments.explorer.modules import LARGEST_STEPS, LARGEST_TARGET
 from rcac_experiments.files.builder import build
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.kinds import iir
+from rcac_numeric.controllers.recursive import UD
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.signal import exogenous

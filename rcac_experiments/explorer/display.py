@@ -14,7 +14,7 @@ from rcac_experiments.explorer.case import case_of
 from rcac_experiments.explorer.page import explorer_page
 from rcac_experiments.files.documents import read_file
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.reports.page.rendering import write_page
+from rcac_numeric.reports.rendering import write_page
 
 FRAME = "width: 100%; height: 60rem; border: 0"
 

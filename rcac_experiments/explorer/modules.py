@@ -16,8 +16,8 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.controllers.kinds import iir
+from rcac_numeric.controllers.recursive import UD
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.export.building import run_program
 from rcac_numeric.export.folder import core_texts
 from rcac_numeric.export.header import config_header

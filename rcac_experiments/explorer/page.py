@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from rcac_experiments.explorer.case import draws, scenes, wave
 from rcac_experiments.explorer.modules import modules
-from rcac_numeric.reports.page.rendering import whole_page
+from rcac_numeric.reports.rendering import whole_page
 
 HOME = "rcac_experiments.explorer"
 ORDERS = range(1, 9)  # that every page has

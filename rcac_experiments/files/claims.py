@@ -7,8 +7,8 @@ from typing import Any
 from rcac_experiments.format.tables import Table
 from rcac_experiments.format.values import Choice, MapOf, Numbers
 from rcac_experiments.judging.claim import Check, Claim
+from rcac_experiments.judging.measures import MEASURES, SIGNALS
 from rcac_experiments.judging.reading import check_table, claim_table
-from rcac_experiments.measures.measures import MEASURES, SIGNALS
 
 # The claims that every case with a target model can make: what RCAC fits, and what explains it.
 

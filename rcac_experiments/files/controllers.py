@@ -34,6 +34,7 @@ from rcac_experiments.format.values import (
     Row,
     Schema,
 )
+from rcac_numeric.analysis.lqg import lqg
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
@@ -44,7 +45,6 @@ from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
-from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel

@@ -22,19 +22,19 @@ from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.seeds import JUDGING
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.controllers.kinds import feedforward, fir, fir_integrator, iir, pid
+from rcac_numeric.controllers.recursive import UD
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
+from rcac_numeric.designing.design import Design
+from rcac_numeric.designing.expected import Expected
+from rcac_numeric.designing.trials import FIXED, RCAC
 from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.recordings import Recorded
 from rcac_numeric.signals.signal import Scaled, Signal, Sum, exogenous
 from rcac_numeric.signals.waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
-from rcac_numeric.synthesis.design import Design
-from rcac_numeric.synthesis.expected import Expected
-from rcac_numeric.synthesis.trials import FIXED, RCAC
 
 # The word of each signal in a file, and the field that stands under it; the others are keys.
 WORDS = {

@@ -29,9 +29,9 @@ from rcac_numeric.arrays.values import Value, field_names
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.controllers.updates.update import Update
+from rcac_numeric.controllers.update import Update
 from rcac_numeric.engine.compatibility import controllers_of, require_fit
-from rcac_numeric.engine.reference.run import require_supported
+from rcac_numeric.engine.run import require_supported
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule

@@ -12,17 +12,17 @@ from rcac_experiments.format.parts import Shorthand
 from rcac_experiments.format.tables import Kinds, Table
 from rcac_experiments.format.values import ByStep, Numbers, Real
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.controllers.updates.forgetting import (
+from rcac_numeric.controllers.forgetting import (
     Forgetting,
     ScheduledForgetting,
     SubspaceForgetting,
     VariableRateForgetting,
     forgetting_factor,
 )
-from rcac_numeric.controllers.updates.prior import PriorSamples
-from rcac_numeric.controllers.updates.recursive import UD, Covariance
-from rcac_numeric.controllers.updates.resets import CovarianceReset
-from rcac_numeric.controllers.updates.update import weight
+from rcac_numeric.controllers.prior import PriorSamples
+from rcac_numeric.controllers.recursive import UD, Covariance
+from rcac_numeric.controllers.resets import CovarianceReset
+from rcac_numeric.controllers.update import weight
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
 
 FACTOR = Real(forgetting_factor)

@@ -11,7 +11,7 @@ from compensator_theory.errors import CompensatorError
 from rcac_experiments.estimation.studies import StudyResult
 from rcac_experiments.experiments.experiment import RunResult
 from rcac_experiments.experiments.figure_requests import FigureRequest
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.plots.library import Figure

@@ -13,12 +13,12 @@ from rcac_experiments.experiments.experiment import RunResult
 from rcac_experiments.experiments.figure_requests import FigureRequest
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
+from rcac_numeric.analysis.lqg import lqg
 from rcac_numeric.analysis.match import IntercalatedMatch
+from rcac_numeric.analysis.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.h2.lqg import lqg
-from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plots.axes import legend_below
 from rcac_numeric.plots.library import Axes, Figure

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from rcac_experiments.experiments.figure_requests import FigureRequest
-from rcac_experiments.measures.measures import windows_of
+from rcac_experiments.judging.measures import windows_of
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.gallery.zeros import plant_zeros
 from rcac_numeric.plants.schedules import PlantSchedule, plant_at
-from rcac_numeric.plots.figures.plants import FARTHEST, draw_moduli, draw_zeros
 from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.plants import FARTHEST, draw_moduli, draw_zeros
 from rcac_numeric.plots.style import WANTED, draw_circle
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_experiments.sweeps.results.statistics import SweepSummary
+from rcac_experiments.sweeps.statistics import SweepSummary
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import REACHED, WANTED

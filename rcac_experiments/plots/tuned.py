@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rcac_experiments.sweeps.tuning import ROUNDS, RULE, Tuned
+from rcac_numeric.designing.trials import FIXED
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import line_style
-from rcac_numeric.synthesis.trials import FIXED
 
 
 def plot_tuned(tuned: Tuned) -> Figure:

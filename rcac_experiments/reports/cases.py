@@ -15,10 +15,10 @@ from rcac_experiments.judging.claim import HOLDS, MISPRINT, REPRODUCED, Verdict
 from rcac_experiments.reports.verification import map_lines, verification_sheet
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import in_a_line, shortened
-from rcac_numeric.reports.page.displays import small_pictures_of
-from rcac_numeric.reports.page.rendering import HOME, sheet_html, whole_page
-from rcac_numeric.reports.page.svg import svg_of
-from rcac_numeric.reports.sheets.sheet import Sheet
+from rcac_numeric.reports.displays import small_pictures_of
+from rcac_numeric.reports.rendering import HOME, sheet_html, whole_page
+from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.svg import svg_of
 
 FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from rcac_experiments.sweeps.results.overview import SweepOverview
-from rcac_experiments.sweeps.results.replay import ReplayedRun
-from rcac_experiments.sweeps.results.statistics import SweepSummary, wilson_interval
-from rcac_experiments.sweeps.store.care import StoreCheck
+from rcac_experiments.sweeps.care import StoreCheck
+from rcac_experiments.sweeps.overview import SweepOverview
+from rcac_experiments.sweeps.replay import ReplayedRun
+from rcac_experiments.sweeps.statistics import SweepSummary, wilson_interval
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.checks.diagnosis import loop_health
 from rcac_numeric.reports.loop import health_lines, health_record
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 # Groups that a reader looks through, and errors.
 LONGEST_TABLE, MOST_ERRORS = 40, 5

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 
 from rcac_experiments.sweeps.tuning import RULE, Candidate, Tuned
 from rcac_numeric.reports.design import design_sheet
-from rcac_numeric.reports.sheets.sheet import Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheet import Section, Sheet, Table, Text, cells
 
 BEST = 8  # candidates in the table of a report
 

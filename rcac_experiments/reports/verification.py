@@ -19,8 +19,8 @@ from rcac_experiments.judging.claim import (
     Verdict,
     outcome_of,
 )
-from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.checks.diagnosis import loop_health
+from rcac_numeric.checks.health import LoopHealth
 from rcac_numeric.reports.loop import (
     health_lines,
     health_record,
@@ -28,7 +28,7 @@ from rcac_numeric.reports.loop import (
     loop_section,
     missed_poles,
 )
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}
 MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there are

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 
-from rcac_experiments.sweeps.results.table import read_table
-from rcac_experiments.sweeps.running.progress import Progress
-from rcac_experiments.sweeps.running.sweep import run_study
-from rcac_experiments.sweeps.store.problems import StoreError
-from rcac_experiments.sweeps.study.axes import Axis
-from rcac_experiments.sweeps.study.measures import Kept
-from rcac_experiments.sweeps.study.study import Study
+from rcac_experiments.sweeps.axes import Axis
+from rcac_experiments.sweeps.measures import Kept
+from rcac_experiments.sweeps.problems import StoreError
+from rcac_experiments.sweeps.progress import Progress
+from rcac_experiments.sweeps.study import Study
+from rcac_experiments.sweeps.sweep import run_study
+from rcac_experiments.sweeps.table import read_table
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.synthesis.trials import Trial, Trials, largest_error, sensitivity, whole_rms
+from rcac_numeric.designing.trials import Trial, Trials, largest_error, sensitivity, whole_rms
 
 
 def stored(

@@ -15,8 +15,8 @@ from scipy.stats import qmc
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_experiments.files.design_files import design_toml, save_design
-from rcac_experiments.sweeps.running.pools import InProcess, WorkerPool
-from rcac_experiments.sweeps.running.progress import Progress
+from rcac_experiments.sweeps.pools import InProcess, WorkerPool
+from rcac_experiments.sweeps.progress import Progress
 from rcac_experiments.sweeps.stored_trials import stored
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.seeds import JUDGING
@@ -24,9 +24,7 @@ from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine.compatibility import AnyController
-from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.synthesis.design import (
+from rcac_numeric.designing.design import (
     PEAK,
     Comparison,
     Design,
@@ -35,12 +33,14 @@ from rcac_numeric.synthesis.design import (
     reasons_of,
     verdict_of,
 )
-from rcac_numeric.synthesis.expected import KINDS
-from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, continuous_of
-from rcac_numeric.synthesis.plants import variations as corners
-from rcac_numeric.synthesis.reference import LEARNING
-from rcac_numeric.synthesis.road import Knobs, settings_of
-from rcac_numeric.synthesis.trials import FIXED, RCAC, Trial, Trials
+from rcac_numeric.designing.expected import KINDS
+from rcac_numeric.designing.plants import DesignPlant, Uncertainty, Variation, continuous_of
+from rcac_numeric.designing.plants import variations as corners
+from rcac_numeric.designing.reference import LEARNING
+from rcac_numeric.designing.road import Knobs, settings_of
+from rcac_numeric.designing.trials import FIXED, RCAC, Trial, Trials
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.simulation import simulate
 
 RULE = "rule"
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
@@ -400,7 +400,7 @@ def drawn(
     Examples
     --------
     >>> from rcac_numeric import Uncertainty
-    >>> from rcac_numeric.synthesis.plants import read_plant
+    >>> from rcac_numeric.designing.plants import read_plant
     >>> from rcac_experiments.sweeps.tuning import drawn
     >>> plants = drawn(read_plant("1/(q - 0.9)", None, 0), Uncertainty(), 3)
     >>> [0.8 <= one.gain <= 1.25 for one in plants]

@@ -10,7 +10,7 @@ from compensator_theory import figures
 
 # Pictures and reports stand above every result and import it. A result asks their table, which is
 # imported when the first result is shown: the one import that goes upwards, and by name.
-TABLE = "rcac_numeric.reports.page.displays"
+TABLE = "rcac_numeric.reports.displays"
 
 
 def picture_of(result: object, *arguments: Any, **options: Any) -> figures.Figure:

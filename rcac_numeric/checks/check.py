@@ -10,11 +10,15 @@ from numpy.typing import ArrayLike
 
 from compensator_theory import figures
 from compensator_theory.errors import DivergedError, InputError
+from rcac_numeric.analysis.classical import Margins, channel_margins
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.disk import DiskMargin, multivariable_disk_margin
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.analysis.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.analysis.match import IntercalatedMatch, ResidualSplit
+from rcac_numeric.analysis.noise import NoiseIntensities
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, positive_time
@@ -30,10 +34,6 @@ from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import command_position, controllers_of
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
-from rcac_numeric.h2.noise import NoiseIntensities
-from rcac_numeric.margins.classical import Margins, channel_margins
-from rcac_numeric.margins.disk import DiskMargin, multivariable_disk_margin
 from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import Plant

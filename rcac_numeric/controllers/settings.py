@@ -27,12 +27,12 @@ from rcac_numeric.arrays.validation import (
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator, parallel
+from rcac_numeric.controllers.joint import JointUD
 from rcac_numeric.controllers.normalization import Normalization
+from rcac_numeric.controllers.prior import PriorSamples
 from rcac_numeric.controllers.regressor import filtered_regressor, has_common_filter, regressor_of
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.controllers.updates.joint import JointUD
-from rcac_numeric.controllers.updates.prior import PriorSamples
-from rcac_numeric.controllers.updates.update import Update
+from rcac_numeric.controllers.update import Update
 from rcac_numeric.controllers.weights import SignalWeight, Weight, WeightFunction, weight
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel

@@ -13,10 +13,10 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, number, real_array, signal_array
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.controllers.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.supervision import Supervision, SupervisionRecord
-from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compatibility import (
     AnyController,

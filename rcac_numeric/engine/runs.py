@@ -31,24 +31,24 @@ from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.forgetting import (
+    ScheduledForgetting,
+    SubspaceForgetting,
+    VariableRateForgetting,
+)
+from rcac_numeric.controllers.joint import JointUD
+from rcac_numeric.controllers.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.normalization import Normalization
+from rcac_numeric.controllers.recursive import UD, Covariance
+from rcac_numeric.controllers.resets import CovarianceReset
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.sliding_window import SlidingWindow
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.supervision import (
     SupervisionEvent,
     SupervisionRecord,
     TroubleCount,
 )
-from rcac_numeric.controllers.updates.forgetting import (
-    ScheduledForgetting,
-    SubspaceForgetting,
-    VariableRateForgetting,
-)
-from rcac_numeric.controllers.updates.joint import JointUD
-from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
-from rcac_numeric.controllers.updates.recursive import UD, Covariance
-from rcac_numeric.controllers.updates.resets import CovarianceReset
-from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController, require_fit
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange

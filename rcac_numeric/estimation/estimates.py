@@ -16,6 +16,7 @@ from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import float_array, real_array, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import estimation_failure
+from rcac_numeric.estimation.any_model import AnyModel
 from rcac_numeric.estimation.consistency import Consistency, nees_consistency, nis_consistency
 from rcac_numeric.estimation.estimator import (
     compiled_filter,
@@ -23,14 +24,13 @@ from rcac_numeric.estimation.estimator import (
     noises_of_steps,
 )
 from rcac_numeric.estimation.identifiability import NoiseInformation, noise_information
+from rcac_numeric.estimation.linear import LinearModel
 from rcac_numeric.estimation.local_observability import (
     Observability,
     UnidentifiableWarning,
     UnobservableWarning,
     observability_along,
 )
-from rcac_numeric.estimation.models.any_model import AnyModel
-from rcac_numeric.estimation.models.linear import LinearModel
 from rcac_numeric.estimation.settings import EKF, IMM, UKF, AdaptiveNoises, AnyFilter
 
 

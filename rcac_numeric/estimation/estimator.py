@@ -19,7 +19,7 @@ from rcac_numeric.engine.compiled.estimators import (
     make_filter,
     make_interacting_filters,
 )
-from rcac_numeric.estimation.models.compiled import compiled_model
+from rcac_numeric.estimation.compiled import compiled_model
 from rcac_numeric.estimation.resumable import Resumable
 from rcac_numeric.estimation.settings import (
     EKF,

@@ -12,7 +12,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import square_root_columns
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.estimation.models.linear import LinearModel
+from rcac_numeric.estimation.linear import LinearModel
 from rcac_numeric.estimation.settings import EKF, learned_noises
 
 FREQUENCIES = 2048  # of the mean over the spectrum

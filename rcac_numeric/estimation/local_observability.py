@@ -13,8 +13,8 @@ from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import EstimationModel, estimation_failure, sensitivity
-from rcac_numeric.estimation.models.any_model import AnyModel, any_model
-from rcac_numeric.estimation.models.compiled import compiled_model
+from rcac_numeric.estimation.any_model import AnyModel, any_model
+from rcac_numeric.estimation.compiled import compiled_model
 
 # Steps that are looked at: enough for the rank, and the cost does not grow with the record.
 LONGEST_LOOK = 300

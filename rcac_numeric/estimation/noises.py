@@ -14,11 +14,11 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.engine.compiled.estimators import estimation_failure, learn_noises
+from rcac_numeric.estimation.compiled import compiled_model
 from rcac_numeric.estimation.estimates import record_of
 from rcac_numeric.estimation.identifiability import NoiseInformation, noise_information
+from rcac_numeric.estimation.linear import LinearModel
 from rcac_numeric.estimation.local_observability import UnidentifiableWarning
-from rcac_numeric.estimation.models.compiled import compiled_model
-from rcac_numeric.estimation.models.linear import LinearModel
 from rcac_numeric.estimation.settings import (
     EKF,
     covariance_of,

@@ -27,7 +27,7 @@ from rcac_numeric.arrays.validation import (
     with_checks,
 )
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.estimation.models.any_model import AnyModel, any_model
+from rcac_numeric.estimation.any_model import AnyModel, any_model
 
 
 @attrs.frozen(eq=False, slots=False)

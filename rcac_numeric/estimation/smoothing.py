@@ -11,7 +11,7 @@ from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import float_array, integer, real_array, signal_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.estimation.models.linear import LinearModel
+from rcac_numeric.estimation.linear import LinearModel
 from rcac_numeric.estimation.settings import EKF, square_root
 
 

@@ -18,10 +18,10 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.forgetting import CappedForgetting, SubspaceForgetting
+from rcac_numeric.controllers.recursive import UD
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import Supervision
-from rcac_numeric.controllers.updates.forgetting import CappedForgetting, SubspaceForgetting
-from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.controllers import kernel_arguments

@@ -9,7 +9,7 @@ import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.foreign import sample_time_of as exact_sample_time
-from compensator_theory.transfer_functions.sample_times import shared_sample_time
+from compensator_theory.systems.sample_times import shared_sample_time
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.arrays.values import replaced
 from rcac_numeric.plants.linear import MATRICES, Plant

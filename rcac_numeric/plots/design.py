@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rcac_numeric.designing.design import Design
+from rcac_numeric.designing.trials import FIXED
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import line_style
-from rcac_numeric.synthesis.design import Design
-from rcac_numeric.synthesis.trials import FIXED
 
 
 def plot_design(design: Design) -> Figure:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_numeric.h2.lqg import LQG
+from rcac_numeric.analysis.lqg import LQG
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.pole_maps import Kind, draw_plane
 from rcac_numeric.plots.style import (

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from compensator_theory.frequency.margins import StabilityMargins
-from rcac_numeric.margins.classical import Margins
-from rcac_numeric.margins.disk import DiskMargin
+from compensator_theory.stability.margins import StabilityMargins
+from rcac_numeric.analysis.classical import Margins
+from rcac_numeric.analysis.disk import DiskMargin
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
     CIRCLE,

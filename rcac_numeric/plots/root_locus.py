@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from compensator_theory.frequency.root_locus import RootLocus
+from compensator_theory.stability.root_locus import RootLocus
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import (
     INK,

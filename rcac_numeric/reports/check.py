@@ -6,13 +6,13 @@ from dataclasses import fields
 from math import isnan
 from typing import Any
 
+from rcac_numeric.analysis.boundaries import StabilityBoundary
+from rcac_numeric.analysis.classical import Margins
+from rcac_numeric.analysis.disk import DiskMargin
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.checks.diagnosis import loop_health
 from rcac_numeric.checks.hypotheses import Decision
-from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.margins.boundaries import StabilityBoundary
-from rcac_numeric.margins.classical import Margins
-from rcac_numeric.margins.disk import DiskMargin
 from rcac_numeric.reports.loop import (
     health_lines,
     health_record,
@@ -22,7 +22,7 @@ from rcac_numeric.reports.loop import (
     split_section,
     zeros_facts,
 )
-from rcac_numeric.reports.sheets.sheet import (
+from rcac_numeric.reports.sheet import (
     Block,
     Fact,
     Section,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
-from rcac_numeric.synthesis.design import ADAPTED, Design, compared
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.designing.design import ADAPTED, Design, compared
+from rcac_numeric.designing.trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 
 def design_sheet(design: Design) -> Sheet:

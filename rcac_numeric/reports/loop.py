@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 import compensator_theory as exact
+from rcac_numeric.analysis.classical import Margins
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.checks.diagnosis import loop_health
+from rcac_numeric.checks.health import LoopHealth, SignalHealth, SignalSize
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.health.health import LoopHealth, SignalHealth, SignalSize
-from rcac_numeric.margins.classical import Margins
-from rcac_numeric.reports.sheets.sheet import (
+from rcac_numeric.reports.sheet import (
     Block,
     Fact,
     Level,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_numeric.h2.lqg import LQG
-from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
+from rcac_numeric.analysis.lqg import LQG
+from rcac_numeric.reports.sheet import Fact, Section, Sheet
 
 
 def lqg_sheet(found: LQG) -> Sheet:

@@ -11,7 +11,7 @@ from compensator_theory.loops.siso import siso_loop
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational, scaled
 from rcac_numeric.analysis.observer_forms import NumericObserverForms, numeric_observer_forms
-from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
+from rcac_numeric.reports.sheet import Section, Sheet, Text
 
 FEW = 12
 Decisions = dict[str, exact.results.ObserverDecision]

@@ -8,7 +8,7 @@ import compensator_theory as exact
 from compensator_theory.errors import CompensatorError
 from compensator_theory.polynomials.poly import is_rational
 from rcac_numeric.analysis.placement_conditioning import PlacementConditioning, compared_solves
-from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
+from rcac_numeric.reports.sheet import Section, Sheet, Text
 
 
 def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:

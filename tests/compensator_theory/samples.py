@@ -166,19 +166,19 @@ SAMPLES = {
         lambda a: exact.solve_regulator_equations(f"1/(s + {a})", [[0]], [[-1]])
     ),
     results.ControlledInvariantSubspaces: STATE_SPACES.map(
-        exact.geometry.controlled_invariant_subspaces
+        exact.placement.controlled_invariant_subspaces
     ),
     results.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
-        lambda E: exact.geometry.decouple_disturbance(
+        lambda E: exact.placement.decouple_disturbance(
             ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E, variable="s"
         )
     ),
     results.FixedModes: minimal_plants(2).map(
-        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
+        lambda plant: exact.placement.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
     ),
-    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.geometry.decouple),
-    results.Interactor: strictly_proper_plants(max_order=2).map(exact.geometry.interactor)
-    | st.just(exact.geometry.interactor("a/(s + 1)", "s")),
+    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.placement.decouple),
+    results.Interactor: strictly_proper_plants(max_order=2).map(exact.placement.interactor)
+    | st.just(exact.placement.interactor("a/(s + 1)", "s")),
     results.HInfinityNorm: st.sampled_from(
         ["1/(s + 1)", "(s + 1)/(s**2 + s + 2)", "z/(z - 1/3)"]
     ).map(exact.h_infinity_norm),
@@ -186,28 +186,28 @@ SAMPLES = {
         exact.decide_positive_real
     ),
     results.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
-        lambda over: exact.canonical_forms.jordan_form(
+        lambda over: exact.forms.jordan_form(
             [[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over
         )
     ),
     results.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
-        exact.canonical_forms.frobenius_form
+        exact.forms.frobenius_form
     ),
     results.KroneckerForm: matrices(2, 2).map(
-        lambda A: exact.canonical_forms.kronecker_form(A, [["a", 0], [0, 0]])
+        lambda A: exact.forms.kronecker_form(A, [["a", 0], [0, 0]])
     ),
-    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.popov_form),
+    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.forms.popov_form),
     results.PadeApproximant: nonzero_rationals().map(
-        lambda c: exact.interpolation.pade_approximant([1, c, "a"], 1, 1)
+        lambda c: exact.stability.pade_approximant([1, c, "a"], 1, 1)
     ),
     results.PartialRealisation: nonzero_rationals().map(
-        lambda c: exact.interpolation.partial_realisation([1, c, "a", 0], "z")
+        lambda c: exact.stability.partial_realisation([1, c, "a", 0], "z")
     ),
     results.LaurentExpansion: strictly_proper_plants().map(
-        lambda plant: exact.interpolation.laurent_expansion(plant, "a", 2)
+        lambda plant: exact.stability.laurent_expansion(plant, "a", 2)
     ),
     results.PickInterpolation: nonzero_rationals().map(
-        lambda w: exact.interpolation.nevanlinna_pick([1, 2], [w, 1], 3)
+        lambda w: exact.stability.nevanlinna_pick([1, 2], [w, 1], 3)
     ),
     results.IntervalStability: rationals().map(
         lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])
@@ -245,8 +245,8 @@ SAMPLES = {
         lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
     )
     | st.just(exact.solve_diophantine("s - a", "s - b", "1", variable="s")),
-    results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.canonical_forms.minimal_basis)
-    | st.just(exact.canonical_forms.minimal_basis([["s - a", "s - b"]], "s")),
+    results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.forms.minimal_basis)
+    | st.just(exact.forms.minimal_basis([["s - a", "s - b"]], "s")),
     results.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
         lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, variable="s")
     ),
@@ -262,13 +262,13 @@ SAMPLES = {
     results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
     ),
-    results.RowForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.hermite_form)
-    | POLYNOMIAL_MATRICES.map(exact.canonical_forms.row_reduced_form),
+    results.RowForm: POLYNOMIAL_MATRICES.map(exact.forms.hermite_form)
+    | POLYNOMIAL_MATRICES.map(exact.forms.row_reduced_form),
     results.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
     | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
     exact.results.PolynomialMatrix: POLYNOMIAL_MATRICES,
-    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.smith_form),
-    results.SmithMcMillanForm: transfer_matrices().map(exact.canonical_forms.smith_mcmillan_form),
+    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.forms.smith_form),
+    results.SmithMcMillanForm: transfer_matrices().map(exact.forms.smith_mcmillan_form),
     results.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
     results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),

@@ -455,7 +455,7 @@ MATRICES = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
 @pytest.mark.parametrize(
     "answer",
     [exact.mcmillan_degree, exact.h_infinity_norm, exact.coprime_fractions,
-     exact.canonical_forms.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
+     exact.forms.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
      partial(exact.place_poles, target="-1, -2, -3, -4", feedback=-1),
      partial(exact.stabilising_gains, feedback=-1), exact.partial_fractions,
      partial(exact.markov_parameters, count=4), exact.decide_strong_stabilisability,

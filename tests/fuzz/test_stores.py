@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from rcac_experiments.sweeps import StoreError, check_store, read_table, repair_store, run_study
-from rcac_experiments.sweeps.chunks.chunk import FAILED
-from rcac_experiments.sweeps.store.store import DONE, Store, chunk_digest, digest_of, signals_digest
-from rcac_experiments.sweeps.study.canonical import canonical_json, digest
+from rcac_experiments.sweeps.canonical import canonical_json, digest
+from rcac_experiments.sweeps.chunk import FAILED
+from rcac_experiments.sweeps.store import DONE, Store, chunk_digest, digest_of, signals_digest
 from rcac_numeric.arrays.values import replaced as replace
 from tests.support import studies
 

@@ -14,9 +14,9 @@ from rcac_experiments.files.exact import EXACT_FILE
 from rcac_experiments.files.runs import TABLES
 from rcac_experiments.format.tables import ByKey, Kinds, Table
 from rcac_experiments.format.values import Form
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 from rcac_experiments.plots.requested import DRAWINGS, OF_STUDIES
-from rcac_experiments.sweeps.study.files import STUDY
+from rcac_experiments.sweeps.files import STUDY
 from rcac_numeric.arrays.records import _exact
 from rcac_numeric.engine.runs import RECORDS
 

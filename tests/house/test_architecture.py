@@ -21,9 +21,9 @@ BY_NAME = {
     "rcac_numeric/arrays/showing.py",
     "rcac_experiments/cli/__main__.py",
     "rcac_experiments/cli/main.py",
-    "rcac_experiments/dissertation/errata/checking.py",
-    "rcac_numeric/reports/page/displays.py",
-    "rcac_experiments/sweeps/store/versions.py",
+    "rcac_experiments/dissertation/checking.py",
+    "rcac_numeric/reports/displays.py",
+    "rcac_experiments/sweeps/versions.py",
 }
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))

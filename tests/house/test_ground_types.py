@@ -19,7 +19,7 @@ print(e.solve_riccati([[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[[1]],
 print(e.lqg_controller(e.standard_problem("(q - 2)/(q**2 - 1/4)")))
 print(e.regulator_gain([[-1, 4], [0, -3]], [[0], [1]], [-5, -4]))
 print(e.regulator_gain([["a", 4], [0, -3]], [[0], [1]], [-5, -4]))
-smith_form = e.canonical_forms.smith_form
+smith_form = e.forms.smith_form
 print(smith_form([["s", "a"], [0, "s"]]), smith_form([["s**2", "s"], ["s", "1/2"]]))
 print(e.mcmillan_degree([["1/(s + a)", "1/(s + b)"]], "s"))
 print(e.exceptional_cases(e.is_controllable, [[0, 0], [0, 1]], [["a"], [1]]))

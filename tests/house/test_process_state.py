@@ -21,11 +21,11 @@ ALLOWED = {
     ("compensator_theory/polynomials/ball_precision.py", "prec"),
     ("rcac_experiments/cli/__main__.py", "signal"),
     ("rcac_experiments/dissertation/reproduction.py", "signal"),
-    ("rcac_experiments/sweeps/chunks/worker.py", "signal"),  # of the main thread, while measuring
-    ("rcac_experiments/sweeps/running/pools.py", "signal"),
-    ("rcac_experiments/sweeps/running/pools.py", "environ"),
-    ("rcac_experiments/sweeps/chunks/worker.py", "environ"),
-    ("rcac_numeric/reports/page/svg.py", "rc_context"),
+    ("rcac_experiments/sweeps/worker.py", "signal"),  # of the main thread, while measuring
+    ("rcac_experiments/sweeps/pools.py", "signal"),
+    ("rcac_experiments/sweeps/pools.py", "environ"),
+    ("rcac_experiments/sweeps/worker.py", "environ"),
+    ("rcac_numeric/reports/svg.py", "rc_context"),
 }
 
 

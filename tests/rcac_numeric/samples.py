@@ -16,8 +16,8 @@ from rcac_experiments.files.builder import build
 from rcac_numeric import gallery, identification, results
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.designing.logs import plant_from_log
 from rcac_numeric.signals.signal import Scaled, Sum
-from rcac_numeric.synthesis.logs import plant_from_log
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below

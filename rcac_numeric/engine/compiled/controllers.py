@@ -20,13 +20,13 @@ from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_c
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.joint import JointUD
 from rcac_numeric.controllers.limits import ControlLimits
+from rcac_numeric.controllers.memoryless import Gradient
 from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.supervision import POLICIES, Supervision
-from rcac_numeric.controllers.updates.joint import JointUD
-from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight, Weight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures

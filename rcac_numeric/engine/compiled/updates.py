@@ -20,19 +20,19 @@ from rcac_numeric.arrays.definite_matrices import (
     square_root_columns,
 )
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.controllers.updates.forgetting import (
+from rcac_numeric.controllers.forgetting import (
     CappedForgetting,
     Forgetting,
     ScheduledForgetting,
     SubspaceForgetting,
     VariableRateForgetting,
 )
-from rcac_numeric.controllers.updates.joint import JointUD
-from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
-from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
-from rcac_numeric.controllers.updates.resets import CovarianceReset
-from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
-from rcac_numeric.controllers.updates.update import Update
+from rcac_numeric.controllers.joint import JointUD
+from rcac_numeric.controllers.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers.resets import CovarianceReset
+from rcac_numeric.controllers.sliding_window import SlidingWindow
+from rcac_numeric.controllers.update import Update
 
 Event = tuple[int, str, float]
 

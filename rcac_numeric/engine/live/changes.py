@@ -21,7 +21,7 @@ from rcac_numeric.arrays.validation import (
 )
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import printable
-from rcac_numeric.controllers.updates.forgetting import forgetting_factor
+from rcac_numeric.controllers.forgetting import forgetting_factor
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.targets.model import TargetModel
 

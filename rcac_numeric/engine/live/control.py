@@ -7,12 +7,12 @@ import numpy as np
 from compensator_theory.errors import DivergedError, ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.controllers.forgetting import VariableRateForgetting
+from rcac_numeric.controllers.joint import JointUD
+from rcac_numeric.controllers.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.updates.forgetting import VariableRateForgetting
-from rcac_numeric.controllers.updates.joint import JointUD
-from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
-from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
-from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
+from rcac_numeric.controllers.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.controllers import penalty_rows

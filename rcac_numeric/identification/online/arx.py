@@ -7,7 +7,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.controllers.updates.forgetting import forgetting_factor
+from rcac_numeric.controllers.forgetting import forgetting_factor
 from rcac_numeric.engine.compiled.estimators import make_arx
 from rcac_numeric.identification.online.regression import RecursiveRegression, floor_of
 from rcac_numeric.identification.online.zeros import OnlineZeros, zeros_of

@@ -7,7 +7,7 @@ import numpy as np
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.controllers.updates.forgetting import forgetting_factor
+from rcac_numeric.controllers.forgetting import forgetting_factor
 from rcac_numeric.engine.compiled.estimators import make_mu_markov
 from rcac_numeric.identification.mu_markov import IdentifiedMarkovParameters
 from rcac_numeric.identification.online.regression import RecursiveRegression, floor_of

@@ -130,7 +130,7 @@ CASES = {
     "matrix Diophantine": (
         exact.solve_matrix_diophantine, matrix_diophantine, matrix_diophantines_agree
     ),
-    "Smith": (exact.canonical_forms.smith_form, smith, smiths_agree),
+    "Smith": (exact.forms.smith_form, smith, smiths_agree),
     "Kalman": (exact.kalman_decomposition, kalman, lambda x, y, _: x.dimensions == y.dimensions),
     "Sylvester": (exact.solve_sylvester, sylvester, solutions_agree),
     "Stein": (
@@ -226,33 +226,33 @@ def test_a_solution_where_the_resultant_vanishes_and_what_was_free():
 
 def test_algebraic_values():
     found = exceptional_cases(
-        exact.canonical_forms.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s"
+        exact.forms.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s"
     )
     values = [value for case in found.cases[1:] for _, value in case.values]
     assert {sympy.expand(v**2) for v in values} == {2, 3} and len(values) == 4
     assert all(len(case.answer.elementary_divisors) == 2 for case in found.cases[1:])
     cubic = exceptional_cases(
-        exact.canonical_forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s"
+        exact.forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s"
     )
     assert [case.values[0][1] for case in cubic.cases[1:]] == [sympy.CRootOf(s**3 - s - 1, 0)]
     assert exceptional_cases(
-        exact.canonical_forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s"
+        exact.forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s"
     ).is_complete
 
 
 def test_what_is_left_open_says_why():
     circle = exceptional_cases(
-        exact.canonical_forms.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s"
+        exact.forms.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s"
     )
     assert circle.cases[1].status == "open" and "linear in no symbol" in circle.cases[1].reason
     assert circle.at({"a": "3/5", "b": "4/5"}) == circle.cases[1] and not circle.is_complete
     with exact.budget(field_degree=2):
         found = exceptional_cases(
-            exact.canonical_forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s"
+            exact.forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s"
         )
         assert "field_degree" in found.cases[1].reason
     few = exceptional_cases(
-        exact.canonical_forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2
+        exact.forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2
     )
     assert [case.status for case in few.cases] == ["answered", "answered", "open"]
     found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
@@ -295,7 +295,7 @@ def test_systems_and_matrices_are_substituted():
 
 def test_a_function_of_several_constructions():
     def both(plant, matrix):
-        return exact.place_poles(plant, [-1], feedback=-1), exact.canonical_forms.smith_form(
+        return exact.place_poles(plant, [-1], feedback=-1), exact.forms.smith_form(
             matrix, "s"
         )
 
@@ -310,7 +310,7 @@ def test_a_function_of_several_constructions():
 def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
     def hidden(plant):
         placed = exact.place_poles(plant, [-1], feedback=-1)
-        return placed, exact.canonical_forms.smith_form([["s", entry], [0, "s"]], "s")
+        return placed, exact.forms.smith_form([["s", entry], [0, "s"]], "s")
 
     with pytest.raises(exact.errors.FunctionFailedError, match="besides its arguments"):
         exceptional_cases(hidden, "k/(s + a)")
@@ -322,14 +322,14 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
         (lambda: exceptional_cases("place_poles", "1/s"), "cannot be called"),
         (lambda: exceptional_cases(sympy.Poly, s + a, s), "no exceptional set"),
         (
-            lambda: exceptional_cases(exact.canonical_forms.smith_form, [["s"]], cases=0),
+            lambda: exceptional_cases(exact.forms.smith_form, [["s"]], cases=0),
             "positive integer",
         ),
-        (lambda: exceptional_cases(exact.canonical_forms.smith_form, [["1/s"]]), "polynomial"),
-        (lambda: exceptional_cases(exact.canonical_forms.smith_form, [["s"]]).at(1), "mapping"),
+        (lambda: exceptional_cases(exact.forms.smith_form, [["1/s"]]), "polynomial"),
+        (lambda: exceptional_cases(exact.forms.smith_form, [["s"]]).at(1), "mapping"),
         (
             lambda: exceptional_cases(
-                exact.canonical_forms.smith_form, [["s", "a"], [0, "s"]], "s"
+                exact.forms.smith_form, [["s", "a"], [0, "s"]], "s"
             ).at({"b": 1}),
             "value for a",
         ),

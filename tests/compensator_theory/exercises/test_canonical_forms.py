@@ -4,7 +4,7 @@ import pytest
 import sympy
 
 from compensator_theory import exceptional_cases
-from compensator_theory.canonical_forms import (
+from compensator_theory.forms import (
     frobenius_form,
     hermite_form,
     jordan_form,

@@ -19,8 +19,8 @@ from compensator_theory import (
     transfer_function,
     transfer_matrix,
 )
-from compensator_theory.canonical_forms import kronecker_form
 from compensator_theory.errors import BudgetError, CompensatorError, ImproperError
+from compensator_theory.forms import kronecker_form
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer
 

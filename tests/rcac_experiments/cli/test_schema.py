@@ -5,7 +5,7 @@ import json
 from click.testing import CliRunner
 
 from rcac_experiments.cli.main import main
-from rcac_experiments.sweeps.study.files import study_schema
+from rcac_experiments.sweeps.files import study_schema
 
 
 def test_the_schema_is_printed_as_it_is():

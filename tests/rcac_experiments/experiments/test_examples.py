@@ -17,7 +17,7 @@ from rcac_experiments.judging.claim import (
     VERDICTS,
     Check,
 )
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 from rcac_numeric.arrays.values import replaced
 
 PLACES = ("Example", "Figure", "Table", "Abstract", "Theorem", "end")

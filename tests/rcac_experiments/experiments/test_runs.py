@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_experiments.files.builder import build
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 from rcac_numeric import simulate
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.values import replaced as replace

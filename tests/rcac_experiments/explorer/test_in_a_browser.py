@@ -20,7 +20,7 @@ from rcac_experiments.files.builder import build
 from rcac_numeric import ClosedLoop, stability_margins
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.export.tables import core_tables
-from rcac_numeric.reports.page.rendering import write_page
+from rcac_numeric.reports.rendering import write_page
 from tests.support.core_builds import Core, compiler
 from tests.support.explorer_cases import needs_clang, own
 

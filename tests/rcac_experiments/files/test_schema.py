@@ -19,7 +19,7 @@ from rcac_experiments.files.plants import CHANGE
 from rcac_experiments.files.reference import page_with_tables, reference_tables
 from rcac_experiments.files.runs import OVERRIDE, TABLES
 from rcac_experiments.files.signals import SIGNAL
-from rcac_experiments.measures.measures import MEASURES
+from rcac_experiments.judging.measures import MEASURES
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "experiment-files.md").read_text()

@@ -12,16 +12,17 @@ from rcac_experiments.sweeps import (
     Axis,
     Kept,
     StudyInterrupted,
+    claims,
     export_table,
+    pools,
     read_table,
     run_study,
     summarise,
+    sweep,
     sweep_overview,
 )
-from rcac_experiments.sweeps.chunks.chunk import LONGEST_TEXT
-from rcac_experiments.sweeps.running import pools, sweep
-from rcac_experiments.sweeps.store import claims
-from rcac_experiments.sweeps.store.store import Store
+from rcac_experiments.sweeps.chunk import LONGEST_TEXT
+from rcac_experiments.sweeps.store import Store
 from tests.support import studies
 
 

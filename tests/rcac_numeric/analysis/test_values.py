@@ -30,9 +30,9 @@ from rcac_numeric import (
     target_model,
 )
 from rcac_numeric.analysis.internal_models import drift_of, internal_models
+from rcac_numeric.analysis.loop_costs import loop_costs
+from rcac_numeric.analysis.noise import noise_inputs
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.h2.loop_costs import loop_costs
-from rcac_numeric.h2.noise import noise_inputs
 from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters
 from rcac_numeric.targets import output_subspace_zeros
 

@@ -30,10 +30,10 @@ from rcac_numeric import (
     simulate_reference,
 )
 from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
-from rcac_numeric.controllers.updates.update import Update
+from rcac_numeric.controllers.recursive import RecursiveLeastSquares
+from rcac_numeric.controllers.update import Update
+from rcac_numeric.engine.ball_updates import BALL_UPDATES
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
-from rcac_numeric.engine.reference.ball_updates import BALL_UPDATES
 from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT
 from tests.support.signals import white

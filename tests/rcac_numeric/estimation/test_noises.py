@@ -20,7 +20,7 @@ from rcac_numeric.estimation import (
     fit_noises,
     noise_information,
 )
-from rcac_numeric.estimation.models.compiled import compiled_model
+from rcac_numeric.estimation.compiled import compiled_model
 from rcac_numeric.estimation.settings import square_root
 from tests.support.estimation_cases import (
     PENDULUM,

@@ -6,7 +6,7 @@ import pytest
 from rcac_experiments import FigureRequest, verify
 from rcac_experiments.dissertation import load_example
 from rcac_experiments.files.builder import build
-from rcac_experiments.measures.measures import windows_of
+from rcac_experiments.judging.measures import windows_of
 from rcac_experiments.plots.requested import plot_request
 from rcac_numeric.gallery import (
     aircraft_transition,

@@ -19,8 +19,8 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.observer import observer_sheet
 from rcac_numeric.reports.placement import placement_sheet
-from rcac_numeric.reports.sheets.sheet import as_dict
-from rcac_numeric.reports.sheets.terminal import as_text
+from rcac_numeric.reports.sheet import as_dict
+from rcac_numeric.reports.terminal import as_text
 from tests.support.strategies import plants, seeds
 
 

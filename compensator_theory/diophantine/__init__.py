@@ -1,1 +1,0 @@
-"""Linear equations between polynomials and polynomial matrices."""

@@ -1,1 +1,0 @@
-"""Properties along the imaginary axis or the unit circle: norms, passivity."""

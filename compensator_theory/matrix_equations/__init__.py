@@ -1,1 +1,0 @@
-"""Linear equations for matrices: Sylvester, Lyapunov, Stein, Gramians, the regulator equations."""

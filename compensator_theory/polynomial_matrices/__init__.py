@@ -1,1 +1,0 @@
-"""Matrices of polynomials, in one variable or in the symbols, and elimination in them."""

@@ -1,0 +1,5 @@
+"""Where roots lie for which parameters, margins, norms and what interpolation decides of them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

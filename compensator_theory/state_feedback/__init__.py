@@ -1,1 +1,0 @@
-"""State feedback and output injection for several signals: every gain, by what it leaves free."""

@@ -1,1 +1,0 @@
-"""The structure theory of systems, exact: decompositions, zeros, fractions, realisations."""

@@ -1,1 +1,0 @@
-"""Continua of invariant subspaces: their strata, dimensions and parametrisations."""

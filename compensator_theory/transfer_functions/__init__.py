@@ -1,1 +1,0 @@
-"""Transfer functions and their matrices: exact data, arithmetic, expansions."""

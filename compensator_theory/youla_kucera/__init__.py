@@ -1,1 +1,0 @@
-"""All stabilising compensators: doubly coprime fractions and the parameter of Youla and Kucera."""

@@ -1,1 +1,0 @@
-"""Where the dissertation's text is wrong, what is true, and how that is known."""

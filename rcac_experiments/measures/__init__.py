@@ -1,1 +1,0 @@
-"""What claims and studies measure: a run with its analyses, and the measures by name."""

@@ -1,1 +1,0 @@
-"""What a worker does: some runs of a study, and nothing else."""

@@ -1,1 +1,0 @@
-"""The SQLite file that a study is written to as its runs end."""

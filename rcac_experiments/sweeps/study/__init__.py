@@ -1,1 +1,0 @@
-"""A study as data: what varies, what is measured, and what each run is."""

@@ -1,0 +1,1 @@
+"""From a plant to a controller with reasons."""

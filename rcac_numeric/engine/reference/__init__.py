@@ -1,1 +1,0 @@
-"""The same run in certified ball arithmetic."""

@@ -1,1 +1,0 @@
-"""What an estimator knows of the world: linear, symbolic and Python models as data."""

@@ -1,1 +1,0 @@
-"""Retrospective cost model refinement: subsystems that no sensor sees, and parameters as such."""

@@ -1,1 +1,0 @@
-"""LQG and H2 costs, on Riccati and Lyapunov equations whose solutions are checked."""

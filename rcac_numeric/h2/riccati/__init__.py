@@ -1,1 +1,0 @@
-"""Discrete-time Riccati equations: solved, checked, or refused with the reason."""

@@ -1,1 +1,0 @@
-"""Gain, phase, delay and disk margins, without a frequency grid."""

@@ -1,1 +1,0 @@
-"""Figures of examples and of runs, each answering one question."""

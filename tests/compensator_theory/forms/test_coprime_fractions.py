@@ -1,0 +1,203 @@
+"""Hermite and row-reduced forms, coprime fractions and Bezout identities, against minors."""
+
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Matrix, Poly, eye
+
+import compensator_theory as exact
+from compensator_theory import (
+    InputError,
+    TransferMatrix,
+    coprime_fractions,
+    polynomial,
+    polynomial_matrix,
+)
+from compensator_theory.errors import BudgetError
+from compensator_theory.forms import hermite_form, row_reduced_form
+from compensator_theory.strategies import coprime_pairs
+from tests.support.structure_cases import (
+    G_OF_THE_NOTES,
+    divisors,
+    minors,
+    nonzero_point,
+    pole_polynomial,
+    polynomial_matrices,
+    transfer_matrices,
+)
+
+s, a, b = sympy.symbols("s a b")
+
+
+def expanded(matrix):
+    return matrix.applyfunc(sympy.expand)
+
+
+def is_unimodular(matrix):
+    """Whether a matrix of rational functions is polynomial, with a constant determinant."""
+    entries = matrix.applyfunc(sympy.cancel)
+    determinant = sympy.cancel(entries.det())
+    return all(e.is_polynomial(s) for e in entries) and determinant.is_number and determinant != 0
+
+
+@pytest.mark.costly
+@given(polynomial_matrices())
+def test_the_hermite_form(P):
+    found = hermite_form(P)
+    U, H = found.U.as_matrix(), found.form.as_matrix()
+    assert expanded(U * P.as_matrix() - H).is_zero_matrix
+    assert expanded(U * found.U_inverse.as_matrix()) == eye(P.shape[0])
+    assert found.rank == len(divisors(P.as_matrix())) and found.certificate.holds
+    last = -1
+    for i, row in enumerate(found.form.rows):
+        columns = [j for j, entry in enumerate(row) if not entry.is_zero]
+        assert bool(columns) == (i < found.rank)
+        if columns:
+            assert columns[0] > last and row[columns[0]].is_monic
+            last = columns[0]
+            for above in range(i):
+                degree = found.form[above, last].degree()
+                assert found.form[above, last].is_zero or degree < row[last].degree()
+
+
+@given(polynomial_matrices(), st.lists(st.integers(-2, 2), min_size=3, max_size=3))
+def test_the_hermite_form_is_unique(P, numbers):
+    """Any unimodular matrix from the left leads to the same form."""
+    p = P.shape[0]
+    lower, upper = eye(p), eye(p)
+    for i in range(1, p):
+        lower[i, 0], upper[0, i] = numbers[0] * s + numbers[1], numbers[2]
+    disguised = expanded(Matrix(lower) * Matrix(upper) * P.as_matrix())
+    assert hermite_form(disguised, "s").form == hermite_form(P).form
+
+
+@given(polynomial_matrices())
+def test_row_degrees_add_up_to_the_largest_degree_of_a_minor(P):
+    found = row_reduced_form(P)
+    assert expanded(found.U.as_matrix() * P.as_matrix() - found.form.as_matrix()).is_zero_matrix
+    assert is_unimodular(found.U.as_matrix())
+    assert found.rank == len(divisors(P.as_matrix()))
+    assert found.leading_matrix.rank() == found.rank
+    if found.rank:
+        top = found.form.as_matrix()[: found.rank, :]
+        largest = max(Poly(m, s).degree() for m in minors(top, found.rank) if m != 0)
+        assert sum(found.row_degrees) == largest
+    if found.rank == P.shape[0] == P.shape[1]:
+        assert sum(found.row_degrees) == Poly(P.as_matrix().det(), s).degree()
+
+
+@given(transfer_matrices(extra=1))
+def test_both_fractions_are_the_transfer_matrix(G):
+    found = coprime_fractions(G)
+    poles = pole_polynomial(G)
+    point = nonzero_point(G.denominator, poles)
+    value = Matrix(G.numerator_matrix().subs(s, point)) / G.denominator.eval(point)
+    D_r, N_r, D_l, N_l = (Matrix(x(point)) for x in (found.D_r, found.N_r, found.D_l, found.N_l))
+    assert N_r * D_r.inv() == value == D_l.inv() * N_l
+    N, d = G.numerator_matrix(), G.denominator.as_expr()
+    assert expanded(N * found.D_r.as_matrix() - d * found.N_r.as_matrix()).is_zero_matrix
+    assert expanded(found.D_l.as_matrix() * N - d * found.N_l.as_matrix()).is_zero_matrix
+
+
+@pytest.mark.costly
+@given(transfer_matrices(extra=1))
+def test_they_are_coprime_and_of_least_degree(G):
+    found = coprime_fractions(G)
+    right = found.D_r.as_matrix().col_join(found.N_r.as_matrix())
+    left = found.D_l.as_matrix().row_join(found.N_l.as_matrix())
+    assert divisors(right)[-1] == divisors(left)[-1] == polynomial(1, "s")
+    poles = pole_polynomial(G)
+    for D in (found.D_r, found.D_l):
+        assert exact.monic(D.determinant()) == poles
+    assert found.pole_polynomial == poles and found.order == poles.degree()
+
+
+@given(transfer_matrices(extra=1))
+def test_the_bezout_identities_multiplied_out_by_sympy(G):
+    found = coprime_fractions(G)
+    D_r, N_r, D_l, N_l, X_r, Y_r, X_l, Y_l = (
+        getattr(found, name).as_matrix()
+        for name in ("D_r", "N_r", "D_l", "N_l", "X_r", "Y_r", "X_l", "Y_l")
+    )
+    p, m = G.shape
+    left = Matrix(sympy.BlockMatrix([[X_r, Y_r], [-N_l, D_l]]))
+    right = Matrix(sympy.BlockMatrix([[D_r, -Y_l], [N_r, X_l]]))
+    assert expanded(left * right) == eye(p + m) == expanded(right * left)
+    for i in range(m):
+        for j in range(p):
+            assert found.Y_r[i, j].is_zero or found.Y_r[i, j].degree() < found.D_l[j, j].degree()
+
+
+@given(transfer_matrices())
+def test_what_numerator_and_denominator_share_does_not_matter(G):
+    factor = polynomial("s + 5")
+    rows = tuple(tuple(entry * factor for entry in row) for row in G.numerators)
+    first, second = (
+        coprime_fractions(G),
+        coprime_fractions(TransferMatrix(rows, G.denominator * factor)),
+    )
+    for name in ("D_r", "N_r", "D_l", "N_l"):
+        assert getattr(first, name) == getattr(second, name)
+
+
+def test_the_example_of_the_notes():
+    found = coprime_fractions(G_OF_THE_NOTES)
+    D_r = Matrix([[s**2 + 3 * s + 2, -s - 1], [0, s + 1]])
+    N_r = Matrix([[s + 2, 1], [-1, 1]])
+    Z = (found.D_r.as_matrix().inv() * D_r).applyfunc(sympy.cancel)
+    assert is_unimodular(Z) and expanded(found.N_r.as_matrix() * Z - N_r).is_zero_matrix
+    D_l, N_l = Matrix([[-s - 1, 0], [0, s**2 + 3 * s + 2]]), Matrix([[-1, -2], [-1, s + 1]])
+    W = (D_l * found.D_l.as_matrix().inv()).applyfunc(sympy.cancel)
+    assert is_unimodular(W) and expanded(W * found.N_l.as_matrix() - N_l).is_zero_matrix
+    assert found.order == 3
+    # The Bezout identity there, X D_r + Y N_r = I, with our class.
+    X, Y = (
+        polynomial_matrix([[0, "-1/2"], [0, "-1/2"]], "s"),
+        polynomial_matrix([["1/2", "s/2"], ["1/2", "(s + 2)/2"]], "s"),
+    )
+    assert X @ polynomial_matrix(D_r) + Y @ polynomial_matrix(N_r) == polynomial_matrix(eye(2), "s")
+
+
+def test_symbols_say_where_they_hold():
+    found = coprime_fractions("(s - a)/(s*(s - b))", "s")
+    assert set(found.exceptional) == {a, a - b} and found.certificate.holds
+    assert coprime_fractions("(s - a)/(s*(s - a))", "s").order == 1
+    row = row_reduced_form([["a*s", "s"], ["b*s + 1", "s"]], "s")
+    assert row.exceptional == (a - b,) and row.row_degrees == (1, 1)
+
+
+def test_scalars_agree_with_the_scalar_identity():
+    found = coprime_fractions("(s + 5)/(s**2 + 3*s + 2)")
+    scalar = exact.bezout_identity("s**2 + 3*s + 2", "s + 5")
+    assert found.X_r[0, 0] == scalar.x and found.Y_r[0, 0] == scalar.y
+    assert coprime_fractions([[2, "s"]], "s").order == 0
+
+
+@given(coprime_pairs())
+def test_the_scalar_identity_is_that_of_the_matrix(pair):
+    """And SymPy's: what is of least degree is unique."""
+    D, N = pair
+    scalar = exact.bezout_identity(D, N)
+    x, y, gcd = sympy.gcdex(D, N)
+    assert gcd == 1 and scalar.gcd == gcd and (scalar.x, scalar.y) == (x, y)
+    found = coprime_fractions([[(N, D)]], "s")
+    assert (found.X_r[0, 0], found.Y_r[0, 0]) == (x, y)
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        (lambda: coprime_fractions(None), InputError),
+        (lambda: coprime_fractions([["1/s", "1/z"]]), InputError),
+        (lambda: coprime_fractions([["1/0"]]), InputError),
+        (lambda: coprime_fractions([["1/(s**900 + 1)", 1]]), BudgetError),
+        (lambda: hermite_form([["1/s"]]), InputError),
+        (lambda: hermite_form([]), InputError),
+        (lambda: row_reduced_form([["s"], [1, 2]]), InputError),
+        (lambda: row_reduced_form([["exp(s)"]]), InputError),
+    ],
+)
+def test_bad_input(call, error):
+    with pytest.raises(error):
+        call()

@@ -1,0 +1,129 @@
+"""From state space to (2.28): the same response and poles, or a refusal by name; never another."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import CompensatorError, IllConditionedError
+from rcac_numeric import Plant, compensator_from_state_space, lqg
+from rcac_numeric.analysis.conversion import converted, deadbeat_gain
+from tests.support.delayed_plants import delayed_plant
+from tests.support.strategies import seeds
+
+# On the circle, between the points that the certificate uses.
+POINTS = np.exp(1j * np.linspace(0.0123, np.pi - 0.0123, 41))
+
+
+def response(parts):
+    A, B, C, D = parts
+    return np.array([C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D for z in POINTS])
+
+
+def gap(design):
+    """Of the difference equation to the state space, relative at each frequency; and if it is any.
+
+    Where nothing can be predicted G_c is zero, and its state space leaves only rounding, below
+    1e-12 of the terms C (qI - A)^{-1} B that it is the sum of; the gap is then relative to them.
+    """
+    A, B, C, _ = design.state_space
+    wanted, found = response(design.state_space), response(design.compensator.state_space())
+    sizes = np.linalg.norm(wanted, axis=(1, 2))
+    terms = np.linalg.norm(C) * np.linalg.norm(response((A, B, np.eye(len(A)), 0 * B)), axis=(1, 2))
+    is_any = sizes.max() > 1e-12 * terms.max() + np.finfo(float).tiny
+    gaps = np.linalg.norm(found - wanted, axis=(1, 2))
+    return float((gaps / (sizes if is_any else np.maximum(terms, 1.0))).max()), is_any
+
+
+@pytest.mark.costly
+def test_random_designs_with_delays_keep_their_response(in_full):
+    made, refused, nothing, worst = 0, 0, 0, 0.0
+    rng = np.random.default_rng(0)
+    while made < (2000 if in_full else 60):
+        try:
+            design = lqg(delayed_plant(rng))
+        except CompensatorError:
+            continue
+        made += 1
+        try:
+            found, is_any = gap(design)
+        except IllConditionedError:
+            refused += 1
+            continue
+        worst, nothing = max(worst, found), nothing + (not is_any)
+        assert found < 1e-8
+        assert design.certificate.worst < 1e-9
+        assert design.loop.is_stable == np.isfinite(design.cost.value)
+    assert refused <= made / 100
+    print(f"{made} designs, {refused} refused by name, {nothing} zero, worst gap {worst:.1e}")
+
+
+def test_two_delayed_inputs_with_a_common_mode():
+    """Of the audit: the difference equation made a loop of radius 28.9 of one of 8e-5."""
+    plant = Plant(
+        A=[[0.7, 1, -0.6], [0, 0, 0], [0, 0, 0]], B=[[0, 0], [1, 0], [0, 1]],
+        C=[[-1.4, 0, 0], [-1.4, 0, 0]], D_1=np.hstack([np.diag([1.0, 0, 0]), np.zeros((3, 2))]),
+        D_2=np.hstack([np.zeros((2, 3)), 0.01 * np.eye(2)]),
+        E_1=[[-1.4, 0, 0], [-1.4, 0, 0], [0, 0, 0], [0, 0, 0]],
+        E_2=[[0, 0], [0, 0], [0.001, 0], [0, 0.001]],
+    )  # fmt: skip
+    design = lqg(plant)
+    assert design.cost.value == pytest.approx(6.782, abs=1e-3)
+    assert gap(design)[0] < 1e-11
+    assert design.loop.spectral_radius < 1e-2  # a multiple pole at 0
+    assert np.abs(design.compensator.past_u).max() < 10
+
+
+@given(seeds, st.integers(2, 6), st.integers(1, 3), st.integers(0, 2))
+def test_a_deadbeat_gain_makes_nilpotent_what_is_shown(seed, n, outputs, hidden):
+    rng = np.random.default_rng(seed)
+    A, C = rng.standard_normal((n, n)), rng.standard_normal((outputs, n))
+    whole = np.block([[A, np.zeros((n, hidden))], [np.zeros((hidden, n)), 1.3 * np.eye(hidden)]])
+    Q = np.linalg.qr(rng.standard_normal((n + hidden, n + hidden)))[0]
+    whole, shown = Q @ whole @ Q.T, np.hstack([C, np.zeros((outputs, hidden))]) @ Q.T
+    F, kept, steps = deadbeat_gain(whole, shown, 1e-9)
+    assert kept.shape[1] == n and steps == -(-n // min(outputs, n))
+    closed = kept.T @ (whole - F @ shown) @ kept
+    size = np.linalg.norm(closed) ** steps
+    assert np.abs(np.linalg.matrix_power(closed, steps)).max() < 1e-6 * max(size, 1.0)
+
+
+def test_the_certificate_sees_a_wrong_difference_equation(monkeypatch):
+    """With candidates that are all wrong nothing is handed out."""
+    parts = np.diag([0.5, 0.2]), np.ones((2, 1)), np.eye(2), np.zeros((2, 1))
+    good = converted(parts)[1]
+    assert good.worst < 1e-12 and good.left_out == 0 and np.abs(good.points).min() >= 1 - 1e-12
+
+    def wrong(A, B, C, D):
+        yield (np.zeros((1, 2, 2)), np.ones((2, 2, 1))), np.eye(2)
+
+    monkeypatch.setattr("rcac_numeric.analysis.conversion.difference_equations", wrong)
+    with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
+        converted(parts)
+
+
+def test_an_error_is_seen_where_the_response_is_small(monkeypatch):
+    """Near a zero on the circle, where an error of 3e-10 is much of what is left."""
+    middle = -2 * np.cos(np.pi / 4 + 1e-3)  # 1 + middle q^-1 + q^-2, twice
+    parts = np.eye(2, k=-1), np.eye(2)[:, :1], np.array([[middle, 1.0]] * 2), np.ones((2, 1))
+    assert converted(parts)[1].worst < 1e-9
+
+    def wrong(A, B, C, D):
+        yield (np.zeros((2, 2, 2)), np.stack([D + 3e-10, middle * D, D])), np.eye(2)
+
+    monkeypatch.setattr("rcac_numeric.analysis.conversion.difference_equations", wrong)
+    with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
+        converted(parts)
+
+
+def test_an_integrator_is_checked_beside_its_pole():
+    found = compensator_from_state_space(np.eye(2), np.eye(2), np.eye(2))
+    assert np.allclose(found.past_u[0], np.eye(2)) and np.allclose(found.past_y[1], np.eye(2))
+    assert np.isfinite(converted((np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2))))[1].residual)
+
+
+def test_a_response_that_is_rounding_only_is_none():
+    """C and B are orthogonal up to rounding: what is left is 1e-17 of the terms."""
+    B, C = np.array([[0.1], [0.2], [-0.3]]), np.array([[1.0, 1.0, 1.0], [3.0, 3.0, 3.0]])
+    found, certificate = converted((0.5 * np.eye(3), B, C, np.zeros((2, 1))))
+    assert np.abs(found.past_y).max() < 1e-15 and certificate.worst < 1e-9

@@ -1,0 +1,239 @@
+"""The health of a loop: what is wrong is said first, with the remedy that cures it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from compensator_theory.errors import InputError
+from rcac_experiments import load_experiment, verify
+from rcac_experiments.reports.cases import case_of
+from rcac_experiments.reports.verification import verification_sheet
+from rcac_numeric import (
+    UD,
+    Compensator,
+    ControllerSettings,
+    FixedController,
+    Saturation,
+    Step,
+    TargetModel,
+    WhiteNoise,
+    check_controller,
+    exogenous,
+    fir_target,
+    iir,
+    loop_health,
+    servo_plant,
+    simulate,
+    stability_margins,
+    standard_plant,
+)
+from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.checks.health import excitation_of
+from rcac_numeric.checks.rules import small_margins
+from rcac_numeric.checks.target_errors import target_errors
+from rcac_numeric.checks.trials import next_disturbance
+from rcac_numeric.reports.check import check_sheet
+from rcac_numeric.reports.loop import health_lines
+from rcac_numeric.reports.sheet import as_dict
+
+MOTOR = """
+title = "A motor with unit steps"
+[plant]
+problem = "servo"
+G = "(0.0001*q + 0.00009)/(q**2 - 1.9*q + 0.9)"
+[signals]
+r = { step = 1.0 }
+[target]
+model = "fir"
+[controller]
+structure = "iir"
+n_c = 4
+R_theta = 1e-6
+[run]
+steps = 2000
+"""
+
+
+def codes(health):
+    return [warning.code for warning in health.warnings]
+
+
+def adapted(plant, target, w, R_theta=1e-2, n_c=2, **options):
+    settings = ControllerSettings(structure=iir(n_c=n_c), target=target, update=UD(R_theta=R_theta))
+    return simulate(plant, settings, w, **options)
+
+
+@pytest.fixture(scope="module")
+def motor(tmp_path_factory):
+    file = tmp_path_factory.mktemp("motor") / "motor.toml"
+    file.write_text(MOTOR)
+    return verify(load_experiment(file))
+
+
+def test_a_motor_that_blew_up_on_the_way_does_not_end_green(motor):
+    run = motor.main.first.run
+    assert run.outcome == "completed" and abs(run.u).max() > 1e6 and abs(run.z[-1]).max() < 1e-9
+    health = loop_health(motor)
+    assert {"large transient", "large control"} <= set(codes(health))
+    sheet = verification_sheet(motor)
+    assert [t.level for t in sheet.health][:3] == ["warning", "bad", "bad"]
+    record = as_dict(sheet)
+    assert record["health"]["signals"]["u"]["after"]["peak"] == abs(run.u).max()
+    assert [w["code"] for w in record["warnings"]] == codes(health)
+    assert all(w["next_step"] and w["sentence"] for w in record["warnings"])
+    json.dumps(record, allow_nan=False)
+
+
+@pytest.mark.costly
+def test_text_and_page_begin_with_what_the_record_says(motor):
+    text, body = str(motor), case_of(motor).body
+    first = text.split("\n\n", maxsplit=1)[0]
+    assert repr(motor) == first and "Warning (large transient)" in first
+    assert body.index("Warning (large transient)") < body.index("The problem")
+
+
+def test_a_larger_R_theta_cures_the_motor_as_the_warning_says(motor):
+    """R_theta = 1: |u| stays below 1, and no grave warning is left."""
+    spec = motor.main.specification
+    tame = replace(spec, settings=replace(spec.settings, update=UD(R_theta=1.0)))
+    health = loop_health(tame.execute().first)
+    assert health.signals["u"].after.peak < 1
+    assert not any(warning.is_grave for warning in health.warnings)
+
+
+def test_the_boost_converter_says_its_gain_margin():
+    found = verify(load_experiment("examples/boost_converter.toml"))
+    health = loop_health(found)
+    oracle = stability_margins(found.main.first.loop).gain_up.value
+    assert oracle < 1.5 and health.margins["u"].gain_up.value == oracle
+    assert "small margins" in codes(health)
+    assert f"{oracle:.3g} times the gain is unstable" in str(found).split("The problem")[0]
+    assert health.is_stable and "NOT reached" not in str(found), "an example shows what works"
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_a_loop_at_1e52_has_diverged_by_default_whatever_the_scale(scale):
+    """1e15 times what acts on the loop: no digit of it is left in float64."""
+    plant = standard_plant("1/(q - 1.5)")
+    idle = FixedController(Compensator(np.zeros((0, 1, 1)), np.zeros((1, 1, 1))))
+    run = simulate(plant, idle, scale * np.ones((300, 1)))
+    assert run.outcome == "diverged" and abs(run.z).max() <= 1e15 * max(scale, 1.0)
+    health = loop_health(run)
+    assert health.is_stable is False and codes(health)[:2] == ["diverged", "unstable"]
+
+
+def test_a_wrong_sign_is_named_and_turning_it_is_the_cure():
+    plant = servo_plant("1/(q - 0.5)")
+    w = exogenous([Step(), WhiteNoise(0.01)], steps=500)[:, :1] @ np.array([[1.0, 0.0, 0.0]])
+    right = fir_target(plant)
+    wrong = TargetModel(-right.numerator, right.denominator)
+    bad, good = (loop_health(adapted(plant, target, w)) for target in (wrong, right))
+    assert "wrong sign" in codes(bad) and bad.is_stable is False
+    assert "turn the sign" in bad.warnings[0].next_step
+    assert "wrong sign" not in codes(good) and good.is_stable
+
+
+def test_contradictions_between_target_and_plant():
+    plant = standard_plant("(q - 1.25)/(q**2*(q - 0.5))")
+    assert target_errors(plant, fir_target(plant)) == ()
+    found = target_errors(plant, TargetModel([0.0, 1.0]))
+    assert [e.code for e in found] == ["wrong d_zu", "unmodelled zero"]
+    assert "d_zu = 2" in found[0].next_step and "1.25" in found[1].next_step
+
+
+def test_excitation_is_the_count_of_a_plain_sum():
+    """Against the regressor written out step by step."""
+    plant = standard_plant("(q - 0.3)/(q*(q - 0.9))")
+    w = exogenous([WhiteNoise()], steps=200, seed=4)
+    for R_theta in (1e-3, 50.0, 1e9):
+        run = adapted(plant, fir_target(plant), w, R_theta)
+        N = run.settings.target.numerator[:, 0, 0]
+        pairs = [(signal, lag) for signal in (run.u, run.y) for lag in (1, 2)]
+        phi = [np.array([s[k - i, 0] if k >= i else 0.0 for s, i in pairs]) for k in range(200)]
+        total = np.zeros((4, 4))
+        for k in range(run.settings.k_update, run.steps):
+            row = sum((N[i] * phi[k - i] for i in range(len(N)) if k >= i), np.zeros(4))
+            total += np.outer(row, row)
+        expected = int((np.linalg.eigvalsh(total) > R_theta).sum())
+        assert excitation_of(run).outweighed == expected
+    assert "no excitation" in codes(loop_health(run)) and expected == 0
+
+
+def test_saturation_rounding_and_a_short_record_are_said():
+    plant = servo_plant("1/(q - 0.99)")
+    w = np.zeros((400, 3))
+    w[:, 0] = 1.0
+    held = adapted(plant, fir_target(plant), w, 1e-3, saturation=Saturation(low=-0.005, high=0.005))
+    health = loop_health(held)
+    assert "saturated" in codes(health)
+    assert health.signals["u"].after.peak > 0.005 == health.signals["u_applied"].after.peak
+    assert "u_applied" not in loop_health(adapted(plant, fir_target(plant), w, 1e-3)).signals
+    idle = FixedController(Compensator(np.zeros((0, 1, 1)), np.zeros((1, 1, 1))))
+    assert codes(loop_health(simulate(plant, idle, w[:50]))) == ["slow"]
+    guarded = replace(held, guard_count=3, guard_first_step=7)
+    assert "rounding" in codes(loop_health(guarded))
+
+
+@pytest.mark.parametrize(("steps", "is_saturated"), [(4, False), (5, True), (40, True)])
+def test_saturated_is_an_actuator_that_misses_more_than_a_tenth_of_the_last_tenth(
+    steps, is_saturated
+):
+    """Of 400 steps the last 40 count; before them the actuator may do what it likes."""
+    plant = servo_plant("1/(q - 0.99)")
+    run = adapted(plant, fir_target(plant), np.ones((400, 3)) * [0.001, 0, 0],
+                  saturation=Saturation(low=-5, high=5))  # fmt: skip
+    applied = run.u.copy()
+    applied[:360] += 1.0
+    applied[len(applied) - steps :] += 1.0
+    health = loop_health(replace(run, u_applied=applied))
+    assert ("saturated" in codes(health)) == is_saturated
+
+
+@pytest.mark.parametrize(("moved", "is_unsettled"), [(0.09, False), (0.12, True), (0.8, True)])
+def test_unsettled_is_theta_that_moves_by_more_than_a_tenth_of_its_size(moved, is_unsettled):
+    """Of a run and of its log: what theta was when the last tenth began, beside what it became."""
+    plant = standard_plant("1/(q - 0.9)")
+    run = adapted(plant, fir_target(plant), exogenous([WhiteNoise()], 400))
+    theta = np.repeat(run.theta_final[None], 400, axis=0)
+    theta[:380] *= 1 - moved
+    assert drift_of(theta).relative == pytest.approx(moved)
+    shown = [loop_health(replace(run, theta=theta))]
+    shown.append(loop_health(check_controller(run.u, run.y, theta=theta, structure=iir(2))))
+    for health in shown:
+        assert ("unsettled" in codes(health)) == is_unsettled
+
+
+def test_a_check_begins_with_health_too():
+    plant = standard_plant("1/(q - 2)")
+    gain = Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
+    u, y = np.zeros((20, 1)), np.zeros((20, 1))
+    sheet = check_sheet(check_controller(u, y, compensator=gain, plant=plant))
+    assert sheet.health[0].words.startswith("The closed loop is stable")
+    assert [w["code"] for w in sheet.record["warnings"]] == ["small margins"]
+    margins = sheet.record["health"]["margins"]["u"]
+    assert margins["gain_up"] == pytest.approx(1.2) and margins["gain_down"] == pytest.approx(0.8)
+
+
+def test_margins_that_textbooks_accept_are_not_small():
+    loop = Compensator(np.zeros((0, 1, 1)), [[[-0.2]]])
+    check = check_controller(np.zeros(9), np.zeros(9), compensator=loop,
+                             plant=standard_plant("1/(q - 0.5)"))  # fmt: skip
+    assert small_margins(check.margins["u"]) == [] and loop_health(check).is_healthy
+    assert health_lines(loop_health(check))[0].level == "good"
+
+
+def test_what_has_no_health_is_refused():
+    with pytest.raises(InputError, match="give a Run"):
+        loop_health(3)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.1, 0.25, 0.3])
+def test_the_next_disturbance_of_a_constant_has_its_size_not_that_of_its_rounding(size):
+    plant = standard_plant("(q + 2)/(q**2 - 2*q + 1.04)")
+    settings = ControllerSettings(
+        structure=iir(n_c=3), target=fir_target(plant), update=UD(R_theta=1e-8), k_w=60
+    )
+    tried = next_disturbance(simulate(plant, settings, exogenous([Step(size)], 160)))
+    assert tried.frozen > 0.05 * size

@@ -1,0 +1,397 @@
+"""From a plant to a controller: reference, target, prior, verdict, the file that says the same."""
+
+import pickle
+from functools import cache
+from math import isfinite
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from scipy.linalg import solve_discrete_lyapunov
+from scipy.stats import t as student
+
+from compensator_theory.errors import InputError, NoSolutionError, PrecisionError
+from rcac_experiments import load_experiment
+from rcac_experiments.files import design_files as files
+from rcac_experiments.files.builder import build
+from rcac_experiments.files.design_files import design_arguments, design_toml, save_design
+from rcac_experiments.files.documents import parsed
+from rcac_numeric import (
+    ClosedLoop,
+    FixedController,
+    Harmonic,
+    Levels,
+    Ramp,
+    Saturation,
+    Step,
+    Uncertainty,
+    WhiteNoise,
+    design,
+    exogenous,
+    intercalated_match,
+    simulate,
+    stability_margins,
+    standard_plant,
+)
+from rcac_numeric.analysis.noise import with_oscillation
+from rcac_numeric.arrays.values import equal
+from rcac_numeric.designing.design import verdict_of
+from rcac_numeric.designing.expected import KINDS, read_expected
+from rcac_numeric.designing.plants import Variation, read_plant
+from rcac_numeric.designing.reference import MOST, Ladder, reference_loop, sensitivity_peak
+from rcac_numeric.designing.road import Knobs, settings_of
+from rcac_numeric.designing.trials import FIXED, PID, RCAC, Trial
+
+QUICK = {"seeds": 1, "steps": 300}
+
+
+def reference_of(G, disturbance, noise=0.01, sample_time=None, dead_time=0.0, command=None):
+    plant = read_plant(G, sample_time, dead_time)
+    expected, _ = read_expected(disturbance, noise, command, np.inf, plant.low_gain)
+    return plant, expected, reference_loop(plant, expected)
+
+
+# The reference loop.
+
+
+def test_the_peak_of_the_reference_is_that_of_the_margins():
+    plant, _, found = reference_of("1/(8*s + 1)**2", Step(0.5), sample_time=1.0, dead_time=2.5)
+    loop = found.loop(plant)
+    S_peak = stability_margins(loop).disk.S_peak
+    assert found.peak <= MOST
+    assert found.peak == pytest.approx(S_peak, rel=1e-3)
+    assert sensitivity_peak(loop) == pytest.approx(S_peak, rel=1e-3)
+
+
+def gain_from_d(plant, found, omega):
+    """abs of the response from d to e, over that of the plant alone."""
+    loop = found.loop(plant)
+    return abs(loop.frequency_response([omega])[0, 0, 1] / plant.response(omega)[0])
+
+
+def test_a_known_disturbance_has_its_model_in_the_controller():
+    G = "0.1/((q - 0.9)*(q - 0.5))"
+    constant = reference_of(G, Step(0.5))[2]
+    assert np.abs(constant.compensator.poles() - 1).min() < 1e-5
+    plant, _, sinusoid = reference_of(G, Harmonic(0.2, 0.5))
+    assert np.abs(sinusoid.compensator.poles() - np.exp(0.2j)).min() < 1e-5
+    assert gain_from_d(plant, sinusoid, 0.2) < 1e-3
+    assert gain_from_d(plant, sinusoid, 0.4) > 1e-1
+    white = reference_of(G, WhiteNoise(0.5))[2]
+    assert white.compensator.n_c == 2 and np.abs(white.compensator.poles() - 1).min() > 1e-3
+
+
+@given(omega=st.floats(0.1, 3), radius=st.floats(0.5, 0.99), power=st.floats(0.1, 10))
+def test_an_oscillation_has_the_mean_square_that_was_asked_for(omega, radius, power):
+    made = with_oscillation(
+        standard_plant("1/(q - 0.5)"), "w", omega=omega, radius=radius, mean_square=power
+    )
+    A, D_1 = made.A[1:, 1:], made.D_1[1:, 1:]
+    covariance = solve_discrete_lyapunov(A, D_1 @ D_1.T)
+    assert np.allclose(covariance, power * np.eye(2), rtol=1e-9)
+    assert np.allclose(np.linalg.eigvals(A), radius * np.exp(1j * omega * np.array([1, -1])))
+
+
+@pytest.mark.parametrize("of", ["d", "r"])
+def test_a_ramp_leaves_no_error(of):
+    """With poles at 1 - 1e-6 it is small, not 0; one integrator alone leaves a constant."""
+    ramp = Ramp(slope=0.01)
+    disturbance, command = (ramp, None) if of == "d" else (Step(0.1), ramp)
+    plant, _, found = reference_of(
+        "1/((20*s + 1)*(3*s + 1))", disturbance, sample_time=1.0, dead_time=4.0, command=command
+    )
+    w = np.zeros((1500, 3))
+    w[:, "rd".index(of)] = ramp.samples(1500)
+    e = simulate(plant.servo(), found.fixed, w).z[-1, 0]
+    assert abs(e) < 1e-2 * 0.01
+
+
+def test_no_controller_rejects_a_constant_through_a_zero_at_1():
+    with pytest.raises(NoSolutionError, match="zero"):
+        reference_of("(q - 1)/((q - 0.5)*(q - 0.9))", Step(1.0))
+
+
+# What RCAC is told.
+
+
+@pytest.mark.parametrize(
+    ("G", "dead_time"),
+    [("1/(8*s + 1)", 0.0), ("(1 - 3*s)/(8*s + 1)**2", 3.0), ("1/(9*s - 1)", 1.0)],
+)
+def test_the_target_is_what_the_reference_loop_is(G, dead_time):
+    plant, expected, found = reference_of(G, Step(0.5), 0.01, 1.0, dead_time)
+    made = settings_of(plant, found, expected)
+    assert intercalated_match(found.loop(plant), made.target).worst < 1e-6
+    assert np.array_equal(made.compensator_of(made.theta_0).past_u, found.compensator.past_u)
+    low, high = made.bounds.box(made.structure)
+    assert (low <= made.theta_0).all() and (made.theta_0 <= high).all()
+
+
+def test_frozen_rcac_is_the_fixed_controller():
+    found = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), noise=0.01, **QUICK)
+    w = exogenous([Step(0.0), Step(0.5), WhiteNoise(0.01)], 200, seed=5)
+    frozen = load_of(found).runs["fixed"].settings
+    ours = simulate(found.plant, frozen, w)
+    theirs = simulate(found.plant, found.fixed, w)
+    assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
+
+
+def load_of(found):
+    return build(parsed(design_toml(found)), "design.toml")
+
+
+def test_spare_order_is_the_same_controller():
+    plant, expected, found = reference_of("1/(8*s + 1)", Step(0.5), 0.01, 1.0)
+    wide = settings_of(plant, found, expected, Knobs(spare=3))
+    assert wide.structure.n_c == found.compensator.n_c + 3
+    loop = ClosedLoop(plant.servo(), wide.compensator_of(wide.theta_0))
+    assert intercalated_match(loop, wide.target).worst < 1e-6
+
+
+# Units.
+
+EXPONENTS = st.floats(-6, 6)
+
+
+def assert_close(ours, theirs):
+    """Equal to 1e-6 of the largest entry: those that are 0 have their rounding alone."""
+    assert np.abs(ours - theirs).max() < 1e-6 * np.abs(theirs).max()
+
+
+@cache
+def in_its_own_units():
+    return design("(1 - 2*s)/((8*s + 1)*(3*s + 1))", disturbance=Step(0.5), noise=0.01,
+                  dead_time=2.0, sample_time=1.0, seeds=1, steps=200)  # fmt: skip
+
+
+@pytest.mark.costly
+@settings(max_examples=3)
+@given(u=EXPONENTS, y=EXPONENTS, t=EXPONENTS)
+@example(u=6.0, y=-6.0, t=6.0)
+@example(u=-6.0, y=6.0, t=-6.0)
+def test_units_change_nothing_but_units(u, y, t):
+    u, y, t = 10.0**u, 10.0**y, 10.0**t
+    known: dict = {"seeds": 1, "steps": 200}
+    one = in_its_own_units()
+    known |= {"dead_time": 2 * t, "sample_time": t}
+    G = f"{y / u!r}*(1 - 2*s*{t!r})/((8*s*{t!r} + 1)*(3*s*{t!r} + 1))"
+    other = design(G, disturbance=Step(0.5 * u), noise=0.01 * y, **known)
+    n_c = one.settings.structure.n_c
+    by = np.concatenate([np.ones(n_c), np.full(n_c, u / y)])  # theta
+    assert_close(other.settings.theta_0 / by, one.settings.theta_0)
+    R_one, R_other = (found.settings.update.R_theta for found in (one, other))
+    size = np.sqrt(np.diag(R_one))
+    assert_close(R_other * np.outer(by / size, by / size) / y**2, R_one / np.outer(size, size))
+    assert_close(other.settings.target.numerator * u / y, one.settings.target.numerator)
+    assert_close(other.settings.target.denominator, one.settings.target.denominator)
+    assert other.settings.R_z.nu * y == pytest.approx(one.settings.R_z.nu, rel=1e-6)
+    assert other.verdict.rcac.ratio == pytest.approx(one.verdict.rcac.ratio, rel=1e-4)
+
+
+# The verdict.
+
+
+def trials(ours, theirs):
+    """One run for each plant with these rms; None is a lost one."""
+    made = []
+    for name, values in ((RCAC, ours), (FIXED, theirs)):
+        for i, value in enumerate(values):
+            lost = value is None
+            rms = np.inf if lost else value
+            made.append(Trial(name, Variation(f"plant {i}"), (not lost,), (rms,), (1.0,), (1.5,)))
+    return tuple(made)
+
+
+def test_the_reference_keeps_to_the_actuator():
+    plant = read_plant("2/((40*s + 1)*(8*s + 1))", 2.5, 10.0)
+    expected, _ = read_expected(Step(0.3), 0.02, None, 0.36, plant.low_gain)
+    w = exogenous(expected.signals(1), 4000, seed=1)
+    u, most = {}, (0.36 - 0.3) / 3
+    for half in (np.inf, 0.36):
+        loop = reference_loop(plant, expected, half)
+        run = simulate(plant.servo(), FixedController(loop.compensator), w)
+        u[half] = run.u[500:].std()
+    assert u[np.inf] > 1.5 * most and u[0.36] < 1.1 * most  # 10 % for 3500 coloured samples
+
+
+@pytest.mark.parametrize("limits", [None, Saturation(low=-50.0, high=50.0)])  # that never bind
+def test_the_reference_is_the_calmest_of_nearly_the_least_error(limits):
+    plant = read_plant("1/(8*s + 1)", 1.0, 0.0)
+    expected, _ = read_expected(Step(0.3), 0.01, None, np.inf, plant.low_gain)
+    ladder = Ladder(plant, expected, saturation=limits)
+    found = {(R_2, V_2): ladder.judged(parts) for R_2, V_2, parts in ladder.rungs()}
+    robust = [one for one in found.values() if one.peak <= MOST]
+    best = ladder.best()
+    taken = found[best.R_2, best.V_2]
+    most = 1.1 * min(np.sqrt(one.error) for one in robust)
+    assert taken in robust and np.sqrt(taken.error) <= most
+    assert taken.control == min(one.control for one in robust if np.sqrt(one.error) <= most)
+
+
+def test_the_reference_is_stable_with_the_other_plants():
+    plant = read_plant("1/(20*s + 1)", 1.0, 0.0)
+    expected, _ = read_expected(0.5, 0.001, None, np.inf, plant.low_gain)
+    later = plant.servo(Variation(delay=2))
+    alone = reference_loop(plant, expected)
+    assert not ClosedLoop(later, alone.compensator).is_stable  # what makes the next line a test
+    robust = reference_loop(plant, expected, others=[Variation(delay=2)])
+    assert ClosedLoop(later, robust.compensator).is_stable
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "use"),
+    [
+        ([0.5, 0.6, 0.55], [1.0, 1.0, 1.0], RCAC),  # clearly better
+        ([1.0, 1.0, 1.0], [1.0, 1.0, 1.0], FIXED),  # the same
+        ([0.99, 0.97, 0.98], [1.0, 1.0, 1.0], FIXED),  # not worth it
+        ([0.1, 3.0, 0.9], [1.0, 1.0, 1.0], FIXED),  # not to be told from none
+        ([0.5, None, 0.5], [1.0, 1.0, 1.0], FIXED),  # loses a plant
+        ([None, 0.5, 0.5], [None, 1.0, 1.0], FIXED),  # not even the nominal plant
+        ([1.0, 1.0, 1.0], [1.0, None, 1.0], RCAC),  # saves a plant at no price
+    ],
+)
+def test_the_verdict_follows_from_the_evidence(ours, theirs, use):
+    found = verdict_of(trials(ours, theirs))
+    assert found.use == use
+    assert found.rcac.stable == (sum(one is not None for one in ours), 3)
+    assert str(found).startswith("Use RCAC: " if use == RCAC else "Use the fixed controller: ")
+
+
+def test_the_interval_is_students():
+    found = verdict_of(trials([0.5, 0.6, 0.9], [1.0, 1.0, 1.0]))
+    logs = np.log([0.5, 0.6, 0.9])
+    half = student.ppf(0.975, 2) * logs.std(ddof=1) / np.sqrt(3)
+    assert found.rcac.ratio == pytest.approx(np.exp(logs.mean()))
+    assert found.rcac.interval == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]))
+
+
+def test_a_right_plant_and_a_step_need_no_adaptation():
+    found = design("1/(8*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5), noise=0.01,
+                   seeds=2, steps=600)  # fmt: skip
+    assert found.verdict.use == FIXED and equal(found.controller, found.frozen)
+    assert all(all(trial.stable) for trial in found.evidence)
+    assert found.report().splitlines()[1].startswith("  Use the fixed controller: ")
+
+
+def test_a_sinusoid_of_unknown_frequency_is_worth_adapting_to():
+    found = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=6, steps=1500)
+    by_name = {(t.controller, t.variation.name): t for t in found.evidence}
+    ours, theirs = (np.array(by_name[name, "nominal"].rms) for name in (RCAC, FIXED))
+    kinds = [KINDS[seed % 3] for seed in range(1_000_000, 1_000_006)]
+    sinusoids = np.array([kind == "sinusoid" for kind in kinds])
+    assert (ours[sinusoids] < theirs[sinusoids]).all()
+
+
+# What was assumed, what is said, what is written.
+
+
+def test_what_nobody_said_is_a_question():
+    bare = design("1/(q - 0.9)", **QUICK)
+    assert {"disturbance", "noise", "u_limits", "plant", "dead_time"} == {
+        question.name for question in bare.questions
+    }
+    unstable = design("1/(q - 1.02)", disturbance=Step(1.0), noise=0.1, u_limits=(-50, 50), **QUICK)
+    assert [question.name for question in unstable.questions] == ["plant", "dead_time", "plant"]
+    assert "unstable" in unstable.questions[-1].assumed
+    assert isinstance(unstable.alternatives[PID], str)
+
+
+def test_too_fast_a_sampling_is_a_question():
+    slow, fast = (
+        design("1/((2*s + 1)*(s + 1))", sample_time=h, disturbance=Step(1.0), noise=0.1, **QUICK)
+        for h in (0.5, 0.002)
+    )
+    assert "sample_time" not in {question.name for question in slow.questions}
+    assert "sample_time" in {question.name for question in fast.questions}
+
+
+def test_the_limits_scale_what_nobody_said():
+    sizes = [read_expected("unknown", None, None, half, 3.0)[0].size for half in (1.0, 10.0)]
+    assert sizes[1] == pytest.approx(10 * sizes[0])
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"disturbance": Step(0.5), "noise": 0.01},
+        {"disturbance": Harmonic(0.3, 0.5, 0.1) + WhiteNoise(0.1), "command": 2 * Step(1.0)},
+        {"u_limits": Saturation(low=-1.0, high=2.0, rate=0.5)},
+        {"disturbance": 0.3, "command": Levels([1.0, -1.0], hold=50)},
+    ],
+)
+def test_the_file_says_the_same(arguments, tmp_path):
+    found = design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
+    path = tmp_path / "tuned.toml"
+    save_design(found, path)
+    experiment = load_experiment(path)
+    run = experiment.runs[RCAC]
+    assert equal(run.settings, found.settings)
+    assert np.array_equal(run.plant.A, found.plant.A) and run.plant.sample_time == 0.5
+    assert experiment.main_run.name == ("RCAC" if found.verdict.use == RCAC else "fixed")
+    assert np.allclose(run.cases()[0].w, found.expected.w(300, run.seed))
+    assert equal(run.saturation, found.saturation)
+    assert path.read_text(encoding="utf-8").startswith(f"# {found.verdict}")
+
+
+def test_a_file_is_read_for_a_design(tmp_path):
+    file = tmp_path / "plant.toml"
+    file.write_text(
+        '[plant]\nproblem = "servo"\nG = "1/(8*s + 1)"\nsample_time = 0.5\n[signals]\n'
+        "r = 1\nd = { step = 0.3 }\nv = { white_noise = 0.02 }\n[saturation]\nlow = -1\nhigh = 1\n"
+    )
+    found = design(**design_arguments(file), **QUICK)
+    assert found.model.continuous is not None and found.plant.sample_time == 0.5
+    assert (found.expected.noise, found.expected.disturbance.height) == (0.02, 0.3)
+    assert {question.name for question in found.questions} == {"plant", "dead_time"}
+    file.write_text('[plant]\nproblem = "servo"\nG = "1/(q - 0.5)"\n[signals]\nv = { step = 1 }\n')
+    with pytest.raises(InputError, match="white"):
+        design_arguments(file)
+
+
+def test_a_design_pickles_and_draws():
+    found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, **QUICK)
+    again = pickle.loads(pickle.dumps(found))
+    assert equal(again.settings, found.settings) and again.verdict == found.verdict
+    assert len(found.plot().axes) == 3 and isfinite(found.verdict.rcac.ratio)
+    assert "Use " in found._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"noise": -1.0}, "negative"),
+        ({"disturbance": "steps"}, "Signal such as"),
+        ({"disturbance": 0}, "positive"),
+        ({"disturbance": Step(0.0)}, "nothing to control"),
+        ({"u_limits": (1.0,)}, "low, high"),
+        ({"command": 3.0}, "Signal"),
+        ({"uncertainty": 1.2}, "Uncertainty"),
+        ({"steps": 10}, "steps"),
+        ({"seeds": 0}, "seeds"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, words):
+    with pytest.raises(InputError, match=words):
+        design("1/(q - 0.9)", **arguments)
+
+
+def test_another_uncertainty_is_tried():
+    weaker = Uncertainty(gain=(0.5, 1), delay=0, time=1, noise=1)
+    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, uncertainty=weaker, **QUICK)
+    assert [t.variation.name for t in found.evidence if t.controller == RCAC] == [
+        "nominal", "gain x 0.5"
+    ]  # fmt: skip
+
+
+def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
+    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, **QUICK)
+    monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
+    with pytest.raises(PrecisionError, match="does not read back"):
+        design_toml(found)
+
+
+def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
+    with pytest.raises(InputError, match="a file holds 2000 values"):
+        files._signal(Levels([0.0, 1.0], hold=900), 3000)

@@ -1,0 +1,211 @@
+"""From a log to a controller: for the plant that made the log, and with what was not told asked."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from compensator_theory.errors import InputError, NoSolutionError
+from rcac_experiments import load_experiment
+from rcac_experiments.files.design_files import save_design
+from rcac_numeric import (
+    ClosedLoop,
+    ControllerLog,
+    Recorded,
+    Step,
+    WhiteNoise,
+    design,
+    exogenous,
+    simulate,
+)
+from rcac_numeric.arrays.values import equal
+from rcac_numeric.designing.logs import PARTS, plant_from_log
+from rcac_numeric.designing.plants import read_plant
+from rcac_numeric.designing.reference import Ladder, sensitivity_peak
+
+TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
+QUICK = {"seeds": 1, "steps": 300}
+
+
+def log_of(steps=1500, noise=0.05, seed=4, u_unit=1.0, y_unit=1.0, offset=3.0):
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(steps)
+    y = lfilter([0, 0, 0, -0.1, -0.05], np.poly([0.9, 0.6]), u)
+    e = noise * lfilter([1.0], [1.0, -0.8], rng.standard_normal(steps))
+    return ControllerLog(u_unit * u, y_unit * (y + e + offset))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design(log_of(), sample_time=0.5, **QUICK)
+
+
+@pytest.mark.costly
+def test_the_controller_is_one_for_the_plant_of_the_log(found):
+    true = read_plant(TRUE, None, 2)
+    assert (found.model.delay, found.model.sign) == (2, "-") and found.plant.sample_time == 0.5
+    assert found.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
+    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+
+
+def test_what_the_log_shows_of_itself_is_evidence(found):
+    logged = found.logged
+    assert logged.held(found.fixed.compensator) == PARTS and len(logged.gains) == PARTS
+    assert all(0.7 < gain < 1.4 for gain in logged.gains)
+    low, high = found.uncertainty.gain
+    assert low <= min(0.8, *logged.gains) and high >= max(1.25, *logged.gains)
+    names = [question.name for question in found.questions]
+    assert names[:3] == ["plant", "plant", "dead_time"]
+    assert {"disturbance", "noise", "u_limits"} <= set(names)
+    assert f"{PARTS} of {PARTS} parts" in found.questions[0].words
+    # AR(1) at 0.8: the variance of its differences is 2 (1 - 0.8) of its own.
+    size = 0.05 / np.sqrt(1 - 0.8**2)
+    assert logged.noise == pytest.approx(size * np.sqrt(1 - 0.8), rel=0.1)
+
+
+@pytest.mark.costly
+def test_what_is_told_is_not_asked():
+    told = design(log_of(), disturbance=Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
+    assert [question.name for question in told.questions] == ["plant", "plant", "dead_time"]
+    assert told.expected.noise == 0.01
+
+
+@pytest.mark.costly
+def test_units_change_nothing_but_units():
+    one, other = (plant_from_log(log_of(u_unit=u, y_unit=y)) for u, y in ((1, 1), (1e-6, 1e6)))
+    assert (one.model.order, one.model.delay) == (other.model.order, other.model.delay)
+    assert np.allclose(other.model.numerator / 1e12, one.model.numerator, rtol=1e-6)
+    assert np.allclose(other.model.denominator, one.model.denominator, rtol=1e-6)
+    assert other.noise == pytest.approx(1e6 * one.noise, rel=1e-6)
+    assert other.disturbance == pytest.approx(1e-6 * one.disturbance, rel=1e-6)
+
+
+@pytest.mark.costly
+def test_a_dead_time_that_is_known_is_kept():
+    assert plant_from_log(log_of(), 0.5, 0.5).plant.delay == 1
+
+
+@pytest.mark.costly
+def test_a_log_of_two_inputs_or_of_none_is_refused():
+    two = np.random.default_rng(1).standard_normal((500, 2))
+    with pytest.raises(InputError, match="2 controls"):
+        design(ControllerLog(two, two[:, 0]), **QUICK)
+    with pytest.raises(InputError, match="does not show"):
+        design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
+
+
+@pytest.mark.costly
+def test_a_plant_that_integrates_has_its_pole_at_1(found):
+    rng = np.random.default_rng(440012)
+    u = rng.standard_normal(2000)
+    y = lfilter([0, 0, 0.05], np.poly([1.0, 0.8]), u)
+    log = ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
+    integrating = design(log, **QUICK)
+    logged, true = integrating.logged, read_plant("0.05/((q - 1)*(q - 0.8))", None, 0)
+    assert logged.model.integrators == 1 and not logged.integrates and logged.held_out < 1.1
+    assert np.abs(np.linalg.eigvals(integrating.model.A) - 1).min() < 1e-12
+    assert sensitivity_peak(ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
+    assert any("pole at 1" in question.words for question in integrating.questions)
+    assert found.logged.model.integrators == 0 and found.logged.held_out is None
+
+
+def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
+    slow = replace(found.logged.model, denominator=np.poly([0.999, 0.5]))
+    assert replace(found.logged, model=slow).integrates
+    assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
+
+
+@pytest.mark.costly
+def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
+    best = Ladder.best
+
+    def of_order_1(ladder):
+        if len(ladder.plant.A) > least:
+            raise NoSolutionError("no such controller")
+        return best(ladder)
+
+    monkeypatch.setattr(Ladder, "best", of_order_1)
+    least = 1
+    lower = design(log_of(), **QUICK)
+    assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2
+    assert any("no such controller" in question.words for question in lower.questions)
+    true = read_plant(TRUE, None, 2)
+    assert sensitivity_peak(ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
+    least = 0
+    with pytest.raises(NoSolutionError, match="no such controller"):
+        design(log_of(), **QUICK)
+
+
+def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
+    """A log of 1/((q - 1.05)(q - 0.5)), one step late, held by LQG; and the plant."""
+    true = read_plant("0.1/((q - 1.05)*(q - 0.5))", None, 1)
+    holding = design(true.servo(), disturbance=1.0, noise=noise, **QUICK).fixed
+    r = dither * np.repeat(np.random.default_rng(seed).choice([-1.0, 1.0], steps // 10), 10)
+    w = exogenous([Recorded(r), Step(0.0), WhiteNoise(noise)], steps, seed)
+    run = simulate(true.servo(), holding, w)
+    return run.u[:, 0], r - run.y[:, 0], r, true
+
+
+@pytest.mark.costly
+def test_an_unstable_plant_from_the_log_of_its_loop():
+    u, y, r, true = looped()
+    found = design(ControllerLog(u, y), **QUICK)
+    assert found.logged.is_closed and found.model.delay == 1
+    assert np.abs(np.linalg.eigvals(found.model.A)).max() == pytest.approx(1.05, abs=0.01)
+    assert found.logged.noise == pytest.approx(0.05, rel=0.15)
+    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+    assert "standard errors" in found.questions[0].words
+    assert not any("stabilised loop" in question.words for question in found.questions)
+    with_r = design(ControllerLog(u, y, r=r), **QUICK)
+    assert equal(with_r.settings, found.settings)
+
+
+@pytest.mark.costly
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
+def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
+    u, y, *_ = looped()
+    one = design(ControllerLog(u, y), sample_time=1.0, **QUICK)
+    other = design(ControllerLog(u_unit * u, y_unit * y), sample_time=period, **QUICK)
+    ours, theirs = one.fixed.compensator, other.fixed.compensator
+    assert np.allclose(theirs.past_u, ours.past_u, rtol=1e-6)
+    assert np.allclose(theirs.past_y * y_unit / u_unit, ours.past_y, rtol=1e-6)
+    assert other.settings.R_z.nu * y_unit == pytest.approx(one.settings.R_z.nu, rel=1e-6)
+    assert other.verdict.use == one.verdict.use
+
+
+@pytest.mark.costly
+def test_a_loop_that_nothing_moves_shows_no_plant():
+    u, y, *_ = looped(dither=0.0)
+    with pytest.raises(InputError, match="u follows from y"):
+        design(ControllerLog(u, y), **QUICK)
+
+
+@pytest.mark.costly
+def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
+    """u acts after 1 step, and again after 19, where delays of 12 and orders of 5 are tried."""
+    rng = np.random.default_rng(3)
+    r, e = rng.standard_normal((2, 2000))
+    u, y = np.zeros((2, 2000))
+    for k in range(2000):
+        y[k] = 0.5 * e[k] + (0.5 * y[k - 1] + u[k - 1] + u[k - 19] if k > 19 else 0.0)
+        u[k] = r[k] - 0.1 * y[k]
+    with pytest.raises(InputError, match="no model tells the plant from the loop"):
+        plant_from_log(ControllerLog(u, y, r=r))
+
+
+def test_its_file_says_the_same(found, tmp_path):
+    save_design(found, tmp_path / "log.toml")
+    assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
+
+
+def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel_at_rest():
+    """What fits the drift of the noise turns the sign at rest, and nothing at 0.02 rad/step."""
+    lag, of_noise = "-0.1/(q - 0.9)", "(q - 1.0001)/(q - 0.9999)"
+    whole = read_plant(lag, None, 0)
+    part = read_plant(f"{lag}*{of_noise}", None, 0)
+    assert (whole.sign, part.sign) == ("-", "+")
+    shown = plant_from_log(log_of(400, noise=0.0))
+    (gain,) = replace(shown, plant=whole, parts=(part,)).gains
+    assert gain == pytest.approx(1.0, abs=0.02)

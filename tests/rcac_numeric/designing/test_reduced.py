@@ -1,0 +1,262 @@
+"""References of another kind, and settings without a model."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError, NoSolutionError
+from rcac_experiments import tune
+from rcac_experiments.files.builder import build
+from rcac_experiments.files.design_files import design_toml
+from rcac_experiments.files.documents import parsed
+from rcac_numeric import (
+    ClosedLoop,
+    Compensator,
+    DerivedSignal,
+    FixedController,
+    Harmonic,
+    ModellingInformation,
+    Saturation,
+    Step,
+    Structure,
+    Tap,
+    Uncertainty,
+    cold_start,
+    design,
+    feedforward,
+    fir,
+    fir_integrator,
+    iir,
+    intercalated_match,
+    pid,
+    simulate,
+)
+from rcac_numeric.analysis.closed_loop import frozen_loop
+from rcac_numeric.arrays.values import equal
+from rcac_numeric.designing.expected import read_expected
+from rcac_numeric.designing.plants import read_plant, variations
+from rcac_numeric.designing.reduced import reduced_reference, with_feedforward
+from rcac_numeric.designing.reference import MOST, Ladder, reference_loop, sensitivity_peak
+from rcac_numeric.designing.road import settings_of
+from rcac_numeric.designing.trials import FULL, measured
+from rcac_numeric.targets import DirectionInformation
+
+LAGS = "1/((20*s + 1)*(3*s + 1))"
+OWN = Structure(
+    [Tap("y", 0, 1), Tap("y", 0, 3), Tap("derived", 0, 1)], 1, 1,
+    derived=[DerivedSignal((1.0,), (0.0,), 0.9)],
+)  # fmt: skip
+
+
+def ladder_of(G, disturbance=Step(0.5), noise=0.01, command=None, dead_time=3.0, saturation=None):
+    plant = read_plant(G, 1.0, dead_time)
+    half = np.inf if saturation is None else 1.0
+    expected, _ = read_expected(disturbance, noise, command, half, plant.low_gain)
+    others = variations(plant, Uncertainty())
+    return Ladder(plant, expected, half, others, saturation)
+
+
+# A structure.
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("structure", [pid("PI"), pid("PID"), fir_integrator(8), fir(15), OWN])
+def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
+    ladder = ladder_of(LAGS)
+    found = reduced_reference(ladder, structure)
+    again = structure.compensator(found.theta)
+    assert np.allclose(again.past_u, found.compensator.past_u)
+    assert np.allclose(again.past_y, found.compensator.past_y, rtol=1e-12)
+    assert sensitivity_peak(found.loop(ladder.plant)) == pytest.approx(found.peak, rel=1e-3)
+    assert found.peak <= 1.01 * MOST
+    for one in ladder.others:
+        assert frozen_loop(ladder.plant.servo(one), found.compensator, 0).is_stable
+
+
+def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
+    ladder = ladder_of(LAGS)
+    w, errors = ladder.expected.w(2000, seed=5), []
+    for one in (ladder.best(), reduced_reference(ladder, fir_integrator(20))):
+        errors.append(measured(simulate(ladder.plant.servo(), one.fixed, w))[1])
+    assert errors[1] < 1.1 * errors[0]
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("structure", [pid("PI"), OWN])
+def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
+    """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
+    ladder = ladder_of(LAGS, dead_time=1.0)
+    found = reduced_reference(ladder, structure)
+    made = settings_of(ladder.plant, found, ladder.expected)
+    servo, steps = ladder.plant.servo(), 200
+    loop = found.loop(ladder.plant)
+    # d adds to u outside the controller: for one of y alone that is where u~ enters.
+    w = np.zeros((steps, 3))
+    w[0, 1] = 1.0
+    z = simulate(servo, found.fixed, w).z[:, 0]
+    response = made.target.frequency_response(np.linspace(0, np.pi, 4097))[:, 0, 0]
+    pulse = np.fft.irfft(response, 8192)[:steps]
+    assert loop.is_stable
+    assert np.allclose(pulse, z, atol=1e-6 * np.abs(z).max())
+
+
+def test_a_structure_that_cannot_hold_the_plant_is_refused_by_name():
+    with pytest.raises(NoSolutionError, match="no PI controller"):
+        reduced_reference(ladder_of("1/s**2", dead_time=0.0), pid("PI"))
+
+
+@pytest.mark.parametrize(
+    ("structure", "words"),
+    [
+        (iir(3), "its own past u"), (feedforward(3), "reads r"), ("PID", "give one such as"),
+        (pid("PI", 2, 2), "2 controls"),
+    ],
+)  # fmt: skip
+def test_other_structures_are_refused_by_name(structure, words):
+    with pytest.raises(InputError, match=words):
+        design(LAGS, sample_time=1.0, structure=structure)
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("structure", [pid("DI"), fir(6), fir_integrator(5), OWN])
+def test_a_reduced_design_has_lqg_beside_it_and_a_file(structure):
+    found = design(
+        LAGS, sample_time=1.0, disturbance=0.5, noise=0.01, structure=structure, seeds=1, steps=300
+    )
+    assert isinstance(found.alternatives[FULL], FixedController)
+    assert any(trial.controller == FULL for trial in found.evidence)
+    read = build(parsed(design_toml(found)), "design.toml")
+    assert equal(read.runs["RCAC"].settings, found.settings)
+    assert found.settings.structure == structure
+
+
+@pytest.mark.costly
+def test_tuning_leaves_the_order_of_a_structure():
+    found = design(LAGS, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300)
+    tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)
+    assert all(one.knobs is None or one.knobs.spare == 0 for one in tuned.candidates)
+    assert tuned.settings.structure == pid("PI")
+
+
+# The command.
+
+
+def test_feedforward_leaves_the_loop_and_lowers_the_error_of_a_step():
+    ladder = ladder_of(LAGS, command=Step(1.0))
+    plain = ladder.best()
+    found = with_feedforward(ladder.plant, plain, ladder.expected)
+    w = np.zeros((300, 3))
+    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    assert np.allclose(found.compensator.past_u, plain.compensator.past_u)
+    w[:, 1] = 1.0  # what d does is as it was
+    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    assert np.allclose(ours.z, theirs.z, atol=1e-9)
+    w[:, :2] = [1.0, 0.0]
+    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    assert np.sum(ours.z**2) < np.sum(theirs.z**2)
+    assert np.abs(ours.u).max() < np.abs(theirs.u).max()
+    assert np.abs(ours.z[-1]).max() < 5e-3
+
+
+def test_a_design_with_feedforward():
+    found = design(
+        LAGS, sample_time=1.0, disturbance=0.1, noise=0.01, command=Step(1.0), feedforward=True,
+        seeds=1, steps=300,
+    )  # fmt: skip
+    assert found.settings.l_r == found.fixed.l_r == 1
+    first = found.settings.compensator_of(found.settings.theta_0)
+    assert np.array_equal(first.past_y, found.fixed.compensator.past_y)
+    alone = Compensator(first.past_u, first.past_y[:, :, :1])
+    assert intercalated_match(ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
+    read = build(parsed(design_toml(found)), "design.toml")
+    assert equal(read.runs["RCAC"].settings, found.settings)
+
+
+def test_feedforward_needs_a_command():
+    with pytest.raises(InputError, match="reads the command"):
+        design(LAGS, sample_time=1.0, feedforward=True)
+
+
+# The disturbance, and the actuator.
+
+
+@pytest.mark.costly
+@settings(max_examples=3)
+@given(first=st.floats(0.1, 0.25), apart=st.floats(0.2, 0.5))
+def test_every_sinusoid_that_is_known_has_its_model(first, apart):
+    plant = read_plant("0.1/((q - 0.9)*(q - 0.5))", None, 0.0)
+    omegas = first, first + apart
+    disturbance = Harmonic(omegas[0], 0.5) + Harmonic(omegas[1], 0.3) + Step(0.2)
+    expected, _ = read_expected(disturbance, 0.01, None, np.inf, plant.low_gain)
+    poles = reference_loop(plant, expected).compensator.poles()
+    for one in (1.0, *np.exp(1j * np.array(omegas))):
+        assert np.abs(poles - one).min() < 1e-4
+
+
+def test_with_limits_the_controller_is_one_that_works_at_them():
+    """Sampled fast, hardly any noise: it settles, and loses a tenth at most to one without them."""
+    limits = Saturation(low=-1.5, high=1.5)
+    G = "1/((30*s + 1)*(20*s + 1))"
+    free, held = (
+        ladder_of(G, Step(0.3), 1e-4, Step(1.0), 0.0, one) for one in (None, limits)
+    )  # fmt: skip
+    w = held.expected.w(600, seed=3)
+    ours, theirs = (
+        simulate(held.plant.servo(), one.best().fixed, w, saturation=limits) for one in (held, free)
+    )
+    assert np.abs(ours.z[-200:]).max() < 0.02
+    assert np.sum(ours.z**2) < 1.1**2 * np.sum(theirs.z**2)
+
+
+def test_what_an_actuator_cannot_give_at_rest_is_said():
+    found = design(
+        "1.8/((120*s + 1)*(15*s + 1))", sample_time=5.0, disturbance=Step(0.2), noise=0.05,
+        u_limits=(0, 1), seeds=1, steps=300,
+    )  # fmt: skip
+    said = {question.name: question.words for question in found.questions}
+    assert "u = -0.2 at rest" in said["u_limits"]
+    assert "leaves" in said["disturbance"]
+
+
+def test_what_to_use_runs_on_a_device():
+    found = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), seeds=1, steps=300)
+    w = found.expected.w(100, 1)
+    ours, theirs = (simulate(found.plant, one, w) for one in (found.frozen, found.fixed))
+    assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
+    assert found.frozen.freeze == ((0, None),)
+
+
+# Without a model.
+
+
+@given(u=st.floats(-6, 6), y=st.floats(-6, 6))
+def test_a_cold_start_is_the_same_in_any_units(u, y):
+    """Theta of y has the unit u/y, and what it makes of z that of y."""
+    u, y = 10.0**u, 10.0**y
+    one = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=True)
+    other = cold_start(ModellingInformation(2, y / u, [1.3]), order=3, stable=True, u=u, y=y)
+    by = np.repeat([1.0, u / y], 6)
+    R_theta = other.update.R_theta * np.outer(by, by) / y**2
+    assert np.allclose(R_theta, one.update.R_theta)
+    assert np.allclose(other.target.numerator, y / u * one.target.numerator)
+    assert one.structure.n_c == 6 and one.k_w == 50
+
+
+def test_a_cold_start_of_an_unstable_plant_does_not_wait():
+    unstable = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=False)
+    assert unstable.k_w == 6
+
+
+def test_a_cold_start_with_directions():
+    known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
+    made = cold_start(known, order=4, stable=True)
+    eta = np.array([1, -1])
+    powers = 1.5 ** -np.arange(len(made.target.numerator), dtype=float)
+    blocked = eta @ np.tensordot(powers, made.target.numerator, 1)
+    assert np.allclose(blocked, 0, atol=1e-12)
+    assert made.structure == iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
+    with pytest.raises(InputError, match="no modelling information"):
+        cold_start("1/(s + 1)", order=1, stable=True)
+    with pytest.raises(InputError, match="size of a signal"):
+        cold_start(known, order=4, stable=True, u=0.0)
