@@ -48,7 +48,7 @@ def write_archive(found: Reproduction, path: str | Path) -> None:
         home = resources.files("rcac_experiments.dissertation")
         for name, content in _files(home.joinpath("example_files"), "examples"):
             add(name, content)
-        for name, content in _files(home.joinpath("errata", "chapters"), "errata"):
+        for name, content in _files(home.joinpath("chapters"), "errata"):
             add(name, content)
         for package in PACKAGES:
             for name, content in _files(resources.files(package), f"sources/{package}"):
