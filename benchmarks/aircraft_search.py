@@ -18,9 +18,9 @@ import argparse
 
 import numpy as np
 
-from rcac_experiments.dissertation.examples import read_example
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.documents import Raw
+from rcac_experiments.dissertation._examples import read_example
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._documents import Raw
 
 TRAINING, SELECTION, HELD_OUT = range(1000, 1008), range(2000, 2032), range(3000, 3100)
 HEADS = "rms before", "peak before", "peak after", "rms at the end"

@@ -23,12 +23,12 @@ import numpy as np
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.dissertation import load_example
 from rcac_numeric import UD, ControllerSettings, Supervision, TargetModel, iir
-from rcac_numeric.arrays.values import replaced
-from rcac_numeric.export.building import compiled
-from rcac_numeric.export.folder import core_texts
-from rcac_numeric.export.header import config_header
-from rcac_numeric.export.recording import compiled_recording
-from rcac_numeric.export.tables import core_tables, scaled
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.export._building import compiled
+from rcac_numeric.export._folder import core_texts
+from rcac_numeric.export._header import config_header
+from rcac_numeric.export._recording import compiled_recording
+from rcac_numeric.export._tables import core_tables, scaled
 from tests.support import cortex
 
 STEPS = 2000

@@ -17,7 +17,7 @@ from scipy.signal import lfilter, ss2tf
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import target_from_data
-from rcac_numeric.designing.plants import read_plant
+from rcac_numeric.designing._plants import read_plant
 
 STEPS = 2000
 ROUNDING = 1e-9  # of the largest coefficient: a numerator's leading coefficients that are none

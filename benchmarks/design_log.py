@@ -34,11 +34,11 @@ from rcac_numeric import (
     simulate,
     simulate_many,
 )
-from rcac_numeric.designing.expected import read_expected
-from rcac_numeric.designing.logs import PARTS
-from rcac_numeric.designing.plants import read_plant, variations
-from rcac_numeric.designing.reference import reference_loop
-from rcac_numeric.designing.trials import measured
+from rcac_numeric.designing._expected import read_expected
+from rcac_numeric.designing._logs import PARTS
+from rcac_numeric.designing._plants import read_plant, variations
+from rcac_numeric.designing._reference import reference_loop
+from rcac_numeric.designing._trials import measured
 
 STEPS = 2000
 RATIOS = (3, 10, 30, 100)

@@ -40,13 +40,13 @@ from rcac_numeric import (
     iir,
     simulate_many,
 )
-from rcac_numeric.designing.design import verdict_of
-from rcac_numeric.designing.expected import read_expected
-from rcac_numeric.designing.plants import Variation, read_plant, variations
-from rcac_numeric.designing.reference import reference_loop
-from rcac_numeric.designing.road import settings_of
-from rcac_numeric.designing.simc import simc
-from rcac_numeric.designing.trials import FIXED, RCAC, Trials, measured
+from rcac_numeric.designing._design import verdict_of
+from rcac_numeric.designing._expected import read_expected
+from rcac_numeric.designing._plants import Variation, read_plant, variations
+from rcac_numeric.designing._reference import reference_loop
+from rcac_numeric.designing._road import settings_of
+from rcac_numeric.designing._simc import simc
+from rcac_numeric.designing._trials import FIXED, RCAC, Trials, measured
 from rcac_numeric.targets import direction_information, modelling_information
 
 STEPS, DRAWS = 2000, 3

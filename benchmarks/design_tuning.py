@@ -16,7 +16,7 @@ from design_road import random_plant, surroundings
 from compensator_theory.errors import CompensatorError
 from rcac_experiments import tune
 from rcac_numeric import design
-from rcac_numeric.designing.plants import read_plant
+from rcac_numeric.designing._plants import read_plant
 
 
 def main(count=30, first=70_000, budget=40):

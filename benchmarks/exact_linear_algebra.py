@@ -57,14 +57,14 @@ from compensator_theory import (
 )
 from compensator_theory.bezout import number_of_common_roots, sylvester_m
 from compensator_theory.forms import kronecker_form, smith_form
-from compensator_theory.matrices.flint_matrices import to_flint
-from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.matrices.linear_algebra import (
+from compensator_theory.matrices._flint_matrices import to_flint
+from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
     determinant,
     solve,
 )
-from compensator_theory.matrices.rational_functions import in_symbols
+from compensator_theory.matrices._rational_functions import in_symbols
 from compensator_theory.roots import number_of_real_roots
 
 S = sympy.Symbol("s")

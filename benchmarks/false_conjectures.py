@@ -17,7 +17,7 @@ from sympy import ImmutableMatrix, Matrix, Poly, Symbol, eye
 
 from compensator_theory import decide_stability, place_poles, polynomial_from_roots
 from compensator_theory import strategies as ours
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
 
 LIMIT = 500
 s = Symbol("s")

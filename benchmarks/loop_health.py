@@ -42,7 +42,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.plants.problems import servo_plant
+from rcac_numeric.plants._problems import servo_plant
 
 FAR, COSTLY, MISSED, BLOWN = 100.0, 2.0, 0.05, 1e4
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from compensator_theory import CompensatorError
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids, read_example
-from rcac_experiments.judging.claim import HOLDS, OURS
+from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.judging._claim import HOLDS, OURS
 from tests.support.mutations import mutations, outcomes
 
 

@@ -22,8 +22,8 @@ from loop_health import _polynomial, _words
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import UD, ControllerLog, ControllerSettings, fir_target, iir, simulate
-from rcac_numeric.checks.hypotheses import decide_problem
-from rcac_numeric.plants.problems import servo_plant, standard_plant
+from rcac_numeric.checks._hypotheses import decide_problem
+from rcac_numeric.plants._problems import servo_plant, standard_plant
 
 
 def answered(seed: int) -> str:

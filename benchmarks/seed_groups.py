@@ -13,9 +13,9 @@ import numpy as np
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.judging.claim import OURS
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.judging._claim import OURS
+from rcac_numeric.arrays._values import replaced as replace
 
 
 def main() -> int:

@@ -32,7 +32,9 @@ from rcac_experiments.sweeps import (
     check_store,
     read_table,
     run_study,
-    sweep,
+)
+from rcac_experiments.sweeps import (
+    _sweep as sweep,
 )
 
 BASE = {

@@ -28,10 +28,14 @@ from rcac_experiments.sweeps import (
     check_store,
     read_table,
     run_study,
-    schedule,
-    store,
 )
-from rcac_experiments.sweeps.worker import run_chunk
+from rcac_experiments.sweeps import (
+    _schedule as schedule,
+)
+from rcac_experiments.sweeps import (
+    _store as store,
+)
+from rcac_experiments.sweeps._worker import run_chunk
 from rcac_numeric import UD, ControllerSettings, FunctionPlant, SimulationCase, TargetModel, iir
 
 BASE = {

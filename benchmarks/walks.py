@@ -24,7 +24,7 @@ import rcac_numeric
 from compensator_theory import place_poles, transfer_function
 from rcac_experiments import check_arguments, load_experiment, verify
 from rcac_experiments.sweeps import read_table, run_study
-from rcac_experiments.sweeps.files import load_study
+from rcac_experiments.sweeps._files import load_study
 from rcac_numeric import (
     UD,
     Controller,

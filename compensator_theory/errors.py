@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import Self
 
-from compensator_theory.wording import printable
+from compensator_theory._wording import printable
 
 _LONG_NUMBER = re.compile(r"\d{80,}")
 

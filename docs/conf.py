@@ -23,8 +23,8 @@ from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
 from docs.reference_pages import ROOT, changed, write_reference, write_rocq
 from docs.thumbnails import insert_thumbnails
-from rcac_experiments.explorer.page import explorer_page
-from rcac_numeric.reports.rendering import write_page
+from rcac_experiments.explorer._page import explorer_page
+from rcac_numeric.reports._rendering import write_page
 from tests.house.layers import LAYERS
 
 EXAMPLES = Path(rcac_experiments.dissertation.__file__).parent / "example_files"

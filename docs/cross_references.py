@@ -82,9 +82,9 @@ def public_target(target: str, module: str | None) -> str | None:
     Examples
     --------
     >>> from docs.cross_references import public_target
-    >>> public_target("rcac_numeric.engine.runs.Run.plot", None)
+    >>> public_target("rcac_numeric.engine._runs.Run.plot", None)
     'rcac_numeric.Run.plot'
-    >>> public_target("realisation", "compensator_theory.observers.design")
+    >>> public_target("realisation", "compensator_theory.observers._design")
     'compensator_theory.realisation'
     """
     for package, homes in HOMES.items():

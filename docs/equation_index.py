@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from docs.reference_pages import PACKAGES, ROOT, place, public_names, public_path
 from proofs.ledger.ledger import ledger
-from rcac_experiments.dissertation.reading import find_errata
+from rcac_experiments.dissertation._reading import find_errata
 
 CHAPTERS = {c: f"Chapter {c}" for c in "123456789"} | {c: f"Appendix {c}" for c in "AB"}
 NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d{0,2})\)(?:-\(([1-9AB])\.([1-9]\d{0,2})\))?")

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 import rcac_experiments.dissertation
-from rcac_experiments.dissertation.entries import KINDS, Erratum
-from rcac_experiments.dissertation.reading import find_errata
+from rcac_experiments.dissertation._entries import KINDS, Erratum
+from rcac_experiments.dissertation._reading import find_errata
 
 CHAPTERS = Path(rcac_experiments.dissertation.__file__).parent / "chapters"
 HEADINGS = {

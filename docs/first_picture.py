@@ -16,7 +16,7 @@ from matplotlib.patches import Circle
 import rcac_experiments.explorer
 from rcac_experiments import load_experiment
 from rcac_numeric import simulate
-from rcac_numeric.analysis.loop_analysis import LoopAnalysis
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 
 FOLDER = Path(__file__).resolve().parent / "_static"
 CASE = Path(rcac_experiments.explorer.__file__).parent / "scenes" / "tame.toml"

@@ -11,9 +11,9 @@ from typing import Any
 
 from docs.errata_page import escaped
 from rcac_experiments.dissertation import find_errata, load_example
-from rcac_experiments.dissertation.entries import KINDS
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.judging.claim import (
+from rcac_experiments.dissertation._entries import KINDS
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.judging._claim import (
     DEPENDS,
     MISPRINT,
     NOT_REPRODUCED,

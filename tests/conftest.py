@@ -71,7 +71,7 @@ def pytest_collection_modifyitems(config, items):
             left |= _other_cases(items, draw)
         config.hook.pytest_deselected(items=[i for i in items if i.nodeid in left])
         items[:] = [i for i in items if i.nodeid not in left]
-    warning = "ignore::rcac_numeric.controllers.supervision.SupervisionWarning"
+    warning = "ignore::rcac_numeric.controllers._supervision.SupervisionWarning"
     for item in items:
         if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
             item.add_marker(pytest.mark.filterwarnings(warning))

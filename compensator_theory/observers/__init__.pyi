@@ -1,6 +1,6 @@
-from .counting import count_observer_forms as count_observer_forms
-from .optimality import is_lqg_suboptimal as is_lqg_suboptimal
-from .questions import pair_is_observer_based as pair_is_observer_based
-from .questions import transfer_function_is_observer_based as transfer_function_is_observer_based
-from .realisation_question import realisation_is_observer_based as realisation_is_observer_based
-from .youla import youla_forms as youla_forms
+from ._counting import count_observer_forms as count_observer_forms
+from ._optimality import is_lqg_suboptimal as is_lqg_suboptimal
+from ._questions import pair_is_observer_based as pair_is_observer_based
+from ._questions import transfer_function_is_observer_based as transfer_function_is_observer_based
+from ._realisation_question import realisation_is_observer_based as realisation_is_observer_based
+from ._youla import youla_forms as youla_forms

@@ -1,7 +1,7 @@
-from .counts import number_of_real_roots as number_of_real_roots
-from .reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
-from .reflections import reciprocal_polynomial as reciprocal_polynomial
-from .schur_cohn import reflection_coefficients as reflection_coefficients
-from .stability import hurwitz_determinants as hurwitz_determinants
-from .unit_circle import split_at_unit_circle as split_at_unit_circle
-from .unit_circle_enclosures import enclose_split_at_unit_circle as enclose_split_at_unit_circle
+from ._counts import number_of_real_roots as number_of_real_roots
+from ._reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
+from ._reflections import reciprocal_polynomial as reciprocal_polynomial
+from ._schur_cohn import reflection_coefficients as reflection_coefficients
+from ._stability import hurwitz_determinants as hurwitz_determinants
+from ._unit_circle import split_at_unit_circle as split_at_unit_circle
+from ._unit_circle_enclosures import enclose_split_at_unit_circle as enclose_split_at_unit_circle

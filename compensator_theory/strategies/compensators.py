@@ -15,8 +15,8 @@ from compensator_theory.strategies.polynomials import (
     polynomials,
     rationals,
 )
-from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems._state_space import controllable_canonical_form
+from compensator_theory.systems._transfer_functions import TransferFunction
 
 Hidden = Literal["uncontrollable", "unobservable", "both"]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sympy import QQ, ImmutableMatrix, Poly, Rational, Symbol, diag
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials._poly import canonical
 from compensator_theory.strategies.plants import disguised, matrices, unimodular_matrices
 from compensator_theory.strategies.polynomials import (
     coprime_pairs,
@@ -17,8 +17,8 @@ from compensator_theory.strategies.polynomials import (
     polynomials,
     rationals,
 )
-from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems._state_space import controllable_canonical_form
+from compensator_theory.systems._transfer_functions import TransferFunction
 
 # The signs of d, by turns, and whether the second factor is the first again.
 _SIGNS = (
@@ -184,9 +184,9 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
     --------
     >>> from hypothesis import given
     >>> from compensator_theory import Realisation
-    >>> from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
-    >>> from compensator_theory.matrices.invariant_subspaces import derogatory_factor
-    >>> from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+    >>> from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
+    >>> from compensator_theory.matrices._invariant_subspaces import derogatory_factor
+    >>> from compensator_theory.matrices._linear_algebra import characteristic_polynomial
     >>> from compensator_theory.strategies import derogatory_loops
     >>> @given(derogatory_loops())
     ... def check(loop):

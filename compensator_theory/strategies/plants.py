@@ -14,9 +14,9 @@ from compensator_theory.strategies.polynomials import (
     rationals,
 )
 from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra
-from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems._standard_problems import StandardProblem
+from compensator_theory.systems._state_space import controllable_canonical_form
+from compensator_theory.systems._transfer_functions import TransferFunction
 
 _S = Symbol("s")
 
@@ -203,7 +203,7 @@ def minimal_plants(
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory.matrices.linear_algebra import rank
+    >>> from compensator_theory.matrices._linear_algebra import rank
     >>> from compensator_theory.strategies import minimal_plants
     >>> @given(minimal_plants(3))
     ... def check(plant):

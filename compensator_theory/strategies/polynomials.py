@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 from sympy import QQ, Poly, Rational, Symbol
 
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials._poly import canonical
 
 
 def rationals(max_numerator: int = 9, max_denominator: int = 4) -> st.SearchStrategy[Rational]:

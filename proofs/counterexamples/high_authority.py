@@ -24,7 +24,7 @@ from compensator_theory import (
     standard_problem,
 )
 from compensator_theory.errors import UnitCircleError
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 
 Facts = Iterator[tuple[str, bool]]
 q = Symbol("q")

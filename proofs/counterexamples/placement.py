@@ -6,9 +6,9 @@ from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
 from compensator_theory import TransferFunction, polynomial
 from compensator_theory.bezout import check_proposition_3
-from compensator_theory.bezout.sylvester import sylvester_m
+from compensator_theory.bezout._sylvester import sylvester_m
 from compensator_theory.loops import target_characteristic_polynomial
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
 
 Facts = Iterator[tuple[str, bool]]
 s = Symbol("s")

@@ -6,7 +6,7 @@ from sympy import Matrix
 
 from compensator_theory import polynomial
 from compensator_theory.bezout import sylvester_m1, sylvester_m2
-from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.matrices._linear_algebra import determinant, rank
 
 Facts = Iterator[tuple[str, bool]]
 

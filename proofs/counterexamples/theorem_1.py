@@ -11,7 +11,7 @@ from compensator_theory import (
     polynomial,
     realisation,
 )
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.observers import (
     is_lqg_suboptimal,
     pair_is_observer_based,

@@ -5,11 +5,11 @@ from hypothesis import strategies as st
 from sympy import BlockMatrix, Matrix, Poly, Symbol
 
 from compensator_theory import closed_loop_matrix, observer_forms
-from compensator_theory.matrices.invariant_subspaces import derogatory_factor
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices._invariant_subspaces import derogatory_factor
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
 from compensator_theory.observers import count_observer_forms, youla_forms
-from compensator_theory.observers.counting import count_partitions
-from compensator_theory.observers.form import ObserverForm
+from compensator_theory.observers._counting import count_partitions
+from compensator_theory.observers._form import ObserverForm
 from compensator_theory.roots import number_of_real_roots
 from compensator_theory.strategies import matrices
 

@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 from sympy import Matrix, zeros
 
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 
 from ..ledger.checks import for_all
 

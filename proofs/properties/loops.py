@@ -7,7 +7,7 @@ from sympy import Matrix, diag, zeros
 from compensator_theory import Realisation, place_poles, polynomial_from_roots, realisation
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 from compensator_theory.strategies.plants import unimodular_matrices
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems._transfer_functions import TransferFunction
 
 Loop = tuple[Realisation, Realisation]
 

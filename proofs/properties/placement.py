@@ -12,7 +12,7 @@ from compensator_theory.bezout import (
 )
 from compensator_theory.errors import NotReachableTargetError
 from compensator_theory.loops import target_characteristic_polynomial
-from compensator_theory.matrices.linear_algebra import determinant, solve_affine
+from compensator_theory.matrices._linear_algebra import determinant, solve_affine
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
 from ..ledger.checks import for_all

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from sympy import Poly, Symbol
 
 from compensator_theory.bezout import sylvester_m1, sylvester_m2
-from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.matrices._linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials, rationals
 
 from ..ledger.checks import for_all

@@ -10,7 +10,7 @@ from compensator_theory import (
     polynomial_from_roots,
     regulator_gain,
 )
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
 from compensator_theory.strategies import matrices, minimal_plants, spectra
 
 from ..ledger.checks import for_all

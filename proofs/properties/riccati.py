@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational, Symbol, kronecker_product, prod
 
 from compensator_theory import polynomial, polynomial_from_roots, solve_riccati, solve_stein
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
+from compensator_theory.polynomials._poly import canonical
 from compensator_theory.strategies import (
     matrices,
     nonzero_rationals,
@@ -15,8 +15,8 @@ from compensator_theory.strategies import (
     standard_problems,
 )
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
-from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems._state_space import controllable_canonical_form
+from compensator_theory.systems._transfer_functions import TransferFunction
 
 from ..ledger.checks import for_all
 

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from sympy import ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory import observer_gain_family, state_feedback_family
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank
 from compensator_theory.strategies import matrices, polynomials
 
 from ..ledger.checks import for_all

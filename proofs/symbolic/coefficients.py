@@ -7,8 +7,8 @@ canonical form: a change of basis, so that nothing is lost for minimal ones.
 from sympy import Expr, Matrix, Poly, Symbol, expand, prod, symbols, zeros
 
 from compensator_theory.bezout import sylvester_m, sylvester_m1, sylvester_m2
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
+from compensator_theory.polynomials._poly import canonical
 
 s, q = Symbol("s"), Symbol("q")
 

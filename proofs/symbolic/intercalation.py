@@ -8,7 +8,7 @@ from compensator_theory import (
     compensator_polynomials,
     intercalated_transfer_matrix,
 )
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials._poly import canonical
 
 # Operators and signals of any size: letters that do not commute. q commutes with all of them.
 q, n_c = symbols("q n_c", positive=True)

@@ -25,7 +25,7 @@ def main() -> None:
     is_ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     _answer(is_ignored, _leave)
     gc.disable()  # imports leave nothing to collect, and looking for it takes a tenth of them
-    program = importlib.import_module("rcac_experiments.cli.main")
+    program = importlib.import_module("rcac_experiments.cli._main")
     with suppress(Exception):  # it will come again, where it has an answer
         for name in sys.argv[1:2]:
             importlib.import_module(program.COMMANDS[name][0].partition(":")[0])

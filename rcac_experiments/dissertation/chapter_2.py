@@ -8,9 +8,9 @@ import numpy as np
 from sympy import Symbol, symbols
 
 import compensator_theory as exact
-from rcac_experiments.dissertation.tables import example_table
-from rcac_numeric.plants.problems import servo_plant, standard_plant
-from rcac_numeric.targets.pole_placement import pole_placement_target
+from rcac_experiments.dissertation._tables import example_table
+from rcac_numeric.plants._problems import servo_plant, standard_plant
+from rcac_numeric.targets._pole_placement import pole_placement_target
 
 Facts = Iterator[tuple[str, bool]]
 

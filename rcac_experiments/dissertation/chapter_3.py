@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.signal import cont2discrete, ss2tf
 
-from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays._array_types import Array, ComplexArray
 
 Facts = Iterator[tuple[str, bool]]
 H = 0.1  # seconds

@@ -8,10 +8,10 @@ from fractions import Fraction
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
-from rcac_experiments.dissertation.tables import example_table
-from rcac_numeric.analysis.lqg import lqg
-from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.problems import servo_plant, standard_plant
+from rcac_experiments.dissertation._tables import example_table
+from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._problems import servo_plant, standard_plant
 
 Facts = Iterator[tuple[str, bool]]
 

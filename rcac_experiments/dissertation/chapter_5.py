@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 import compensator_theory as exact
-from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.analysis.lqg import lqg
-from rcac_numeric.plants.problems import standard_plant
+from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.plants._problems import standard_plant
 
 Facts = Iterator[tuple[str, bool]]
 PERIOD = 0.1  # seconds, Example 5.6

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 import compensator_theory as exact
-from rcac_numeric.analysis.lqg import lqg
-from rcac_numeric.plants.problems import standard_plant
+from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.plants._problems import standard_plant
 
 Facts = Iterator[tuple[str, bool]]
 G_1 = "(q - 0.8)*(q - 1.1)/((q - 0.5)*(q**2 - 1.9*q + 1))"

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rcac_experiments.dissertation._tables import example_table
 from rcac_experiments.dissertation.chapter_3 import A_0, A_1, B_0, B_1
-from rcac_experiments.dissertation.tables import example_table
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays._array_types import Array
 
 Facts = Iterator[tuple[str, bool]]
 H = 0.001  # seconds

@@ -1,1 +1,1 @@
-from .requested import plot_request as plot_request
+from ._requested import plot_request as plot_request

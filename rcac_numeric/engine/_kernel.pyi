@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays._array_types import Array
 
 Pairs = Sequence[tuple[int, int]]
 Sizes = tuple[int, int, int, int, int]

@@ -5,8 +5,8 @@ from dataclasses import fields, is_dataclass
 
 import compensator_theory
 from compensator_theory import results
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.sample_times import System
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.systems._sample_times import System
 
 
 def public_results():

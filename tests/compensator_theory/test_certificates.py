@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import results
-from compensator_theory.loops.siso import closed_loop_of_pair
-from compensator_theory.matrices.certificates import Certified
+from compensator_theory.loops._siso import closed_loop_of_pair
+from compensator_theory.matrices._certificates import Certified
 
 from .samples import SAMPLES
 

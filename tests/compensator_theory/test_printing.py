@@ -12,9 +12,9 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 import compensator_theory as exact
-from compensator_theory.polynomials.budget import quoted, shown
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.printing import decimal, formula, fraction_of, integer_of, text
+from compensator_theory._printing import decimal, formula, fraction_of, integer_of, text
+from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._values import ExactValue
 from tests.compensator_theory.samples import SAMPLES
 
 LONG = 10**6000 + 7

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import compensator_theory as exact
-from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 
 a, b = sympy.symbols("a b")
 k = sympy.Symbol("k", positive=True)

@@ -8,8 +8,8 @@ import pytest
 import docs
 from docs.numbered_items import counts, items, quoted_claims, table
 from proofs.ledger.ledger import ledger
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.judging.claim import Claim
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.judging._claim import Claim
 
 PAGE = (Path(docs.__path__[0]) / "fair-judging.md").read_text("utf-8")
 ROW = re.compile(r'^\| ([\dAB.]+) \| "(.+)" ([^|"]+) \| ([^|]+) \| ([^|]+) \| (.+) \|$', re.M)

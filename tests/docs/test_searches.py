@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from docs.reference_pages import PACKAGES, groups, page_of
-from rcac_experiments.cli.main import COMMANDS
+from rcac_experiments.cli._main import COMMANDS
 
 FOLDER = Path(__file__).resolve().parent
 DOCS = FOLDER.parents[1] / "docs"

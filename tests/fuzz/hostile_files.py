@@ -18,11 +18,11 @@ import numpy as np
 
 import rcac_numeric as r
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.arrays.record_files import KEY, _checksum
-from rcac_numeric.arrays.values import fingerprint
-from rcac_numeric.engine.states import _checksum as state_checksum
-from rcac_numeric.reports.check import check_sheet
-from rcac_numeric.reports.terminal import as_text
+from rcac_numeric.arrays._record_files import KEY, _checksum
+from rcac_numeric.arrays._values import fingerprint
+from rcac_numeric.engine._states import _checksum as state_checksum
+from rcac_numeric.reports._check import check_sheet
+from rcac_numeric.reports._terminal import as_text
 
 ESCAPES = "\x1b]0;title\x07\x1b[2J\u202egpj.\r\n<script>alert(1)</script>$\\frac{"
 FORBIDDEN = ("os.system", "os.exec", "os.spawn", "os.posix_spawn", "subprocess.Popen",

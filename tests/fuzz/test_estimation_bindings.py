@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rcac_numeric.engine import _kernel
 from rcac_numeric.estimation import RCMR, FIRSubsystem
-from rcac_numeric.estimation.refinement import compiled_refinement
+from rcac_numeric.estimation._refinement import compiled_refinement
 from tests.support.kernel_arguments import damaged_state, perhaps_damaged
 from tests.support.kernel_calls import attempt
 

@@ -13,8 +13,8 @@ import pytest
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import ClosedLoop, SavedState, load_run, read_log, simulate
-from rcac_numeric.arrays import untrusted
-from rcac_numeric.arrays.record_files import KEY, _checksum, is_record
+from rcac_numeric.arrays import _untrusted as untrusted
+from rcac_numeric.arrays._record_files import KEY, _checksum, is_record
 from tests.fuzz.hostile_files import (
     draw,
     hostile_run,
@@ -191,7 +191,7 @@ def test_a_packing_that_chooses_its_memory_is_refused(tmp_path, runs, method):
 
 
 def test_a_run_that_would_not_be_read_again_is_not_written(tmp_path, runs, monkeypatch):
-    monkeypatch.setattr("rcac_numeric.arrays.record_files.MOST_NUMBERS", 100)
+    monkeypatch.setattr("rcac_numeric.arrays._record_files.MOST_NUMBERS", 100)
     with pytest.raises(CompensatorError, match="would not be read again"):
         runs[0].save(tmp_path / "run.npz")
     assert not list(tmp_path.iterdir())

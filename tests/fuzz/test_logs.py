@@ -14,7 +14,7 @@ import scipy.sparse
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import read_log, read_recording
-from rcac_numeric.signals.data_files import read_variables
+from rcac_numeric.signals._data_files import read_variables
 from tests.support.work import at_most, at_most_bytes
 
 CALLS, BYTES = 1_000_000, 300_000_000  # at most 2**25 numbers are read, 268 MB

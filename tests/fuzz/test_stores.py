@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from rcac_experiments.sweeps import StoreError, check_store, read_table, repair_store, run_study
-from rcac_experiments.sweeps.canonical import canonical_json, digest
-from rcac_experiments.sweeps.chunk import FAILED
-from rcac_experiments.sweeps.store import DONE, Store, chunk_digest, digest_of, signals_digest
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.sweeps._canonical import canonical_json, digest
+from rcac_experiments.sweeps._chunk import FAILED
+from rcac_experiments.sweeps._store import DONE, Store, chunk_digest, digest_of, signals_digest
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support import studies
 
 STUDY = studies.study(

@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
 from rcac_experiments import json_schema, load_experiment
-from rcac_experiments.dissertation.examples import example_ids, read_example
-from rcac_experiments.files.builder import FILE, build
-from rcac_experiments.files.runs import TABLES
-from rcac_experiments.format.tables import ByKey, Deferred, Kinds, Table
-from rcac_experiments.format.values import (
+from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.files._builder import FILE, build
+from rcac_experiments.files._runs import TABLES
+from rcac_experiments.format._tables import ByKey, Deferred, Kinds, Table
+from rcac_experiments.format._values import (
     ByStep,
     Choice,
     Either,

@@ -6,19 +6,19 @@ What a file names is a key of one of these tables; it is looked up, and never im
 from collections.abc import Iterator
 from pathlib import Path
 
-from rcac_experiments.estimation.studies import MEASURES as OF_ESTIMATES
-from rcac_experiments.experiments.exact_statements import STATEMENTS
-from rcac_experiments.files.builder import FILE
-from rcac_experiments.files.estimation import ESTIMATION_FILE
-from rcac_experiments.files.exact import EXACT_FILE
-from rcac_experiments.files.runs import TABLES
-from rcac_experiments.format.tables import ByKey, Kinds, Table
-from rcac_experiments.format.values import Form
-from rcac_experiments.judging.measures import MEASURES
-from rcac_experiments.plots.requested import DRAWINGS, OF_STUDIES
-from rcac_experiments.sweeps.files import STUDY
-from rcac_numeric.arrays.records import _exact
-from rcac_numeric.engine.runs import RECORDS
+from rcac_experiments.estimation._studies import MEASURES as OF_ESTIMATES
+from rcac_experiments.experiments._exact_statements import STATEMENTS
+from rcac_experiments.files._builder import FILE
+from rcac_experiments.files._estimation import ESTIMATION_FILE
+from rcac_experiments.files._exact import EXACT_FILE
+from rcac_experiments.files._runs import TABLES
+from rcac_experiments.format._tables import ByKey, Kinds, Table
+from rcac_experiments.format._values import Form
+from rcac_experiments.judging._measures import MEASURES
+from rcac_experiments.plots._requested import DRAWINGS, OF_STUDIES
+from rcac_experiments.sweeps._files import STUDY
+from rcac_numeric.arrays._records import _exact
+from rcac_numeric.engine._runs import RECORDS
 
 PAGE = Path(__file__).parents[2] / "docs" / "reachable-functions.txt"
 ROOTS = {

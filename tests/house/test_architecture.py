@@ -17,13 +17,13 @@ PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments", "proofs")
 WITHOUT_ENGINE = ("analysis", "margins", "h2")
 # Imports by name in the packages: commands, entries of tables that are tested, optional libraries.
 BY_NAME = {
-    "rcac_numeric/arrays/frames.py",
-    "rcac_numeric/arrays/showing.py",
+    "rcac_numeric/arrays/_frames.py",
+    "rcac_numeric/arrays/_showing.py",
     "rcac_experiments/cli/__main__.py",
-    "rcac_experiments/cli/main.py",
-    "rcac_experiments/dissertation/checking.py",
-    "rcac_numeric/reports/displays.py",
-    "rcac_experiments/sweeps/versions.py",
+    "rcac_experiments/cli/_main.py",
+    "rcac_experiments/dissertation/_checking.py",
+    "rcac_numeric/reports/_displays.py",
+    "rcac_experiments/sweeps/_versions.py",
 }
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))

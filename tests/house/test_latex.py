@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from math_core import LatexError, LatexToMathML
 
 import compensator_theory as exact
-from compensator_theory.latex import displayed, latex, words
-from compensator_theory.polynomials.values import ExactValue
+from compensator_theory._latex import displayed, latex, words
+from compensator_theory.polynomials._values import ExactValue
 from tests.compensator_theory.samples import SAMPLES
 from tests.support.public import public_objects
 
@@ -34,7 +34,7 @@ def require_formula(text):
 
 @pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
 def test_every_exact_result_has_a_formula(cls):
-    assert "_repr_latex_" in vars(cls), "see compensator_theory.latex"
+    assert "_repr_latex_" in vars(cls), "see compensator_theory._latex"
 
 
 @pytest.mark.costly

@@ -18,14 +18,14 @@ ATTRIBUTES = {"prec", "dps", "environ", "rcParams", "filters", "umask"}
 # The turns of ball_precision; the command line; a worker process, which is its own; and Matplotlib,
 # which is for one thread at a time anyway.
 ALLOWED = {
-    ("compensator_theory/polynomials/ball_precision.py", "prec"),
+    ("compensator_theory/polynomials/_ball_precision.py", "prec"),
     ("rcac_experiments/cli/__main__.py", "signal"),
-    ("rcac_experiments/dissertation/reproduction.py", "signal"),
-    ("rcac_experiments/sweeps/worker.py", "signal"),  # of the main thread, while measuring
-    ("rcac_experiments/sweeps/pools.py", "signal"),
-    ("rcac_experiments/sweeps/pools.py", "environ"),
-    ("rcac_experiments/sweeps/worker.py", "environ"),
-    ("rcac_numeric/reports/svg.py", "rc_context"),
+    ("rcac_experiments/dissertation/_reproduction.py", "signal"),
+    ("rcac_experiments/sweeps/_worker.py", "signal"),  # of the main thread, while measuring
+    ("rcac_experiments/sweeps/_pools.py", "signal"),
+    ("rcac_experiments/sweeps/_pools.py", "environ"),
+    ("rcac_experiments/sweeps/_worker.py", "environ"),
+    ("rcac_numeric/reports/_svg.py", "rc_context"),
 }
 
 

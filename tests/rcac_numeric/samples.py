@@ -12,12 +12,12 @@ from scipy.signal import lfilter
 import rcac_experiments
 import rcac_numeric as rcac
 from rcac_experiments import sweeps
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import gallery, identification, results
-from rcac_numeric.analysis.loop_analysis import LoopAnalysis
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.designing.logs import plant_from_log
-from rcac_numeric.signals.signal import Scaled, Sum
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.designing._logs import plant_from_log
+from rcac_numeric.signals._signal import Scaled, Sum
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below

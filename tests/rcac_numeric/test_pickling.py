@@ -21,7 +21,7 @@ import rcac_numeric as rcac
 from compensator_theory.errors import DivergedError
 from rcac_experiments import sweeps
 from rcac_numeric import identification
-from rcac_numeric.arrays.values import equal, field_names
+from rcac_numeric.arrays._values import equal, field_names
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
 from tests.support.public import public_objects

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rcac_numeric.export.header import config_header
+from rcac_numeric.export._header import config_header
 
 CORE = Path(__file__).resolve().parents[2] / "kernel" / "core"
 WARNINGS = [

@@ -15,7 +15,7 @@ from rcac_numeric import (
     TargetModel,
     VariableRateForgetting,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.engine_cases import engine_plants, positive, settings_for, structures
 from tests.support.strategies import seeds
 

@@ -18,7 +18,7 @@ from rcac_numeric import (
     pid,
     quasi_fir,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support import textbook as book
 from tests.support.strategies import seeds, starts, targets
 

@@ -57,7 +57,7 @@ class LastDigits:
         """Move what the numeric half reads, and what linear algebra is handed, from now on."""
         import scipy.linalg
 
-        from rcac_numeric.arrays import validation
+        from rcac_numeric.arrays import _validation as validation
 
         validation.float_array = self._moving_result(validation.float_array)
         for module in (np.linalg, scipy.linalg):

@@ -5,10 +5,10 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from rcac_experiments.experiments.experiment import Experiment, verify
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.claim import OURS
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.experiments._experiment import Experiment, verify
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._claim import OURS
+from rcac_numeric.arrays._values import replaced as replace
 
 Table = dict[str, Any]
 NUMBER = re.compile(r"(?<![\w.*])\d+\.\d+")

@@ -16,9 +16,9 @@ import flint
 
 import compensator_theory as exact
 import rcac_numeric as rcac
-from compensator_theory.roots.certified import decided_balls
-from rcac_numeric.plants.zero_order_hold import zero_order_hold
-from rcac_numeric.signals.text_tables import read_table
+from compensator_theory.roots._certified import decided_balls
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
+from rcac_numeric.signals._text_tables import read_table
 
 LONG = 10**5000 + 7
 PLANT = rcac.standard_plant("(q - 0.5)/(q*(q - 0.9))")

@@ -13,7 +13,7 @@ from compensator_theory.bezout import (
     subresultants,
 )
 from compensator_theory.errors import BudgetError
-from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.matrices._linear_algebra import determinant, rank
 from compensator_theory.roots import number_of_real_roots
 from compensator_theory.strategies import polynomials, rationals
 

@@ -9,13 +9,13 @@ from sympy import Matrix, Poly, Symbol, prevprime
 from sympy.polys.subresultants_qq_zz import sylvester
 
 from compensator_theory import certified_roots
-from compensator_theory.bezout import coprime_equations
-from compensator_theory.bezout.coprime_equations import solve_coprime_equation
-from compensator_theory.matrices.flint_polynomials import (
+from compensator_theory.bezout import _coprime_equations as coprime_equations
+from compensator_theory.bezout._coprime_equations import solve_coprime_equation
+from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials._poly import canonical
 from compensator_theory.strategies import coprime_pairs, polynomials
 from compensator_theory.strategies.polynomials import coprime_to
 

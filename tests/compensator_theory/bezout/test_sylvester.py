@@ -17,7 +17,7 @@ from compensator_theory.bezout import (
     sylvester_m1,
     sylvester_m2,
 )
-from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.matrices._linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials
 
 s = sympy.Symbol("s")

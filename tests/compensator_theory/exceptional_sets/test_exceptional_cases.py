@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import CompensatorError, InputError, exceptional_cases
-from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.linear_algebra import rank, solve_affine
-from compensator_theory.polynomials.substitution import names_in, substituted
+from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._linear_algebra import rank, solve_affine
+from compensator_theory.polynomials._substitution import names_in, substituted
 from compensator_theory.results import BezoutIdentity, NullSpaceGCD
 
 s = sympy.Symbol("s")

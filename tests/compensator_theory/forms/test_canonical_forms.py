@@ -15,7 +15,7 @@ from compensator_theory.forms import (
     popov_form,
     smith_form,
 )
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer, polynomial_matrices

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from sympy import QQ, Poly, Rational
 from sympy.abc import a, b, s
 
-from compensator_theory.forms.function_rings import FunctionRing
-from compensator_theory.matrices.rational_functions import in_symbols
-from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.forms._function_rings import FunctionRing
+from compensator_theory.matrices._rational_functions import in_symbols
+from compensator_theory.polynomials._poly import from_coefficients
 
 VALUES = {a: Rational(7, 3), b: Rational(-5, 11)}
 COEFFICIENTS = st.sampled_from(

@@ -11,7 +11,7 @@ from sympy import Matrix, Poly, eye
 
 from compensator_theory import CompensatorError, exceptional_cases
 from compensator_theory.forms import jordan_form
-from compensator_theory.matrices.nonsingularity import is_proven_nonsingular
+from compensator_theory.matrices._nonsingularity import is_proven_nonsingular
 from compensator_theory.strategies.plants import unimodular_matrices
 
 s = sympy.Symbol("s")

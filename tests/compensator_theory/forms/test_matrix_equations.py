@@ -15,7 +15,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.forms import minimal_basis
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,

@@ -11,7 +11,7 @@ from sympy import Matrix
 from compensator_theory import budget
 from compensator_theory.errors import BudgetError
 from compensator_theory.forms import kronecker_form, minimal_basis, smith_form
-from compensator_theory.matrices.residues import primes, whole
+from compensator_theory.matrices._residues import primes, whole
 from tests.support.structure_cases import fewer
 
 s = sympy.Symbol("s")

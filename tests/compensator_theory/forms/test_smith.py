@@ -20,9 +20,9 @@ from compensator_theory import (
 )
 from compensator_theory.errors import BudgetError
 from compensator_theory.forms import smith_form, smith_mcmillan_form
-from compensator_theory.forms.equivalence import elimination_of
-from compensator_theory.forms.polynomial_matrices import written
-from compensator_theory.forms.smith import by_euclid
+from compensator_theory.forms._equivalence import elimination_of
+from compensator_theory.forms._polynomial_matrices import written
+from compensator_theory.forms._smith import by_euclid
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,

@@ -18,7 +18,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import ImproperError
 from compensator_theory.loops import closed_loop_transfer_matrix, closed_loop_zero_polynomial
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import (
     matrices,
     polynomials,

@@ -22,7 +22,7 @@ from compensator_theory import (
     spectral_factor,
 )
 from compensator_theory.errors import ImproperError, NoSolutionError, NotControllableError
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import matrices, minimal_plants, polynomials
 
 R_2 = sympy.Symbol("R_2")

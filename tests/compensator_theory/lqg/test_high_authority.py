@@ -28,7 +28,7 @@ from compensator_theory.errors import (
     UnitCircleError,
 )
 from compensator_theory.loops import target_characteristic_polynomial
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.roots import (
     enclose_split_at_unit_circle,
     monic_reciprocal_polynomial,

@@ -24,7 +24,7 @@ from compensator_theory import (
     solve_sylvester,
 )
 from compensator_theory.errors import BudgetError, NoSolutionError
-from compensator_theory.lqg import sylvester_equations
+from compensator_theory.lqg import _sylvester_equations as sylvester_equations
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer
 from tests.support.structure_cases import realisations as systems

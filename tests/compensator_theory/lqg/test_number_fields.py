@@ -18,7 +18,7 @@ from compensator_theory import (
     standard_problem,
 )
 from compensator_theory.errors import NotControllableError
-from compensator_theory.roots.number_fields import Arithmetic, NumberField, stable_factors
+from compensator_theory.roots._number_fields import Arithmetic, NumberField, stable_factors
 from compensator_theory.strategies import matrices
 
 s = sympy.Symbol("s")

@@ -13,8 +13,8 @@ from sympy.abc import a, x
 
 from compensator_theory import Realisation, budget
 from compensator_theory.errors import BudgetError, InputError
-from compensator_theory.matrices.exact_matrices import exact_matrix
-from compensator_theory.matrices.flint_matrices import (
+from compensator_theory.matrices._exact_matrices import exact_matrix
+from compensator_theory.matrices._flint_matrices import (
     RationalMatrix,
     from_flint,
     of_rows,

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy.abc import a, b
 
-from compensator_theory.matrices.echelon import echelon
-from compensator_theory.matrices.fraction_free import SymbolicRows
-from compensator_theory.matrices.linear_algebra import determinant, rank, solve
-from compensator_theory.matrices.rational_functions import vanish
-from compensator_theory.matrices.symbolic_matrices import product_with_symbols
+from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._fraction_free import SymbolicRows
+from compensator_theory.matrices._linear_algebra import determinant, rank, solve
+from compensator_theory.matrices._rational_functions import vanish
+from compensator_theory.matrices._symbolic_matrices import product_with_symbols
 
 ENTRIES = st.sampled_from(
     [sympy.Integer(k) for k in (-2, 0, 0, 1, 3)]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.linear_algebra import (
+from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
     determinant,
     rank,

@@ -8,8 +8,9 @@ from sympy import I, Matrix, sqrt
 
 from compensator_theory import InputError
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.forms import jordan, jordan_form
-from compensator_theory.matrices.nonsingularity import is_proven_nonsingular, surd_ball
+from compensator_theory.forms import _jordan as jordan
+from compensator_theory.forms import jordan_form
+from compensator_theory.matrices._nonsingularity import is_proven_nonsingular, surd_ball
 from compensator_theory.strategies import rationals
 from tests.support.structure_cases import fewer
 

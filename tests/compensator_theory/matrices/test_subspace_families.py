@@ -11,14 +11,18 @@ from sympy import Matrix, Poly, Rational
 
 from compensator_theory import InputError, Realisation, observer_forms
 from compensator_theory.errors import BudgetError
-from compensator_theory.matrices.cyclic_families import sample_subspaces
-from compensator_theory.matrices.invariant_subspaces import (
+from compensator_theory.matrices._cyclic_families import sample_subspaces
+from compensator_theory.matrices._invariant_subspaces import (
     joined,
     primary_components,
 )
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve_affine
-from compensator_theory.matrices.open_cells import families, grassmannian_cell
-from compensator_theory.matrices.strata import (
+from compensator_theory.matrices._linear_algebra import (
+    characteristic_polynomial,
+    rank,
+    solve_affine,
+)
+from compensator_theory.matrices._open_cells import families, grassmannian_cell
+from compensator_theory.matrices._strata import (
     continuum_size,
     littlewood_richardson,
     partitions,

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from sympy import ImmutableMatrix, Rational
 from sympy.abc import a, b, c, x
 
-from compensator_theory.matrices.exact_matrices import exact_matrix
-from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices.flint_matrices import RationalMatrix, is_rational_matrix
-from compensator_theory.matrices.kept_matrices import KeptMatrix
-from compensator_theory.matrices.linear_algebra import multiplied
-from compensator_theory.matrices.symbolic_matrices import SymbolicMatrix, symbolic_matrix
+from compensator_theory.matrices._exact_matrices import exact_matrix
+from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices._flint_matrices import RationalMatrix, is_rational_matrix
+from compensator_theory.matrices._kept_matrices import KeptMatrix
+from compensator_theory.matrices._linear_algebra import multiplied
+from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 
 ENTRIES = st.sampled_from(
     [sympy.Integer(k) for k in (-2, 0, 1)]

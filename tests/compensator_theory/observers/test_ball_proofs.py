@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory import Realisation, observer_forms
-from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.observers import ball_proofs, realisation_is_observer_based
-from compensator_theory.observers.ball_proofs import prove_forms
+from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
+from compensator_theory.observers import _ball_proofs as ball_proofs
+from compensator_theory.observers import realisation_is_observer_based
+from compensator_theory.observers._ball_proofs import prove_forms
 from compensator_theory.strategies import (
     compensators,
     derogatory_loops,

@@ -27,8 +27,8 @@ from compensator_theory.observers import (
     realisation_is_observer_based,
     youla_forms,
 )
-from compensator_theory.observers.counting import count_partitions
-from compensator_theory.roots.counts import number_of_real_roots
+from compensator_theory.observers._counting import count_partitions
+from compensator_theory.roots._counts import number_of_real_roots
 from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")

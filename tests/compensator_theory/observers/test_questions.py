@@ -21,7 +21,7 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.errors import ImproperError, NotCoprimeError
-from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.loops._siso import closed_loop_of_pair
 from compensator_theory.observers import (
     count_observer_forms,
     is_lqg_suboptimal,
@@ -29,8 +29,8 @@ from compensator_theory.observers import (
     realisation_is_observer_based,
     transfer_function_is_observer_based,
 )
-from compensator_theory.observers.counting import count_partitions
-from compensator_theory.roots.counts import has_real_root, number_of_real_roots
+from compensator_theory.observers._counting import count_partitions
+from compensator_theory.roots._counts import has_real_root, number_of_real_roots
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")

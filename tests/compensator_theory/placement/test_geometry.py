@@ -20,7 +20,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.forms import smith_mcmillan_form
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.placement import (
     controlled_invariant_subspaces,
     decentralised_fixed_modes,

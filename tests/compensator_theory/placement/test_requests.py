@@ -18,11 +18,11 @@ from compensator_theory.bezout import (
     check_proposition_4,
     number_of_common_roots,
 )
-from compensator_theory.bezout.sylvester import sylvester_m
+from compensator_theory.bezout._sylvester import sylvester_m
 from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.loops import compensator_from_sensitivity
-from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.placement.rounding_effects import rounded_polynomial, rounding_effect
+from compensator_theory.matrices._linear_algebra import determinant
+from compensator_theory.placement._rounding_effects import rounded_polynomial, rounding_effect
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
 SIGNS = st.sampled_from([1, -1])

@@ -4,7 +4,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import locate_roots, polynomial
-from compensator_theory.placement.rounding_effects import (
+from compensator_theory.placement._rounding_effects import (
     RoundingEffect,
     are_far,
     is_stable,

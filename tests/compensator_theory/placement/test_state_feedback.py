@@ -21,7 +21,7 @@ from compensator_theory import (
     state_feedback_family,
 )
 from compensator_theory.errors import NoSolutionError, NotControllableError, NotObservableError
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.strategies import matrices, spectra
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
 from tests.support.structure_cases import fewer

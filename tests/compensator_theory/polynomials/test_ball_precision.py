@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory.errors import PrecisionError
-from compensator_theory.polynomials.algebraic import algebraic
+from compensator_theory.polynomials._algebraic import algebraic
 from compensator_theory.strategies import polynomials
 
 

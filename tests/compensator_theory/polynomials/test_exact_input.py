@@ -30,8 +30,8 @@ from compensator_theory import (
 )
 from compensator_theory.bezout import sylvester_m
 from compensator_theory.loops import target_characteristic_polynomial
-from compensator_theory.polynomials.expressions import read_text
-from compensator_theory.polynomials.numbers import PLAIN
+from compensator_theory.polynomials._expressions import read_text
+from compensator_theory.polynomials._numbers import PLAIN
 from compensator_theory.roots import reciprocal_polynomial, split_at_unit_circle
 
 

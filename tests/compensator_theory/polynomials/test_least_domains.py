@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import QQ, ZZ, Poly, Symbol, symbols
 
-from compensator_theory.polynomials.formatting import in_least_domain
+from compensator_theory.polynomials._formatting import in_least_domain
 
 s, a, b, c = symbols("s a b c")
 SORTED = [Symbol("x_10"), Symbol("x_2"), a]

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import polynomial
-from compensator_theory.polynomials.multivariate import common_divisor_by_flint
-from compensator_theory.polynomials.poly import common_divisor, monic
+from compensator_theory.polynomials._multivariate import common_divisor_by_flint
+from compensator_theory.polynomials._poly import common_divisor, monic
 from compensator_theory.sampling import matched
 
 s, a, b = sympy.symbols("s a b")

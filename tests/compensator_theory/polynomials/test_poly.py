@@ -10,7 +10,7 @@ from sympy import Poly
 
 from compensator_theory import InputError, certified_roots, monic, polynomial, polynomial_from_roots
 from compensator_theory.errors import NoSolutionError, UnitCircleError
-from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.roots import split_at_unit_circle
 from compensator_theory.strategies import polynomials, spectra
 

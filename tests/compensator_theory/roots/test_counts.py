@@ -8,10 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import certified_roots, count_roots, locate_roots, polynomial
-from compensator_theory.matrices.flint_polynomials import from_flint_polynomial, to_flint_polynomial
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.results import RootCount
-from compensator_theory.roots import counts, number_of_real_roots
-from compensator_theory.roots.descartes import distinct_real_roots
+from compensator_theory.roots import _counts as counts
+from compensator_theory.roots import number_of_real_roots
+from compensator_theory.roots._descartes import distinct_real_roots
 
 S = polynomial("s").gen
 REAL = st.fractions(-9, 9, max_denominator=8)

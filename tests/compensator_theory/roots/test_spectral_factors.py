@@ -20,7 +20,7 @@ from compensator_theory.roots import (
     monic_reciprocal_polynomial,
     split_at_unit_circle,
 )
-from compensator_theory.roots.spectral_factors import factor_spectrum
+from compensator_theory.roots._spectral_factors import factor_spectrum
 from compensator_theory.strategies import polynomials, rationals
 
 ONE_TENTH = sympy.Rational(1, 10)

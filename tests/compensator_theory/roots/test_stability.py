@@ -31,7 +31,7 @@ from compensator_theory.roots import (
     reflection_coefficients,
     split_at_unit_circle,
 )
-from compensator_theory.roots.schur_cohn import has_root_outside
+from compensator_theory.roots._schur_cohn import has_root_outside
 from compensator_theory.strategies import polynomials, spectra
 
 ANY_SPECTRUM = st.integers(0, 6).flatmap(spectra)

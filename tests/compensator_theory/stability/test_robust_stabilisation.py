@@ -19,7 +19,7 @@ from compensator_theory import (
     stabilising_gains,
     stable_compensator,
 )
-from compensator_theory.stability.stable_compensators import search_by_order
+from compensator_theory.stability._stable_compensators import search_by_order
 from compensator_theory.strategies import strictly_proper_plants
 from tests.support.structure_cases import fewer
 

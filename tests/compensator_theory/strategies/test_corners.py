@@ -15,7 +15,7 @@ from compensator_theory import (
 from compensator_theory import strategies as ours
 from compensator_theory.bezout import number_of_common_roots
 from compensator_theory.errors import NotCoprimeError
-from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 
 
 def share(strategy, *conditions, count=300):

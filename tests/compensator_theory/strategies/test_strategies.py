@@ -11,7 +11,7 @@ from sympy import ImmutableMatrix
 
 from compensator_theory import InputError, decide_stability, polynomial_from_roots
 from compensator_theory import strategies as ours
-from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.matrices._linear_algebra import rank
 
 ALL = {
     "rationals": ours.rationals(),

@@ -6,10 +6,10 @@ import tomllib
 import pytest
 from click.testing import CliRunner
 
-from rcac_experiments.cli.cases import known_keys
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._cases import known_keys
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import load_run
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_numeric import FixedController, Step, exogenous, read_log, simulate
 
 OCTAVE = "examples/octave/rcac_loop.mat"

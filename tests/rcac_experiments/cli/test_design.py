@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from scipy.signal import lfilter
 
 from rcac_experiments import load_experiment
-from rcac_experiments.cli import design as command
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli import _design as command
+from rcac_experiments.cli._main import main
 
 SAID = ("--disturbance", "0.5", "--noise", "0.01", "--u-limits", "-2,2", "--seeds", "1")
 LAG = ("1/(8*s + 1)", "--sample-time", "1", "--dead-time", "2")

@@ -4,7 +4,7 @@ import json
 
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import find_errata
 
 

@@ -13,9 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli import exits, main
+from rcac_experiments.cli import _exits as exits
+from rcac_experiments.cli import _main as main
 
-RCAC = [sys.executable, "-c", "from rcac_experiments.cli.main import main; main()"]
+RCAC = [sys.executable, "-c", "from rcac_experiments.cli._main import main; main()"]
 PLACE = ["place", "--plant", "1/s", "--poles=-1,-2"]
 OBSERVER = ["observer", "--plant", "1/s", "--compensator", "1/s"]
 CHECK = ["check", "examples/octave/rcac_loop.mat", "--n-c", "4"]
@@ -172,7 +173,7 @@ def test_help_of_a_command_tells_the_statuses():
 
 def test_help_is_quick_to_import():
     code = (
-        "import sys; from rcac_experiments.cli.main import main\n"
+        "import sys; from rcac_experiments.cli._main import main\n"
         "main(['--help'], standalone_mode=False); "
         "print({'numpy', 'sympy', 'scipy', 'matplotlib'} & set(sys.modules))"
     )

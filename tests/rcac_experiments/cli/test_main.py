@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
-from rcac_experiments.dissertation.examples import example_ids
+from rcac_experiments.cli._main import main
+from rcac_experiments.dissertation._examples import example_ids
 
 USER_CASE = """
 title = "My plant"
@@ -289,7 +289,7 @@ def test_other_bad_input(rcac, tmp_path, case):
 def test_list_needs_no_heavy_import():
     """`rcac list` answers at once because it imports neither NumPy nor SymPy."""
     code = (
-        "import sys; from rcac_experiments.cli.main import main\n"
+        "import sys; from rcac_experiments.cli._main import main\n"
         "main(['list'], standalone_mode=False); "
         "print({'numpy', 'sympy', 'scipy', 'control', 'matplotlib'} & set(sys.modules))"
     )

@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 
 EXAMPLE_7_1 = [
     "--plant",

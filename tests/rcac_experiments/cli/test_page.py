@@ -3,7 +3,7 @@
 import pytest
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from tests.support.pages import Page
 
 

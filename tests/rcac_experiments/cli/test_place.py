@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from compensator_theory import InputError, place_poles, polynomial_from_roots, transfer_function
 from compensator_theory.errors import RoundingWarning
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_numeric import placement_conditioning
 
 

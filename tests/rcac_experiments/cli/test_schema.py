@@ -4,8 +4,8 @@ import json
 
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
-from rcac_experiments.sweeps.files import study_schema
+from rcac_experiments.cli._main import main
+from rcac_experiments.sweeps._files import study_schema
 
 
 def test_the_schema_is_printed_as_it_is():

@@ -5,9 +5,9 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import read_table
-from rcac_experiments.sweeps.store import Store, chunk_digest
+from rcac_experiments.sweeps._store import Store, chunk_digest
 from tests.support import studies
 
 

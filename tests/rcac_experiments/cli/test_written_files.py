@@ -11,9 +11,9 @@ import pytest
 
 from compensator_theory.errors import InputError
 from rcac_numeric import load_run
-from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays._files import replacing
 
-RCAC = "from rcac_experiments.cli.main import main; main()"
+RCAC = "from rcac_experiments.cli._main import main; main()"
 CHECK = ["check", "examples/octave/rcac_loop.mat", "--n-c", "4", "--plot"]
 OLD = b"the picture of yesterday"
 
@@ -50,7 +50,7 @@ def test_what_a_killed_process_was_writing_is_removed_by_the_next(tmp_path):
     for path in (file, alien):
         path.write_bytes(OLD)
     code = (
-        "import os, sys; from rcac_numeric.arrays.files import replacing\n"
+        "import os, sys; from rcac_numeric.arrays._files import replacing\n"
         "with replacing(sys.argv[1]) as new:\n    new.write_text('half'); os.kill(os.getpid(), 9)"
     )
     for _ in range(2):

@@ -8,12 +8,12 @@ from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
 from rcac_experiments.dissertation import check_erratum, find_errata, load_example
-from rcac_experiments.dissertation.checking import SHOWN_BY, can_run
-from rcac_experiments.dissertation.entries import EVIDENCE
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.dissertation.reading import CHAPTERS, read_chapter
+from rcac_experiments.dissertation._checking import SHOWN_BY, can_run
+from rcac_experiments.dissertation._entries import EVIDENCE
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.dissertation._reading import CHAPTERS, read_chapter
 from rcac_experiments.results import ErratumEvidence
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 
 ERRATA = find_errata()
 OF = {kind: [e for e in ERRATA if e.evidence.kind == kind] for kind in EVIDENCE}

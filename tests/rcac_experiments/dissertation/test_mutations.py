@@ -5,8 +5,8 @@ import pytest
 
 from compensator_theory import CompensatorError
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids, read_example
-from rcac_experiments.judging.claim import HOLDS, OURS, Check, CheckResult, outcome_of
+from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.judging._claim import HOLDS, OURS, Check, CheckResult, outcome_of
 from tests.support.mutations import mutations, outcomes
 
 QUICK = ("2.2", "4.7", "7.1", "7.3", "7.6", "B.2", "B.3")

@@ -15,10 +15,10 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example, reproduce
-from rcac_experiments.dissertation.archive import write_archive
-from rcac_experiments.dissertation.reproduction import (
+from rcac_experiments.dissertation._archive import write_archive
+from rcac_experiments.dissertation._reproduction import (
     FEW,
     KeptCases,
     case_workers,
@@ -26,8 +26,8 @@ from rcac_experiments.dissertation.reproduction import (
     made,
     reduced,
 )
-from rcac_experiments.judging.claim import Check
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.judging._claim import Check
+from rcac_numeric.arrays._values import replaced as replace
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
 
@@ -113,7 +113,7 @@ def test_other_data_are_another_case():
 def test_the_digest_is_the_same_in_every_process():
     code = (
         "from rcac_experiments.dissertation import load_example\n"
-        "from rcac_experiments.dissertation.reproduction import digest_of\n"
+        "from rcac_experiments.dissertation._reproduction import digest_of\n"
         "print(*(digest_of(load_example(n)) for n in ('2.2', '2.6', '6.4', '7.1')))"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "1"}
@@ -154,7 +154,7 @@ def test_an_archive_holds_what_a_reader_needs(experiments, tmp_path):
         assert archive.read("index.html") == found.page.read_bytes()
         assert "numpy" in json.loads(archive.read("environment.json"))["versions"]
     needed = {"README.txt", "cases/7.6.json", "examples/4.7.toml", "errata/chapter_7.toml"}
-    needed |= {"sources/rcac_experiments/dissertation/reproduction.py"}
+    needed |= {"sources/rcac_experiments/dissertation/_reproduction.py"}
     needed |= {"sources/compensator_theory/errors.py"}
     assert needed <= names
 
@@ -199,7 +199,7 @@ def test_kills_at_random_moments_change_nothing(tmp_path, in_full):
     """SIGKILL of the whole command, again and again, then one that is left alone."""
     if not in_full:
         pytest.skip("starts many processes; --long runs it")
-    command = [sys.executable, "-c", "from rcac_experiments.cli.main import main; main()",
+    command = [sys.executable, "-c", "from rcac_experiments.cli._main import main; main()",
                "reproduce", "--chapter", "2", "--jobs", "2"]  # fmt: skip
     subprocess.run([*command, "-o", tmp_path / "a"], check=True, capture_output=True)
     rng = np.random.default_rng(0)

@@ -6,7 +6,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments import Budget
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from tests.support.work import at_most, at_most_bytes
 
 CASE = {

@@ -6,9 +6,9 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments import verify
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.claims import STANDARD_CLAIMS
-from rcac_experiments.judging.claim import (
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._claims import STANDARD_CLAIMS
+from rcac_experiments.judging._claim import (
     FAILS,
     HOLDS,
     NO_ANSWER,

@@ -9,8 +9,8 @@ import pytest
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_numeric.arrays._values import replaced as replace
 
 FRESH = """
 import pickle, sys

@@ -5,8 +5,8 @@ import pytest
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.judging.claim import (
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.judging._claim import (
     HOLDS,
     MISPRINT,
     NOT_REPRODUCED,
@@ -17,8 +17,8 @@ from rcac_experiments.judging.claim import (
     VERDICTS,
     Check,
 )
-from rcac_experiments.judging.measures import MEASURES
-from rcac_numeric.arrays.values import replaced
+from rcac_experiments.judging._measures import MEASURES
+from rcac_numeric.arrays._values import replaced
 
 PLACES = ("Example", "Figure", "Table", "Abstract", "Theorem", "end")
 # Beside these every example of chapters 2 and 4 to 6 has a target model and adapts to it.

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.measures import MEASURES
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._measures import MEASURES
 from rcac_numeric import simulate
-from rcac_numeric.analysis.closed_loop import frozen_loop
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.signals.signal import exogenous
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.signals._signal import exogenous
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},

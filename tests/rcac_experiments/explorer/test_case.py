@@ -11,14 +11,14 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli.cases import read_case_table
-from rcac_experiments.cli.main import main
-from rcac_experiments.explorer import modules
-from rcac_experiments.explorer.case import SCENES, case_of, scenes
-from rcac_experiments.explorer.page import SCRIPTS, bundled, explorer_page, in_a_script
-from rcac_experiments.files.builder import build
-from rcac_numeric.export.header import config_header
-from rcac_numeric.export.tables import core_tables
+from rcac_experiments.cli._cases import read_case_table
+from rcac_experiments.cli._main import main
+from rcac_experiments.explorer import _modules as modules
+from rcac_experiments.explorer._case import SCENES, case_of, scenes
+from rcac_experiments.explorer._page import SCRIPTS, bundled, explorer_page, in_a_script
+from rcac_experiments.files._builder import build
+from rcac_numeric.export._header import config_header
+from rcac_numeric.export._tables import core_tables
 from tests.support.explorer_cases import OWN, needs_clang, own
 from tests.support.pages import Page
 
@@ -114,7 +114,7 @@ def test_where_the_page_cannot_be_it_is_said_first(tmp_path, name, words):
 @needs_clang
 def test_the_command_writes_a_page_that_asks_for_nothing(tmp_path, monkeypatch):
     small = partial(explorer_page, orders=[2])  # an order takes the compiler half a second
-    monkeypatch.setattr("rcac_experiments.cli.explore.explorer_page", small)
+    monkeypatch.setattr("rcac_experiments.cli._explore.explorer_page", small)
     (tmp_path / "own.toml").write_text(OWN)
     file = tmp_path / "own.html"
     arguments = [str(tmp_path / "own.toml"), "-o", str(file), "--set", "run.steps=60"]

@@ -14,13 +14,13 @@ import pytest
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_experiments import explore
-from rcac_experiments.explorer.case import SCENES, case_of
-from rcac_experiments.explorer.page import explorer_page
-from rcac_experiments.files.builder import build
+from rcac_experiments.explorer._case import SCENES, case_of
+from rcac_experiments.explorer._page import explorer_page
+from rcac_experiments.files._builder import build
 from rcac_numeric import ClosedLoop, stability_margins
-from rcac_numeric.arrays.validation import rounded
-from rcac_numeric.export.tables import core_tables
-from rcac_numeric.reports.rendering import write_page
+from rcac_numeric.arrays._validation import rounded
+from rcac_numeric.export._tables import core_tables
+from rcac_numeric.reports._rendering import write_page
 from tests.support.core_builds import Core, compiler
 from tests.support.explorer_cases import needs_clang, own
 

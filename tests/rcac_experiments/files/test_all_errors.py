@@ -7,7 +7,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments import load_experiment
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},

@@ -9,7 +9,7 @@ import scipy.signal
 
 from compensator_theory import InputError
 from rcac_experiments import verify
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import (
     UD,
     Covariance,

@@ -4,8 +4,8 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments import load_experiment
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.documents import LARGEST_FILE, read_file
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._documents import LARGEST_FILE, read_file
 
 
 @pytest.fixture

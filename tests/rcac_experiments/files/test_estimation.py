@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_experiments import FigureRequest, verify
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import absent_examples, example_ids, read_example
-from rcac_experiments.estimation.studies import MEASURES, EstimatedRun
-from rcac_experiments.estimation.true_systems import TrueSystem
-from rcac_experiments.files.builder import build
+from rcac_experiments.dissertation._examples import absent_examples, example_ids, read_example
+from rcac_experiments.estimation._studies import MEASURES, EstimatedRun
+from rcac_experiments.estimation._true_systems import TrueSystem
+from rcac_experiments.files._builder import build
 from rcac_numeric import Ramp
 from rcac_numeric.estimation import refine
 from tests.support.estimation_cases import relative_error

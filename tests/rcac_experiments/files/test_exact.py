@@ -7,11 +7,11 @@ from click.testing import CliRunner
 
 from compensator_theory import InputError
 from rcac_experiments import verify
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids, read_example
-from rcac_experiments.experiments.exact_statements import STATEMENTS, ExactCheck, ExactSystem
-from rcac_experiments.files.builder import build
+from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.experiments._exact_statements import STATEMENTS, ExactCheck, ExactSystem
+from rcac_experiments.files._builder import build
 
 EXACT = [number for number in example_ids() if "exact" in read_example(number)[0]]
 PLANT = ExactSystem(A=[[-1, 4], [0, -3]], B=[[0], [1]], C=[[1, 0]])

@@ -3,8 +3,8 @@
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files.plants import PROBLEMS, read_plant
-from rcac_experiments.format.places import Place
+from rcac_experiments.files._plants import PROBLEMS, read_plant
+from rcac_experiments.format._places import Place
 from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,

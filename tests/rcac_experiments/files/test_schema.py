@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_experiments import json_schema
-from rcac_experiments.dissertation.examples import example_ids, read_example
-from rcac_experiments.files.builder import FILE, build
-from rcac_experiments.files.claims import CHECK, CLAIM
-from rcac_experiments.files.controllers import ONE_OF_SEVERAL
-from rcac_experiments.files.plants import CHANGE
-from rcac_experiments.files.reference import page_with_tables, reference_tables
-from rcac_experiments.files.runs import OVERRIDE, TABLES
-from rcac_experiments.files.signals import SIGNAL
-from rcac_experiments.judging.measures import MEASURES
+from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.files._builder import FILE, build
+from rcac_experiments.files._claims import CHECK, CLAIM
+from rcac_experiments.files._controllers import ONE_OF_SEVERAL
+from rcac_experiments.files._plants import CHANGE
+from rcac_experiments.files._reference import page_with_tables, reference_tables
+from rcac_experiments.files._runs import OVERRIDE, TABLES
+from rcac_experiments.files._signals import SIGNAL
+from rcac_experiments.judging._measures import MEASURES
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "experiment-files.md").read_text()

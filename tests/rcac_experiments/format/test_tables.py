@@ -6,14 +6,14 @@ import attrs
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files.reference import kind_keys_table, kinds_table
-from rcac_experiments.files.schema import strict_schema
-from rcac_experiments.files.structures import STRUCTURES, StructureKind
-from rcac_experiments.format.places import Place
-from rcac_experiments.format.tables import Kinds, Table, form_of
-from rcac_experiments.format.values import Integer, Numbers
+from rcac_experiments.files._reference import kind_keys_table, kinds_table
+from rcac_experiments.files._schema import strict_schema
+from rcac_experiments.files._structures import STRUCTURES, StructureKind
+from rcac_experiments.format._places import Place
+from rcac_experiments.format._tables import Kinds, Table, form_of
+from rcac_experiments.format._values import Integer, Numbers
 from rcac_numeric import Structure, Tap
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays._array_types import Array
 
 PLACE = Place("case.toml", "controller")
 

@@ -7,8 +7,8 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.measures import MEASURES
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._measures import MEASURES
 from rcac_numeric import (
     ClosedLoop,
     Compensator,

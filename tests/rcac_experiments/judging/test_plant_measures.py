@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.measures import MEASURES
-from rcac_numeric.engine.target_learner import acting_input
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._measures import MEASURES
+from rcac_numeric.engine._target_learner import acting_input
 
 
 def run(**plant):

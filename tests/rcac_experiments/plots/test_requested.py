@@ -8,11 +8,11 @@ import pytest
 from compensator_theory import InputError
 from rcac_experiments import FigureRequest, verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.examples import example_ids
-from rcac_experiments.experiments.figure_requests import KINDS
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.experiments._figure_requests import KINDS
 from rcac_experiments.plots import plot_request
-from rcac_experiments.plots.requested import DRAWINGS, OF_STUDIES
-from rcac_numeric.plots.thinning import MANY, thinned
+from rcac_experiments.plots._requested import DRAWINGS, OF_STUDIES
+from rcac_numeric.plots._thinning import MANY, thinned
 
 
 @pytest.fixture(scope="module")

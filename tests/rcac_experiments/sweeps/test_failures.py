@@ -12,17 +12,23 @@ from rcac_experiments.sweeps import (
     Axis,
     Kept,
     StudyInterrupted,
-    claims,
     export_table,
-    pools,
     read_table,
     run_study,
     summarise,
-    sweep,
     sweep_overview,
 )
-from rcac_experiments.sweeps.chunk import LONGEST_TEXT
-from rcac_experiments.sweeps.store import Store
+from rcac_experiments.sweeps import (
+    _claims as claims,
+)
+from rcac_experiments.sweeps import (
+    _pools as pools,
+)
+from rcac_experiments.sweeps import (
+    _sweep as sweep,
+)
+from rcac_experiments.sweeps._chunk import LONGEST_TEXT
+from rcac_experiments.sweeps._store import Store
 from tests.support import studies
 
 

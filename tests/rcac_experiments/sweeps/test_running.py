@@ -28,16 +28,18 @@ from rcac_experiments.sweeps import (
     read_table,
     replay_run,
     run_study,
-    sweep,
     sweep_overview,
 )
-from rcac_experiments.sweeps.cells import Cells
-from rcac_experiments.sweeps.chunk import ChunkTask
-from rcac_experiments.sweeps.store import Store
-from rcac_experiments.sweeps.worker import run_chunk
+from rcac_experiments.sweeps import (
+    _sweep as sweep,
+)
+from rcac_experiments.sweeps._cells import Cells
+from rcac_experiments.sweeps._chunk import ChunkTask
+from rcac_experiments.sweeps._store import Store
+from rcac_experiments.sweeps._worker import run_chunk
 from rcac_numeric import simulate
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.engine.compiled.controllers import instruction_set
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.engine.compiled._controllers import instruction_set
 from tests.support import studies
 
 ROOT = Path(__file__).parents[3]
@@ -223,7 +225,7 @@ def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, sm
 
 @pytest.mark.costly
 def test_a_run_that_ends_its_worker_is_one_run_that_failed(tmp_path, small_chunks, monkeypatch):
-    monkeypatch.setattr("rcac_experiments.sweeps.schedule.TRIES", 1)
+    monkeypatch.setattr("rcac_experiments.sweeps._schedule.TRIES", 1)
     values = [1.0, 2.0, studies.DEADLY, 4.0, 5.0]
     store = tmp_path / "store.sqlite"
     study = studies.over_R_theta(values, studies.deadly)
@@ -247,7 +249,7 @@ def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chu
 
 def test_an_executor_that_forgets_what_it_was_given_is_seen(tmp_path, small_chunks, monkeypatch):
     """As dask does that has lost its scheduler: nothing ends, and it takes nothing more."""
-    monkeypatch.setattr("rcac_experiments.sweeps.schedule.ANSWER", 0.1)
+    monkeypatch.setattr("rcac_experiments.sweeps._schedule.ANSWER", 0.1)
 
     class Forgetful(Executor):
         def submit(self, fn, /, *args):
@@ -428,7 +430,7 @@ def test_bad_arguments_are_refused(tmp_path):
 
 
 def _sweep(file, store, *options):
-    command = [sys.executable, "-c", "from rcac_experiments.cli.main import main; main()", "sweep"]
+    command = [sys.executable, "-c", "from rcac_experiments.cli._main import main; main()", "sweep"]
     return subprocess.Popen(
         [*command, str(file), "-o", str(store), *options],
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,

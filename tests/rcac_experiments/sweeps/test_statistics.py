@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_experiments.plots.sweep import plot_summary
+from rcac_experiments.plots._sweep import plot_summary
 from rcac_experiments.sweeps import SweepTable, summarise, wilson_interval
 
 counts = st.integers(1, 400).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n)))

@@ -20,9 +20,9 @@ from rcac_experiments.sweeps import (
     run_study,
     sweep_overview,
 )
-from rcac_experiments.sweeps.chunk import RunRecord
-from rcac_experiments.sweeps.claims import Claims, is_gone, this_owner
-from rcac_experiments.sweeps.store import Store
+from rcac_experiments.sweeps._chunk import RunRecord
+from rcac_experiments.sweeps._claims import Claims, is_gone, this_owner
+from rcac_experiments.sweeps._store import Store
 from tests.support import studies
 
 ROOT = Path(__file__).parents[3]
@@ -109,7 +109,7 @@ def test_a_full_disk_keeps_what_had_ended(tmp_path):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (120_000, 120_000))
 
-    command = [sys.executable, "-c", "from rcac_experiments.cli.main import main; main()", "sweep"]
+    command = [sys.executable, "-c", "from rcac_experiments.cli._main import main; main()", "sweep"]
     command += [str(file), "-o", str(store), "--workers", "0"]
     out = subprocess.run(command, capture_output=True, text=True, preexec_fn=small_files,
                          check=False, cwd=ROOT)  # fmt: skip
@@ -148,7 +148,7 @@ def test_a_lease_that_ran_out_is_taken_over_and_the_first_result_stays(stored):
 def test_who_is_gone_is_seen():
     process = subprocess.run(
         [sys.executable, "-c",
-         "from rcac_experiments.sweeps.claims import this_owner; print(this_owner())"],
+         "from rcac_experiments.sweeps._claims import this_owner; print(this_owner())"],
         capture_output=True, text=True, check=True, cwd=ROOT,
     )  # fmt: skip
     gone, here = process.stdout.strip(), this_owner()
@@ -163,7 +163,7 @@ def test_with_a_rollback_journal_one_process_alone(tmp_path, monkeypatch):
     path = tmp_path / "store.sqlite"
     assert run_study(studies.study(2), path, workers=0, journal="rollback").done == 12
     assert not list(tmp_path.glob("*-wal"))
-    monkeypatch.setattr("rcac_experiments.sweeps.store.PATIENCE", 0.1)
+    monkeypatch.setattr("rcac_experiments.sweeps._store.PATIENCE", 0.1)
     with Store(path, "rollback") as first:
         with first.writing():
             pass

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.sweeps import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
-from rcac_experiments.sweeps.canonical import canonical_json
-from rcac_experiments.sweeps.cells import Cells, words_of
-from rcac_experiments.sweeps.files import study_of, study_schema
-from rcac_experiments.sweeps.measures import STUDY_MEASURES
-from rcac_experiments.sweeps.study import with_value
-from rcac_experiments.sweeps.worker import ONCE_FOR_A_CELL, run_in_full
+from rcac_experiments.sweeps._canonical import canonical_json
+from rcac_experiments.sweeps._cells import Cells, words_of
+from rcac_experiments.sweeps._files import study_of, study_schema
+from rcac_experiments.sweeps._measures import STUDY_MEASURES
+from rcac_experiments.sweeps._study import with_value
+from rcac_experiments.sweeps._worker import ONCE_FOR_A_CELL, run_in_full
 from tests.support import studies
 
 plain = st.recursive(

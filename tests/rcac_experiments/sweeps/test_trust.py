@@ -7,11 +7,11 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import Kept, StoreError, load_study, replay_run, run_study
-from rcac_experiments.sweeps.canonical import canonical_json, digest, source_of
-from rcac_experiments.sweeps.store import Store
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_experiments.sweeps._canonical import canonical_json, digest, source_of
+from rcac_experiments.sweeps._store import Store
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support import studies
 
 

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError
 from rcac_experiments import load_experiment, tune
 from rcac_experiments.sweeps import read_table
-from rcac_experiments.sweeps.problems import StoreError
-from rcac_experiments.sweeps.tuning import LEARNING, RULE, Candidate, _judged, drawn
+from rcac_experiments.sweeps._problems import StoreError
+from rcac_experiments.sweeps._tuning import LEARNING, RULE, Candidate, _judged, drawn
 from rcac_numeric import Uncertainty, design
-from rcac_numeric.arrays.values import equal, replaced
-from rcac_numeric.designing.design import compared
-from rcac_numeric.designing.plants import read_plant
-from rcac_numeric.designing.road import Knobs, settings_of
-from rcac_numeric.designing.trials import FIXED, RCAC, Trials
+from rcac_numeric.arrays._values import equal, replaced
+from rcac_numeric.designing._design import compared
+from rcac_numeric.designing._plants import read_plant
+from rcac_numeric.designing._road import Knobs, settings_of
+from rcac_numeric.designing._trials import FIXED, RCAC, Trials
 
 PLANT = "1/(q - 0.9)"
 

@@ -21,8 +21,8 @@ from rcac_numeric import (
     stability_margins,
     standard_plant,
 )
-from rcac_numeric.analysis.boundaries import gain_crossovers, lag_at, phase_crossovers
-from rcac_numeric.analysis.opened_loop import broken_loop
+from rcac_numeric.analysis._boundaries import gain_crossovers, lag_at, phase_crossovers
+from rcac_numeric.analysis._opened_loop import broken_loop
 from tests.support.loops import random_loop, seeds
 
 

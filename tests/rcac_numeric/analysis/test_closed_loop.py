@@ -26,7 +26,7 @@ from rcac_numeric import (
     split_residual,
     standard_plant,
 )
-from rcac_numeric.analysis.exact_comparison import pairing
+from rcac_numeric.analysis._exact_comparison import pairing
 from tests.support.strategies import plants, seeds, targets
 
 

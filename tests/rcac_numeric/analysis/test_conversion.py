@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric import Plant, compensator_from_state_space, lqg
-from rcac_numeric.analysis.conversion import converted, deadbeat_gain
+from rcac_numeric.analysis._conversion import converted, deadbeat_gain
 from tests.support.delayed_plants import delayed_plant
 from tests.support.strategies import seeds
 
@@ -97,7 +97,7 @@ def test_the_certificate_sees_a_wrong_difference_equation(monkeypatch):
     def wrong(A, B, C, D):
         yield (np.zeros((1, 2, 2)), np.ones((2, 2, 1))), np.eye(2)
 
-    monkeypatch.setattr("rcac_numeric.analysis.conversion.difference_equations", wrong)
+    monkeypatch.setattr("rcac_numeric.analysis._conversion.difference_equations", wrong)
     with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
         converted(parts)
 
@@ -111,7 +111,7 @@ def test_an_error_is_seen_where_the_response_is_small(monkeypatch):
     def wrong(A, B, C, D):
         yield (np.zeros((2, 2, 2)), np.stack([D + 3e-10, middle * D, D])), np.eye(2)
 
-    monkeypatch.setattr("rcac_numeric.analysis.conversion.difference_equations", wrong)
+    monkeypatch.setattr("rcac_numeric.analysis._conversion.difference_equations", wrong)
     with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
         converted(parts)
 

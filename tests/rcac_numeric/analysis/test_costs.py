@@ -10,10 +10,10 @@ from scipy.signal import correlate
 from compensator_theory import InputError
 from compensator_theory.errors import IllConditionedError
 from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg, standard_plant
-from rcac_numeric.analysis.conversion import compensator_from_state_space
-from rcac_numeric.analysis.costs import enclosed_cost
-from rcac_numeric.analysis.noise import noise_inputs
-from rcac_numeric.analysis.state_space import state_space_of
+from rcac_numeric.analysis._conversion import compensator_from_state_space
+from rcac_numeric.analysis._costs import enclosed_cost
+from rcac_numeric.analysis._noise import noise_inputs
+from rcac_numeric.analysis._state_space import state_space_of
 from tests.support.dissertation_plants import PLANT_4_1, PLANT_4_4
 from tests.support.strategies import plants, seeds
 

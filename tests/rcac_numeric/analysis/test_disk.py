@@ -15,8 +15,8 @@ from rcac_numeric import (
     multivariable_disk_margin,
     stability_margins,
 )
-from rcac_numeric.analysis.disk import best_scaling
-from rcac_numeric.analysis.peaks import hinf_norm
+from rcac_numeric.analysis._disk import best_scaling
+from rcac_numeric.analysis._peaks import hinf_norm
 from tests.support.loops import random_loop, seeds
 
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rcac_numeric import TargetModel
-from rcac_numeric.analysis.closed_loop import FEW, linear_states
-from rcac_numeric.analysis.match import filtered
+from rcac_numeric.analysis._closed_loop import FEW, linear_states
+from rcac_numeric.analysis._match import filtered
 
 
 def one_by_one(A, drive):

@@ -20,7 +20,7 @@ from rcac_numeric import (
     stability_margins,
     target_model,
 )
-from rcac_numeric.analysis.loop_analysis import attempted
+from rcac_numeric.analysis._loop_analysis import attempted
 
 
 @pytest.fixture(scope="module")

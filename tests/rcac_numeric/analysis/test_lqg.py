@@ -14,7 +14,7 @@ from compensator_theory.errors import (
     UnitCircleError,
 )
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import Plant, h2_cost, lqg, servo_plant, standard_plant, with_bias
 from tests.support.dissertation_plants import (
     PLANT_4_1,
@@ -100,8 +100,8 @@ def test_cost_spectrum_and_exact_poles_of_any_plant(plant, form):
     assert abs(design.cost.value - design.cost_from_riccati) < 100 * accuracy * size
     assert design.agreement.reason == ""
     assert design.agreement.coefficient_distance < accuracy
-    from rcac_numeric.analysis.costs import loop_matrices
-    from rcac_numeric.analysis.noise import noise_inputs
+    from rcac_numeric.analysis._costs import loop_matrices
+    from rcac_numeric.analysis._noise import noise_inputs
 
     loop = loop_matrices(plant, design.state_space, noise_inputs(plant))[0]
     gap = np.poly(loop) - np.poly(design.poles)  # (A.11)

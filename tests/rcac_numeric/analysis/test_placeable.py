@@ -67,7 +67,7 @@ def test_what_is_not_from_y_to_u_alone_is_not_decided():
 @pytest.mark.parametrize("kind", ["P", "PI", "PID"])
 def test_the_report_says_it_is_the_structure(kind):
     """A loop of two gains opens with what they cannot do, and in no alarm."""
-    from rcac_numeric.reports.loop import missed_poles
+    from rcac_numeric.reports._loop import missed_poles
 
     plant, structure = standard_plant(PLANTS[1]), pid(kind)
     found = comparison(plant, structure, np.full(structure.l_theta, -0.1), ["1/2", "1/4"])

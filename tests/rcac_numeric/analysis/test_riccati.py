@@ -12,7 +12,7 @@ from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 from compensator_theory import InputError, solve_riccati
 from compensator_theory.errors import NoSolutionError, NotControllableError, UnitCircleError
 from rcac_numeric import solve_dare
-from rcac_numeric.analysis.gramians import stein_solution
+from rcac_numeric.analysis._gramians import stein_solution
 from tests.support.dare_cases import DAREX, SCIPY
 from tests.support.strategies import seeds
 

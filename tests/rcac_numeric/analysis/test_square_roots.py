@@ -9,7 +9,7 @@ from scipy import linalg
 
 from compensator_theory.errors import InputError
 from rcac_numeric import Plant, lqg, solve_care, solve_dare
-from rcac_numeric.analysis.square_roots import (
+from rcac_numeric.analysis._square_roots import (
     best_gain,
     is_stable,
     kleinman,

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 
 from compensator_theory.errors import IllConditionedError, InputError
-from rcac_numeric.analysis.gramians import enclosed_gramians, rational
-from rcac_numeric.analysis.stability import counted_stable, decide_stability
+from rcac_numeric.analysis._gramians import enclosed_gramians, rational
+from rcac_numeric.analysis._stability import counted_stable, decide_stability
 from tests.support.strategies import seeds
 
 

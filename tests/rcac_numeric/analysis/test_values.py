@@ -29,10 +29,10 @@ from rcac_numeric import (
     standard_plant,
     target_model,
 )
-from rcac_numeric.analysis.internal_models import drift_of, internal_models
-from rcac_numeric.analysis.loop_costs import loop_costs
-from rcac_numeric.analysis.noise import noise_inputs
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.analysis._internal_models import drift_of, internal_models
+from rcac_numeric.analysis._loop_costs import loop_costs
+from rcac_numeric.analysis._noise import noise_inputs
+from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters
 from rcac_numeric.targets import output_subspace_zeros
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric.arrays.pairing import pairing
+from rcac_numeric.arrays._pairing import pairing
 
 points = st.complex_numbers(max_magnitude=2, allow_nan=False)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rcac_experiments import FigureRequest
 from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
-from rcac_numeric.arrays.values import WIDTH, Value, field_names
+from rcac_numeric.arrays._values import WIDTH, Value, field_names
 from rcac_numeric.estimation import EKF, Estimator, LinearModel
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 

@@ -30,8 +30,8 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.checks.replays import replay_compensator
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._replays import replay_compensator
 from tests.support.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"

@@ -7,9 +7,9 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.yardsticks.directed_plants import plant_of_fractions
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, iir, loop_health, simulate
-from rcac_numeric.checks.rules import direction_errors
+from rcac_numeric.checks._rules import direction_errors
 from rcac_numeric.targets import markov_target, zero_direction_target
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])

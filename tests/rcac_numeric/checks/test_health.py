@@ -7,8 +7,8 @@ import pytest
 
 from compensator_theory.errors import InputError
 from rcac_experiments import load_experiment, verify
-from rcac_experiments.reports.cases import case_of
-from rcac_experiments.reports.verification import verification_sheet
+from rcac_experiments.reports._cases import case_of
+from rcac_experiments.reports._verification import verification_sheet
 from rcac_numeric import (
     UD,
     Compensator,
@@ -28,15 +28,15 @@ from rcac_numeric import (
     stability_margins,
     standard_plant,
 )
-from rcac_numeric.analysis.internal_models import drift_of
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.checks.health import excitation_of
-from rcac_numeric.checks.rules import small_margins
-from rcac_numeric.checks.target_errors import target_errors
-from rcac_numeric.checks.trials import next_disturbance
-from rcac_numeric.reports.check import check_sheet
-from rcac_numeric.reports.loop import health_lines
-from rcac_numeric.reports.sheet import as_dict
+from rcac_numeric.analysis._internal_models import drift_of
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._health import excitation_of
+from rcac_numeric.checks._rules import small_margins
+from rcac_numeric.checks._target_errors import target_errors
+from rcac_numeric.checks._trials import next_disturbance
+from rcac_numeric.reports._check import check_sheet
+from rcac_numeric.reports._loop import health_lines
+from rcac_numeric.reports._sheet import as_dict
 
 MOTOR = """
 title = "A motor with unit steps"

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli.exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
+from rcac_experiments.cli._main import main
 from rcac_numeric import (
     UD,
     ControllerLog,
@@ -23,7 +23,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.checks.hypotheses import decide_problem
+from rcac_numeric.checks._hypotheses import decide_problem
 
 G = "0.1*(q - 0.4)/((q - 0.9)*(q - 0.7))"
 PLANTS = {"standard": standard_plant(G), "servo": servo_plant(G)}

@@ -15,9 +15,9 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.checks.health import excitation_of
-from rcac_numeric.reports.loop import health_lines, health_record
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._health import excitation_of
+from rcac_numeric.reports._loop import health_lines, health_record
 
 LIGHT = standard_plant("(q - 0.8)*(q - 1.5)/((q - 0.5)*(q**2 - 1.9*q + 1))")
 DOUBLING = standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
 from rcac_numeric import ControllerLog, check_controller, iir, replay
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.checks.replays import resolution_of
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._replays import resolution_of
 from tests.support.strategies import seeds
 
 pytestmark = pytest.mark.exact_data  # how many digits they have is what is tested

@@ -18,7 +18,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.checks.rules import sampling_zero_remedies
+from rcac_numeric.checks._rules import sampling_zero_remedies
 from rcac_numeric.targets import modelling_information
 
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)

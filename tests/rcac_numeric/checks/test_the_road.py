@@ -15,7 +15,7 @@ from rcac_numeric import (
     servo_plant,
     simulate,
 )
-from rcac_numeric.checks.rules import what_to_expect
+from rcac_numeric.checks._rules import what_to_expect
 
 DAMPED = servo_plant("0.01/((q**2 - 1.9*q + 0.98)*q**5)")
 W = exogenous([Step(1.0), WhiteNoise(0.1), WhiteNoise(0.01)], 400)

@@ -34,8 +34,8 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.controllers.normalization import FUNCTIONS
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.controllers._normalization import FUNCTIONS
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes

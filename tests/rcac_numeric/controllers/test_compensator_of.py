@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from compensator_theory import transfer_function
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import ClosedLoop, FixedController, h2_cost
-from rcac_numeric.controllers.compensator import compensator_of
+from rcac_numeric.controllers._compensator import compensator_of
 
 coefficients = st.lists(st.integers(-9, 9), min_size=1, max_size=4)
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import CoefficientBounds, Compensator, Normalization, SignalWeight, pid
 
 PLANT = {"problem": "standard", "G": "1/(q - 0.9)"}

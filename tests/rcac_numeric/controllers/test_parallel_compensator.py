@@ -24,8 +24,8 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.checks.check import arguments_of_run
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._check import arguments_of_run
 from tests.support.engine_cases import engine_plants
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes

@@ -20,8 +20,8 @@ from rcac_numeric import (
     servo_plant,
     simulate,
 )
-from rcac_numeric.controllers.settings import FLOOR
-from rcac_numeric.signals.waveforms import Step, WhiteNoise
+from rcac_numeric.controllers._settings import FLOOR
+from rcac_numeric.signals._waveforms import Step, WhiteNoise
 
 TARGET = TargetModel([0, 2, 1], [1, -0.5, 0])
 

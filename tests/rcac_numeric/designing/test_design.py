@@ -13,10 +13,10 @@ from scipy.stats import t as student
 
 from compensator_theory.errors import InputError, NoSolutionError, PrecisionError
 from rcac_experiments import load_experiment
-from rcac_experiments.files import design_files as files
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.design_files import design_arguments, design_toml, save_design
-from rcac_experiments.files.documents import parsed
+from rcac_experiments.files import _design_files as files
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
+from rcac_experiments.files._documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     FixedController,
@@ -34,14 +34,14 @@ from rcac_numeric import (
     stability_margins,
     standard_plant,
 )
-from rcac_numeric.analysis.noise import with_oscillation
-from rcac_numeric.arrays.values import equal
-from rcac_numeric.designing.design import verdict_of
-from rcac_numeric.designing.expected import KINDS, read_expected
-from rcac_numeric.designing.plants import Variation, read_plant
-from rcac_numeric.designing.reference import MOST, Ladder, reference_loop, sensitivity_peak
-from rcac_numeric.designing.road import Knobs, settings_of
-from rcac_numeric.designing.trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.analysis._noise import with_oscillation
+from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._design import verdict_of
+from rcac_numeric.designing._expected import KINDS, read_expected
+from rcac_numeric.designing._plants import Variation, read_plant
+from rcac_numeric.designing._reference import MOST, Ladder, reference_loop, sensitivity_peak
+from rcac_numeric.designing._road import Knobs, settings_of
+from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
 
 QUICK = {"seeds": 1, "steps": 300}
 

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_experiments import load_experiment
-from rcac_experiments.files.design_files import save_design
+from rcac_experiments.files._design_files import save_design
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -19,10 +19,10 @@ from rcac_numeric import (
     exogenous,
     simulate,
 )
-from rcac_numeric.arrays.values import equal
-from rcac_numeric.designing.logs import PARTS, plant_from_log
-from rcac_numeric.designing.plants import read_plant
-from rcac_numeric.designing.reference import Ladder, sensitivity_peak
+from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._logs import PARTS, plant_from_log
+from rcac_numeric.designing._plants import read_plant
+from rcac_numeric.designing._reference import Ladder, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}

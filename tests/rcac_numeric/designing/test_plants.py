@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from rcac_numeric import PlantChange, PlantSchedule, Uncertainty, servo_plant, standard_plant
-from rcac_numeric.designing.plants import Variation, read_plant, variations
+from rcac_numeric.designing._plants import Variation, read_plant, variations
 from rcac_numeric.gallery import BoostConverter
 
 

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_experiments import tune
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.design_files import design_toml
-from rcac_experiments.files.documents import parsed
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._design_files import design_toml
+from rcac_experiments.files._documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -32,14 +32,14 @@ from rcac_numeric import (
     pid,
     simulate,
 )
-from rcac_numeric.analysis.closed_loop import frozen_loop
-from rcac_numeric.arrays.values import equal
-from rcac_numeric.designing.expected import read_expected
-from rcac_numeric.designing.plants import read_plant, variations
-from rcac_numeric.designing.reduced import reduced_reference, with_feedforward
-from rcac_numeric.designing.reference import MOST, Ladder, reference_loop, sensitivity_peak
-from rcac_numeric.designing.road import settings_of
-from rcac_numeric.designing.trials import FULL, measured
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._expected import read_expected
+from rcac_numeric.designing._plants import read_plant, variations
+from rcac_numeric.designing._reduced import reduced_reference, with_feedforward
+from rcac_numeric.designing._reference import MOST, Ladder, reference_loop, sensitivity_peak
+from rcac_numeric.designing._road import settings_of
+from rcac_numeric.designing._trials import FULL, measured
 from rcac_numeric.targets import DirectionInformation
 
 LAGS = "1/((20*s + 1)*(3*s + 1))"

@@ -9,9 +9,9 @@ from scipy.signal import butter, freqz, lfilter, sosfilt
 
 from compensator_theory import transfer_matrix
 from compensator_theory.errors import InputError
-from rcac_experiments.files.builder import build
-from rcac_experiments.files.design_files import design_arguments, design_toml, save_design
-from rcac_experiments.files.documents import parsed
+from rcac_experiments.files._builder import build
+from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
+from rcac_experiments.files._documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Step,
@@ -21,12 +21,12 @@ from rcac_numeric import (
     intercalated_match,
     simulate,
 )
-from rcac_numeric.arrays.values import equal
-from rcac_numeric.designing.expected import read_expected
-from rcac_numeric.designing.plants import read_plant
-from rcac_numeric.designing.reference import MOST, reference_loop
-from rcac_numeric.designing.road import miss, settings_of, truncated
-from rcac_numeric.designing.trials import FIXED, PID, RCAC
+from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._expected import read_expected
+from rcac_numeric.designing._plants import read_plant
+from rcac_numeric.designing._reference import MOST, reference_loop
+from rcac_numeric.designing._road import miss, settings_of, truncated
+from rcac_numeric.designing._trials import FIXED, PID, RCAC
 
 TWO = [["2/(10*s + 1)", "0.5/(6*s + 1)"], ["-0.4/(5*s + 1)", "1/(8*s + 1)"]]
 THREE = [

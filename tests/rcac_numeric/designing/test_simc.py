@@ -5,11 +5,11 @@ import pytest
 
 from compensator_theory.errors import NoSolutionError
 from rcac_numeric import Step, simulate
-from rcac_numeric.designing.expected import read_expected
-from rcac_numeric.designing.plants import read_plant
-from rcac_numeric.designing.reference import MOST, reference_loop
-from rcac_numeric.designing.simc import simc
-from rcac_numeric.designing.trials import whole_rms
+from rcac_numeric.designing._expected import read_expected
+from rcac_numeric.designing._plants import read_plant
+from rcac_numeric.designing._reference import MOST, reference_loop
+from rcac_numeric.designing._simc import simc
+from rcac_numeric.designing._trials import whole_rms
 
 FAST = 1e-4  # s; the settings differ by a few samples over theta
 

@@ -10,10 +10,10 @@ from scipy.linalg import block_diag
 
 from compensator_theory.errors import NoSolutionError
 from rcac_numeric import ClosedLoop, Compensator, Plant, Step, design
-from rcac_numeric.analysis.closed_loop import frozen_loop
-from rcac_numeric.designing.plants import LONGEST_DELAY, DesignPlant
-from rcac_numeric.designing.reference import sensitivity_peak
-from rcac_numeric.designing.truncation import (
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.designing._plants import LONGEST_DELAY, DesignPlant
+from rcac_numeric.designing._reference import sensitivity_peak
+from rcac_numeric.designing._truncation import (
     AT_REST,
     MOST_STATES,
     OF_PEAK,
@@ -109,7 +109,7 @@ def test_the_controller_of_the_truncation_is_held_against_the_whole_plant(reads_
 
 
 def test_a_controller_that_the_whole_plant_does_not_bear_is_refused(monkeypatch):
-    from rcac_numeric.designing import design as module
+    from rcac_numeric.designing import _design as module
 
     whole = impulse_response([(0.4, 0.1)], 0)
     turned = truncated(DesignPlant(whole.A, whole.B, -whole.C))

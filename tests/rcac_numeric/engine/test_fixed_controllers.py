@@ -25,7 +25,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.comparisons import identical, tame
 from tests.support.engine_cases import engine_plants, settings_for, structures

@@ -43,7 +43,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.definite_matrices import constant_weight, inverse
+from rcac_numeric.arrays._definite_matrices import constant_weight, inverse
 
 GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "update": UD(R_theta=1.0)}
 SETTINGS = ControllerSettings(**GOOD)

@@ -22,7 +22,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.reports.loop import fitted_section
+from rcac_numeric.reports._loop import fitted_section
 
 PLANT = standard_plant("(q**2 - 1.52*q + 0.9025)/((q - 0.85)*(q**2 - 1.8*q + 1))")  # (6.1)
 

@@ -17,10 +17,10 @@ from rcac_numeric import (
     simulate_many,
     simulate_reference,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.jobs import PreparedRun
-from rcac_numeric.plants.linear import MATRICES
+from rcac_numeric.engine._jobs import PreparedRun
+from rcac_numeric.plants._linear import MATRICES
 from tests.support.comparisons import identical, same
 from tests.support.engine_cases import engine_plants, settings_for, structures
 from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments

@@ -28,7 +28,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.comparisons import identical
 from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments

@@ -35,7 +35,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 
 SETTINGS = ControllerSettings(
     structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)

@@ -47,7 +47,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.arrays._values import fingerprint
 
 SAVED = Path(__file__).parent / "saved"
 TARGET = TargetModel([0.0, 1.0])

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import UD, Controller, ControllerSettings, Covariance, TargetModel, fir, iir
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.strategies import controllers, seeds, sizes
 
 

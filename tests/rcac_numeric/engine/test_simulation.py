@@ -31,9 +31,9 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.plants import compiled_plant
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.engine.compiled._callbacks import Failures
+from rcac_numeric.engine.compiled._plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds
 
 

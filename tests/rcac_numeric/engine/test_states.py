@@ -32,7 +32,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive, with_update
 from tests.support.function_plants import as_functions

@@ -24,7 +24,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.jobs import PreparedRun
+from rcac_numeric.engine._jobs import PreparedRun
 from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.strategies import seeds, sizes

@@ -17,7 +17,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 from tests.support.dissertation_plants import PLANT_4_1
 
 

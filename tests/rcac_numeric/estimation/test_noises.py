@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import IllConditionedError, InputError
-from rcac_numeric.engine.compiled.estimators import learn_noises
+from rcac_numeric.engine.compiled._estimators import learn_noises
 from rcac_numeric.estimation import (
     EKF,
     IMM,
@@ -20,8 +20,8 @@ from rcac_numeric.estimation import (
     fit_noises,
     noise_information,
 )
-from rcac_numeric.estimation.compiled import compiled_model
-from rcac_numeric.estimation.settings import square_root
+from rcac_numeric.estimation._compiled import compiled_model
+from rcac_numeric.estimation._settings import square_root
 from tests.support.estimation_cases import (
     PENDULUM,
     linear_case,

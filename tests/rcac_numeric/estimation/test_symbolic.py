@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from rcac_numeric.estimation import EKF, UKF, SymbolicModel, estimate, observability
-from rcac_numeric.estimation.compiled import NAMES, NoTapeError, tape
+from rcac_numeric.estimation._compiled import NAMES, NoTapeError, tape
 
 X, Y, U, K = sympy.symbols("x y u k")
 UNARY = [

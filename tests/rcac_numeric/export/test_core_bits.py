@@ -23,8 +23,8 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.export.tables import core_tables, scaled
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.export._tables import core_tables, scaled
 from tests.support import core_builds
 from tests.support.core_builds import (
     BAD_INPUT,

@@ -22,9 +22,9 @@ from rcac_numeric import (
     iir,
     pid,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.export.header import config_header
-from rcac_numeric.export.tables import core_tables, scaled
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.export._header import config_header
+from rcac_numeric.export._tables import core_tables, scaled
 from tests.support import core_builds
 from tests.support.core_builds import CORE, DIVERGED, OK, WARNINGS, Core
 from tests.support.core_cases import Loop, core_settings

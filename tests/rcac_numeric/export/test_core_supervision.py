@@ -21,7 +21,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.export.tables import core_tables, scaled
+from rcac_numeric.export._tables import core_tables, scaled
 from tests.support import core_builds
 from tests.support.core_builds import (
     DIVERGED,
@@ -41,7 +41,7 @@ pytestmark = [
     pytest.mark.skipif(
         core_builds.compiler() is None, reason="there is no C compiler on this machine"
     ),
-    pytest.mark.filterwarnings("ignore::rcac_numeric.controllers.supervision.SupervisionWarning"),
+    pytest.mark.filterwarnings("ignore::rcac_numeric.controllers._supervision.SupervisionWarning"),
 ]
 PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 SETTINGS = ControllerSettings(

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_numeric import (
     UD,
     Compensator,

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 
 from compensator_theory.errors import BudgetError, DivergedError, InputError
-from rcac_experiments.cli.main import main
+from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
@@ -33,10 +33,11 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.export import building, folder
-from rcac_numeric.export.recording import recorded
-from rcac_numeric.export.tables import core_tables
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.export import _building as building
+from rcac_numeric.export import _folder as folder
+from rcac_numeric.export._recording import recorded
+from rcac_numeric.export._tables import core_tables
 from tests.support import core_builds
 from tests.support.core_cases import core_settings
 from tests.support.signals import noise

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from rcac_numeric import UD, ControllerSettings, TargetModel, export_controller, feedforward, iir
-from rcac_numeric.export.recording import recorded
-from rcac_numeric.export.tables import core_tables
+from rcac_numeric.export._recording import recorded
+from rcac_numeric.export._tables import core_tables
 
 pytestmark = pytest.mark.skipif(
     shutil.which("octave-cli") is None or shutil.which("mkoctfile") is None,

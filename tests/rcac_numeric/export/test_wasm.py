@@ -17,8 +17,8 @@ from rcac_numeric import (
     fir,
     iir,
 )
-from rcac_numeric.export.recording import recorded
-from rcac_numeric.export.tables import core_tables
+from rcac_numeric.export._recording import recorded
+from rcac_numeric.export._tables import core_tables
 from tests.support import core_builds
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

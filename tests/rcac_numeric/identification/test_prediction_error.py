@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError
 from rcac_numeric.identification import identify_in_closed_loop, identify_output_error
-from rcac_numeric.identification.prediction_error import answers, excitation
+from rcac_numeric.identification._prediction_error import answers, excitation
 
 
 def looped(A, B, gain, delay=0, steps=600, noise=0.0, seed=0, dither=1.0, colour=()):

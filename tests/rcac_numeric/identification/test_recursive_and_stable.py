@@ -13,8 +13,8 @@ from rcac_numeric.identification import (
     eigensystem_realisation,
     identify_markov_parameters,
 )
-from rcac_numeric.identification.noise_models import coefficient_covariance
-from rcac_numeric.identification.regressors import regression
+from rcac_numeric.identification._noise_models import coefficient_covariance
+from rcac_numeric.identification._regressors import regression
 from tests.rcac_numeric.identification.records import COMPLEX, coloured, noisy
 
 

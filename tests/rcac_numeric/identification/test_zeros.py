@@ -18,8 +18,8 @@ from rcac_numeric.identification import (
     identify_markov_parameters,
     identify_windows,
 )
-from rcac_numeric.identification.zero_gradients import realised_zeros, zeros_and_gradients
-from rcac_numeric.plants.schedules import plant_at
+from rcac_numeric.identification._zero_gradients import realised_zeros, zeros_and_gradients
+from rcac_numeric.plants._schedules import plant_at
 from tests.rcac_numeric.identification.records import COMPLEX, REAL, noisy, simulated
 
 ORDER = {COMPLEX: 3, REAL: 2}

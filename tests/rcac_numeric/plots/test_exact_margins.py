@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from compensator_theory import stability_margins
 from compensator_theory.errors import InputError
-from rcac_numeric.plots.style import SECOND, WANTED
+from rcac_numeric.plots._style import SECOND, WANTED
 
 LOOPS = {
     "10/(s*(s + 1)*(s + 5))": control.tf([10], [1, 6, 5, 0]),

@@ -9,7 +9,7 @@ from matplotlib.path import Path
 
 from compensator_theory.errors import InputError
 from rcac_numeric import stability_margins
-from rcac_numeric.plots.margins import loop_curve
+from rcac_numeric.plots._margins import loop_curve
 
 L = control.tf([0.25, 0.175], [1, -1.5, 0.5], True)
 

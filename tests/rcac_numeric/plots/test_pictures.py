@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
 from rcac_numeric import check_controller, iir, read_log
-from rcac_numeric.analysis.match import IntercalatedMatch
-from rcac_numeric.plots.style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
+from rcac_numeric.analysis._match import IntercalatedMatch
+from rcac_numeric.plots._style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
 
 OMEGA = np.linspace(0.01, 3.13, 200)
 

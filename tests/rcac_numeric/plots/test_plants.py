@@ -5,9 +5,9 @@ import pytest
 
 from rcac_experiments import FigureRequest, verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.measures import windows_of
-from rcac_experiments.plots.requested import plot_request
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._measures import windows_of
+from rcac_experiments.plots._requested import plot_request
 from rcac_numeric.gallery import (
     aircraft_transition,
     no_guaranteed_margins,

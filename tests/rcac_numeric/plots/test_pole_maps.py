@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from rcac_numeric.plots.pole_maps import (
+from rcac_numeric.plots._pole_maps import (
     NAMED,
     REACH,
     ROOM,

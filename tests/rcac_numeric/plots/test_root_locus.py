@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from compensator_theory import root_locus
 from compensator_theory.errors import InputError
-from rcac_numeric.plots.style import WANTED
+from rcac_numeric.plots._style import WANTED
 
 PLANTS = (
     "1/(s*(s + 4)*(s**2 + 4*s + 20))",

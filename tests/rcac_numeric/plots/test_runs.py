@@ -21,7 +21,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.plots import plot_runs
-from rcac_numeric.plots.coefficients import coefficient_names
+from rcac_numeric.plots._coefficients import coefficient_names
 from tests.rcac_numeric import samples
 
 

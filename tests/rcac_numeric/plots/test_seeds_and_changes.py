@@ -5,10 +5,10 @@ import pytest
 
 from rcac_experiments import FigureRequest, verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_experiments.plots import plot_request
 from rcac_numeric import lqg
-from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.arrays._values import replaced as replace
 
 SEEDS = 4
 

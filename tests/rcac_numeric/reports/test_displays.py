@@ -11,10 +11,10 @@ import pytest
 
 import rcac_numeric
 from compensator_theory.errors import InputError
-from rcac_experiments.reports import displays as more
-from rcac_numeric.arrays import showing
-from rcac_numeric.reports import displays
-from rcac_numeric.reports.sheet import Sheet
+from rcac_experiments.reports import _displays as more
+from rcac_numeric.arrays import _showing as showing
+from rcac_numeric.reports import _displays as displays
+from rcac_numeric.reports._sheet import Sheet
 
 ENTRIES = [
     pytest.param(kind, shown, made, id=f"{kind} by {shown}")

@@ -6,10 +6,10 @@ import pytest
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.pages import example_page, gallery_page
-from rcac_experiments.reports.cases import case_of
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.reports.rendering import write_page
+from rcac_experiments.dissertation._pages import example_page, gallery_page
+from rcac_experiments.reports._cases import case_of
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.reports._rendering import write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

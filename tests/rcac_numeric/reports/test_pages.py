@@ -10,23 +10,23 @@ from matplotlib.figure import Figure
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.dissertation.pages import LETTERS, WORK, example_page, gallery_page, headline
-from rcac_experiments.dissertation.typesetting import typeset
-from rcac_experiments.files.builder import build
-from rcac_experiments.judging.claim import (
+from rcac_experiments.dissertation._pages import LETTERS, WORK, example_page, gallery_page, headline
+from rcac_experiments.dissertation._typesetting import typeset
+from rcac_experiments.files._builder import build
+from rcac_experiments.judging._claim import (
     CLASSES,
     DEPENDS,
     NOT_REPRODUCED,
     REPRODUCED,
     VERDICTS,
 )
-from rcac_experiments.reports.cases import Case, ClaimRow, case_of, case_page
-from rcac_experiments.reports.verification import verification_sheet
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.reports.rendering import sheet_html, words
-from rcac_numeric.reports.sheet import Fact, Section, Sheet, Table, Text, cells
-from rcac_numeric.reports.svg import COLOURS, svg_of
-from rcac_numeric.reports.terminal import as_text
+from rcac_experiments.reports._cases import Case, ClaimRow, case_of, case_page
+from rcac_experiments.reports._verification import verification_sheet
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.reports._rendering import sheet_html, words
+from rcac_numeric.reports._sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._svg import COLOURS, svg_of
+from rcac_numeric.reports._terminal import as_text
 from tests.support.pages import Page
 
 NUMBERS = ("2.2", "2.5", "7.1", "B.2")

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from compensator_theory import place_poles
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
-from rcac_experiments.experiments.experiment import Claim
-from rcac_experiments.reports.verification import verification_sheet
+from rcac_experiments.experiments._experiment import Claim
+from rcac_experiments.reports._verification import verification_sheet
 from rcac_numeric import Compensator, check_controller
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.reports.check import check_sheet
-from rcac_numeric.reports.observer import observer_sheet
-from rcac_numeric.reports.placement import placement_sheet
-from rcac_numeric.reports.sheet import as_dict
-from rcac_numeric.reports.terminal import as_text
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.reports._check import check_sheet
+from rcac_numeric.reports._observer import observer_sheet
+from rcac_numeric.reports._placement import placement_sheet
+from rcac_numeric.reports._sheet import as_dict
+from rcac_numeric.reports._terminal import as_text
 from tests.support.strategies import plants, seeds
 
 

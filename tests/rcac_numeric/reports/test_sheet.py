@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from rcac_numeric.reports.sheet import (
+from rcac_numeric.reports._sheet import (
     Fact,
     Section,
     Sheet,
@@ -22,7 +22,7 @@ from rcac_numeric.reports.sheet import (
     complex_list,
     rounded,
 )
-from rcac_numeric.reports.terminal import as_text, print_sheet
+from rcac_numeric.reports._terminal import as_text, print_sheet
 
 WORDS = st.text(st.characters(codec="utf-8", exclude_characters="\n\r"), max_size=40)
 NUMBERS = st.floats() | st.integers() | st.complex_numbers() | st.booleans() | st.none()

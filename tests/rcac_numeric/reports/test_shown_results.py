@@ -21,8 +21,8 @@ from rcac_numeric import (
     plant_of,
     standard_plant,
 )
-from rcac_numeric.arrays.wording import polynomial_latex
-from rcac_numeric.reports.lqg import lqg_sheet
+from rcac_numeric.arrays._wording import polynomial_latex
+from rcac_numeric.reports._lqg import lqg_sheet
 
 POINTS = np.exp(1j * np.array([0.3, 1.2, 2.7]))
 SYSTEM = control.ss([[0.5, 1], [0, 1.2]], np.eye(2), [[1, 1]], [[0, 0]], 0.01)

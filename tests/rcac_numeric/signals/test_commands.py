@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import (
     FilteredCommand,
     Harmonic,

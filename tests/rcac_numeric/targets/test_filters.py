@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from compensator_theory import InputError, TransferMatrix, polynomial
 from compensator_theory.errors import BudgetError, ImproperError
 from rcac_numeric import TargetModel, target_model
-from rcac_numeric.analysis.match import filtered
+from rcac_numeric.analysis._match import filtered
 from tests.support.strategies import seeds, sizes
 
 OMEGA = np.linspace(0.1, 3.0, 7)

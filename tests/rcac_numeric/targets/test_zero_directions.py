@@ -13,7 +13,7 @@ from rcac_numeric.targets import (
     output_subspace_target,
     zero_direction_target,
 )
-from rcac_numeric.targets.pole_placement import fir_target
+from rcac_numeric.targets._pole_placement import fir_target
 from tests.support.directed_plants import directions
 
 KINDS = ("one real", "complex pair", "two real")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files.builder import build
+from rcac_experiments.files._builder import build
 from rcac_numeric import (
     UD,
     Controller,
@@ -23,8 +23,8 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.arrays.values import replaced as replace
-from rcac_numeric.engine.live.learner import FrozenPerturbation
+from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.engine.live._learner import FrozenPerturbation
 from rcac_numeric.identification import RecursiveARX
 
 ZERO = "(q - 0.8)*(q - {})/((q - 0.5)*(q**2 - 1.9*q + 1))"  # example 6.1 with its zero moved

@@ -13,7 +13,7 @@ from rcac_numeric.gallery import (
     plant_zeros,
     zero_path,
 )
-from rcac_numeric.plants.schedules import plant_at
+from rcac_numeric.plants._schedules import plant_at
 from rcac_numeric.targets import output_subspace_zeros
 from tests.support.aircraft import NOMINAL, OFF_NOMINAL
 

@@ -1,0 +1,119 @@
+"""Numbers of any length as text and back; Python's own limit of digits stays as the user set it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import flint
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.printer import Printer
+from sympy.printing.str import StrPrinter
+
+SHORT = 600
+"""Digits that Python writes and reads under every limit: the least that can be set is 640."""
+
+
+def decimal(number: int) -> str:
+    """Write an integer."""
+    return str(number if number.bit_length() < 3 * SHORT else flint.fmpz(number))
+
+
+def integer_of(digits: str) -> int:
+    """Read an integer."""
+    if len(digits) <= SHORT:
+        return int(digits)
+    plain = digits if digits.isascii() else "".join(str(int(digit)) for digit in digits)
+    return int(flint.fmpz(plain))
+
+
+def fraction_of(number: str) -> Fraction:
+    """Read an unsigned number with a decimal point and an exponent, or without."""
+    if len(number) <= SHORT:
+        return Fraction(number)
+    mantissa, _, exponent = number.lower().partition("e")
+    whole, _, decimals = mantissa.partition(".")
+    power = int(exponent or 0) - len(decimals)
+    return integer_of(whole + decimals) * Fraction(10) ** power
+
+
+def text(value: object) -> str:
+    """Write what SymPy's ``str`` writes, whatever the length of the numbers in it."""
+    return _written(_Text, value)
+
+
+def representation(value: object) -> str:
+    """Write what ``repr`` writes, whatever the length of the numbers in SymPy's objects.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory._printing import representation
+    >>> representation(("a", s)), len(representation(("a", s + 10**5000)))
+    ("('a', s)", 5012)
+    """
+    try:
+        return repr(value)
+    except ValueError:
+        return _written(_Representation, value)
+
+
+def formula(value: object, **settings: object) -> str:
+    r"""Write what SymPy's ``latex`` writes, whatever the length of the numbers in it."""
+    return _written(_Formula, value, **settings)
+
+
+def _written(printer: type[Printer], value: object, **settings: object) -> str:
+    try:
+        return str(printer({"order": None, **settings}).doprint(value))
+    except ValueError:  # SymPy sorts factors by texts of its own, those of long radicands, too
+        return str(printer({**settings, "order": "none"}).doprint(value))
+
+
+def _quotient(value: Any) -> str:
+    top, bottom = decimal(int(value.numerator)), decimal(int(value.denominator))
+    return top if bottom == "1" else f"{top}/{bottom}"
+
+
+class _Text(StrPrinter):  # type: ignore[misc]
+    """SymPy's printer with integers by `decimal`."""
+
+    def _print_int(self, number: int) -> str:
+        return decimal(number)
+
+    def _print_Integer(self, number: Any) -> str:
+        return decimal(number.p)
+
+    def _print_Rational(self, number: Any) -> str:
+        return _quotient(number)
+
+    _print_Fraction = _print_mpq = _print_PythonRational = _print_Rational
+
+    def _print_MatrixBase(self, matrix: Any) -> str:
+        """In one line, as SymPy's ``str``."""
+        if 0 in matrix.shape:
+            return str(matrix)
+        return f"Matrix({self._print(matrix.tolist())})"
+
+
+class _Representation(_Text):
+    _print_MatrixBase = StrPrinter._print_MatrixBase
+
+    def _print_str(self, value: str) -> str:
+        return repr(value)
+
+    def emptyPrinter(self, value: object) -> str:
+        return repr(value)
+
+
+class _Formula(LatexPrinter):  # type: ignore[misc]
+    """SymPy's printer with integers by `decimal`."""
+
+    def _print_int(self, number: int) -> str:
+        return decimal(number)
+
+    def _print_Rational(self, number: Any) -> str:
+        if number.q == 1:
+            return decimal(number.p)
+        sign = "- " if number.p < 0 else ""
+        return rf"{sign}\frac{{{decimal(abs(number.p))}}}{{{decimal(number.q)}}}"

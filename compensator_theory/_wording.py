@@ -1,0 +1,35 @@
+"""Words of others in what we say: shown as they are, never a command to a terminal."""
+
+from __future__ import annotations
+
+import re
+
+# Control characters but the newline and the tab, half characters, and what changes the direction
+# or the lines of the text around it.
+CONTROL = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def printable(text: str) -> str:
+    r"""Write out the control characters of a text, so that no terminal obeys them.
+
+    Examples
+    --------
+    >>> from compensator_theory._wording import printable
+    >>> print(printable("a\x1b[31m title"))
+    a\x1b[31m title
+    """
+    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def in_a_line(text: str) -> str:
+    r"""Write out the ends of lines too, as in a title.
+
+    Examples
+    --------
+    >>> from compensator_theory._wording import in_a_line
+    >>> print(in_a_line("a title\nverdict: reproduced"))
+    a title\nverdict: reproduced
+    """
+    return printable(text.replace("\n", "\\n").replace("\t", "\\t"))

@@ -1,0 +1,174 @@
+"""The equation a x + b y = c of coprime polynomials, without its Sylvester matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from math import isqrt
+
+import flint
+from sympy import Poly, prevprime
+
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
+
+TALL = 100
+"""Bits of the resultant for each degree, above which remainder sequences swell: found by timing."""
+
+Pair = tuple[flint.fmpz_poly, flint.fmpz_poly]
+
+
+def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | None:
+    r"""Solve for the multiplier of least degree, exactly and verified.
+
+    .. math:: a\,x + b\,y = c, \qquad \deg y < \deg a
+
+    Parameters
+    ----------
+    a, b, c : sympy.Poly
+        Rational, in one variable; a and b not zero.
+
+    Returns
+    -------
+    pair of sympy.Poly, or None
+        (x, y), the only one with that degree of y; None if a and b share a root.
+
+    Notes
+    -----
+    With small coefficients y is c times the inverse of b modulo a, by the extended Euclidean
+    algorithm. Where the resultant is long (integer roots 1, ..., n for instance) that inverse
+    swells far beyond the answer, and the answer is found p-adically: one inverse modulo a prime
+    of 61 bits, one small product for each 61 bits of x and y, rational reconstruction.
+    What is returned was put into the equation.
+    """
+    first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
+    found = None
+    if first.degree() > 1 and _is_tall(first, second):
+        if first.gcd(second).degree() > 0:
+            return None
+        found = _p_adic(first, second, goal)
+    found = _euclidean(first, second, goal) if found is None else found
+    if found is None:
+        return None
+    x, y = found
+    return from_flint_polynomial(x, a.gen), from_flint_polynomial(y, a.gen)
+
+
+def _is_tall(a: flint.fmpq_poly, b: flint.fmpq_poly) -> bool:
+    """Tell whether Hadamard's bound of the resultant is large beside the degree."""
+    m, n = a.degree(), b.degree()
+    heights = (abs(p.numer().height_bits()) for p in (a, b))
+    return bool(sum(d * h for d, h in zip((n, m), heights, strict=True)) > TALL * (m + n))
+
+
+def _euclidean(
+    a: flint.fmpq_poly, b: flint.fmpq_poly, c: flint.fmpq_poly
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    gcd, inverse, _ = b.xgcd(a)
+    if gcd.degree() > 0:
+        return None
+    y = (c * inverse) % a
+    return (c - b * y) // a, y
+
+
+def _p_adic(
+    a: flint.fmpq_poly, b: flint.fmpq_poly, c: flint.fmpq_poly
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    """Return the solution, or None where three primes divide a leading coefficient or resultant."""
+    integers = [p.numer() for p in (a, b, c)]
+    prime = 2**61
+    for _ in range(3):
+        prime = int(prevprime(prime))
+        if int(integers[0].leading_coefficient()) % prime == 0:
+            continue
+        modulus, inverted = (flint.nmod_poly(p, prime) for p in integers[:2])
+        gcd, inverse, _ = inverted.xgcd(modulus)
+        if not gcd.is_one():
+            continue
+        x, y, denominator = _lifted(integers, modulus, inverted, inverse, prime)
+        scale = [flint.fmpq(p.denom()) for p in (a, b, c)]
+        return tuple(
+            flint.fmpq_poly(part) * (own / scale[2] / denominator)
+            for part, own in ((x, scale[0]), (y, scale[1]))
+        )
+    return None
+
+
+def _lifted(
+    integers: Sequence[flint.fmpz_poly],
+    a_p: flint.nmod_poly,
+    b_p: flint.nmod_poly,
+    inverse: flint.nmod_poly,
+    p: int,
+) -> tuple[flint.fmpz_poly, flint.fmpz_poly, int]:
+    """Return x, y and d with a x + b y = d c."""
+    a, b, c = integers
+    left, digits = c, ([], [])  # type: tuple[flint.fmpz_poly, tuple[list[flint.fmpz_poly], ...]]
+    wanted = 4
+    while True:
+        while len(digits[0]) < wanted:
+            residue = flint.nmod_poly(left, p)
+            product = residue * inverse
+            y_p = product - (product // a_p) * a_p
+            x_p = (residue - b_p * y_p) // a_p
+            x, y = (flint.fmpz_poly([int(value) for value in q.coeffs()]) for q in (x_p, y_p))
+            rest = left - a * x - b * y
+            left = flint.fmpz_poly([value // p for value in rest.coeffs()])
+            digits[0].append(x)
+            digits[1].append(y)
+        found = _reconstructed([_value(part, flint.fmpz(p)) for part in digits], p**wanted)
+        if found is not None:
+            (x, y), d = found
+            if a * x + b * y == c * d:
+                return x, y, d
+        wanted += wanted // 4 + 2
+
+
+def _value(digits: Sequence[flint.fmpz_poly], base: flint.fmpz) -> flint.fmpz_poly:
+    """Return the sum of digits times powers of the base, by halves."""
+    parts = list(digits)
+    while len(parts) > 1:
+        pairs = [*zip(parts[::2], parts[1::2], strict=False)]
+        odd = parts[-1:] if len(parts) % 2 else []
+        parts = [low + base * high for low, high in pairs] + odd
+        base = base * base
+    return parts[0]
+
+
+def _reconstructed(residues: Sequence[flint.fmpz_poly], modulus: int) -> tuple[Pair, int] | None:
+    """Return integer polynomials over one denominator that these are modulo p^k, if any is seen."""
+    d, room = 1, 3 * modulus.bit_length() // 4  # a share: v w = u modulo p^k is then v w = u
+    for value in chain.from_iterable(q.coeffs() for q in residues):
+        if _centred(int(value) * d, modulus).bit_length() > room:
+            d *= _denominator(int(value) * d % modulus, modulus)
+            if d.bit_length() + _centred(int(value) * d, modulus).bit_length() > room:
+                return None
+    return tuple(_scaled(q, d, modulus) for q in residues), d
+
+
+def _scaled(poly: flint.fmpz_poly, d: int, modulus: int) -> flint.fmpz_poly:
+    return flint.fmpz_poly([_centred(int(value) * d, modulus) for value in poly.coeffs()])
+
+
+def _centred(value: int, modulus: int) -> int:
+    residue = value % modulus
+    return residue - modulus if 2 * residue > modulus else residue
+
+
+def _denominator(value: int, modulus: int) -> int:
+    """Return the v of the fraction u/v = value modulo the modulus with small u and v."""
+    bound = isqrt(modulus // 2)
+    *_, found = _remainders(value, modulus, bound)
+    return found
+
+
+def _remainders(value: int, modulus: int, bound: int) -> Iterator[int]:
+    before, now, last, factor = modulus, value, 0, 1
+    yield 1
+    while now > bound:
+        quotient = before // now
+        before, now = now, before - quotient * now
+        last, factor = factor, last - quotient * factor
+        yield abs(factor)

@@ -1,0 +1,196 @@
+"""Common roots of two polynomials: how many, and whether there are any."""
+
+from __future__ import annotations
+
+import flint
+import sympy
+from sympy import Expr, Poly, Symbol
+from sympy.polys.polyutils import expr_from_dict
+
+from compensator_theory.bezout._subresultant_chains import subresultants
+from compensator_theory.bezout._sylvester import (
+    formal_coefficients,
+    matrix_of_coefficients,
+    with_formal_degrees,
+)
+from compensator_theory.errors import InputError
+from compensator_theory.matrices._flint_matrices import rational
+from compensator_theory.matrices._flint_polynomials import kept_in_flint, to_flint_polynomial
+from compensator_theory.matrices._linear_algebra import determinant
+from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._generic_answers import generic_answer_of
+from compensator_theory.polynomials._multivariate import flint_domain, to_flint
+from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._reading import PolynomialLike
+
+
+def number_of_common_roots(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> int | None:
+    r"""Count the common roots of two polynomials, with multiplicity.
+
+    .. math:: \deg\gcd(a, b) = k + l - \mathrm{rank}\,\mathcal M_1(a, b)
+
+    Parameters
+    ----------
+    a, b : polynomial
+        b may be zero: then all roots of a count.
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
+
+    Returns
+    -------
+    int or None
+        None if it depends on the values of symbols; :func:`exceptional_cases` tells on which.
+
+    Raises
+    ------
+    InputError
+        If the coefficient a_k of the formal degree is zero: if also b_l = 0, the rank would count
+        a common root at infinity, as for 0 s**2 + s + 1 and 0 s + 5.
+
+    Notes
+    -----
+    For rational coefficients the degree of the greatest common divisor is computed, which is faster
+    than the rank of the matrix, and with symbols the determinant, then subresultants. Source:
+    Theorem A1, whose hypothesis :math:`l \le k` is not needed (and is not met by Example B.2);
+    "number" is to be read with multiplicity.
+
+    Examples
+    --------
+    >>> from compensator_theory.bezout import number_of_common_roots
+    >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
+    2
+    >>> number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s")
+    1
+    """
+    if (kept := _kept(a, b, variable)) is not None:
+        return int(kept[0].gcd(kept[1]).degree())
+    first, second = with_formal_degrees(a, b, variable)
+    _require_leading(*first)
+    if is_rational(first[0]) and is_rational(second[0]):
+        return int(to_flint_polynomial(first[0]).gcd(to_flint_polynomial(second[0])).degree())
+    whole = _determinant(first, second)
+    if whole != 0:
+        return 0 if whole.is_nonzero else None
+    return _number_for_all_values(first[0], second[0])
+
+
+def resultant(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> Expr:
+    r"""Return the resultant :math:`\det\mathcal M_1(a, b)`, 0 iff a and b share a root.
+
+    Parameters
+    ----------
+    a, b : polynomial
+        As for :func:`number_of_common_roots`, same condition on a_k.
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
+
+    Raises
+    ------
+    InputError
+        If the leading coefficient of a is zero.
+
+    Notes
+    -----
+    Source: Theorem A1. For true degrees it is SymPy's ``resultant(a, b)``, except that SymPy
+    (1.14, issue 10666) loses the sign if k < l are both odd.
+
+    Examples
+    --------
+    >>> from compensator_theory import resultant
+    >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
+    (1, -a + b)
+    """
+    if (kept := _kept(a, b, variable)) is not None:
+        return rational(kept[0].resultant(kept[1]))
+    first, second = with_formal_degrees(a, b, variable)
+    _require_leading(*first)
+    if not (is_rational(first[0]) and is_rational(second[0])):
+        return _determinant(first, second)
+    lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
+    p, q = to_flint_polynomial(first[0]), to_flint_polynomial(second[0])
+    return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
+
+
+@generic_answer_of(resultant)
+def _generic_resultant(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, list[Expr]]:
+    """It is a polynomial in the coefficients, and so holds while the degrees do."""
+    p, _ = with_formal_degrees(a, b, variable)[0]
+    return resultant(a, b, variable=variable), [p.LC()]
+
+
+@generic_answer_of(number_of_common_roots)
+def _generic_number(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[int, list[Expr]]:
+    """Count by the first principal subresultant coefficient that is not zero."""
+    (first, _), (second, _) = pairs = with_formal_degrees(a, b, variable)
+    _require_leading(*pairs[0])
+    if second.is_zero:
+        return int(first.degree()), [first.LC()]
+    upper, lower = (first, second) if first.degree() >= second.degree() else (second, first)
+    principal = subresultants(upper, lower).principal_coefficients
+    count = next(k for k, coefficient in enumerate(principal) if coefficient != 0)
+    return count, [principal[count], first.LC()]
+
+
+def _kept(
+    a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    """Return what is read already, at its true degrees: a reader would cost more than the work."""
+    kept = kept_in_flint(a, b) if variable is None else None
+    if kept is None or not kept[0] or not kept[1]:
+        return None
+    ask("degree", max(kept[0].degree(), kept[1].degree()), "the polynomial")
+    return kept
+
+
+def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
+    if first[1] == second[1] == 0:
+        return sympy.Integer(1)
+    if all(int(p.degree()) == degree for p, degree in (first, second) if not p.is_zero):
+        found = _by_flint(first[0], second[0])
+        if found is not None:
+            return found
+    both = (formal_coefficients(*pair) for pair in (first, second))
+    return determinant(matrix_of_coefficients(*both))
+
+
+def _by_flint(a: Poly, b: Poly) -> Expr | None:
+    """Return the resultant of polynomials whose coefficients are polynomials in symbols over QQ."""
+    if a.is_zero or b.is_zero:
+        return None
+    domain = flint_domain(a, b)
+    if domain is None:
+        return None
+    first, second = to_flint(domain, a, b)
+    terms = {
+        tuple(map(int, powers)): rational(c)
+        for (_, *powers), c in first.resultant(second, "x0").to_dict().items()
+    }
+    return expr_from_dict(terms, *domain.symbols)
+
+
+def _require_leading(poly: Poly, degree: int) -> None:
+    if poly.is_zero or poly.degree() < degree:
+        raise InputError(
+            "the leading coefficient of a is zero; drop its leading zeros (or, if a = 0, exchange "
+            "a and b)"
+        )
+
+
+def _number_for_all_values(a: Poly, b: Poly) -> int | None:
+    """Count by subresultants: as many as vanish before the first that vanishes for no values."""
+    if not a.LC().is_nonzero:  # its degree depends on the values
+        return None
+    if b.is_zero:
+        return int(a.degree())
+    upper, lower = (a, b) if a.degree() >= b.degree() else (b, a)
+    principal = subresultants(upper, lower).principal_coefficients
+    count = next(k for k, coefficient in enumerate(principal) if coefficient != 0)
+    return count if principal[count].is_nonzero else None

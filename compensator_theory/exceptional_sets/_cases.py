@@ -1,0 +1,168 @@
+"""The cases of a symbolic answer, printed, and found for given values of the symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from sympy import Expr, Symbol
+
+from compensator_theory._latex import displayed, latex, unless, words
+from compensator_theory._printing import text
+from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.exceptional_sets._equations import irreducible_factors
+from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import as_symbol
+
+Answer = TypeVar("Answer")  # what the construction returns; documented, it stops the pages
+
+
+@dataclass(frozen=True)
+class ExceptionalCase(ExactValue, Generic[Answer]):
+    r"""What a construction answers under conditions on its symbols.
+
+    Attributes
+    ----------
+    values : tuple of pairs of sympy.Symbol and sympy.Expr
+        Symbols that the equations were solved for, by those that stay free.
+    zero : tuple of sympy.Expr
+        Polynomials in the free symbols that are zero and could not be solved; empty otherwise.
+    nonzero : tuple of sympy.Expr
+        Irreducible polynomials in the free symbols that are not zero.
+    not_all_zero : tuple of sympy.Expr
+        Of a refusal: it holds where at least one of these is not zero. Empty: no such condition.
+    answer : Answer or None
+        What the construction returned for the substituted arguments, with its own certificate; None
+        where `reason` says why there is none.
+    error : type or None
+        The class of the refusal, or of the error that left the case open; None where the case was
+        answered or not worked out.
+    reason : str
+        Message of that error, or why the case was not worked out.
+    is_generic : bool
+        Whether a refusal is known for generic values of the free symbols only.
+    """
+
+    values: tuple[tuple[Symbol, Expr], ...]
+    zero: tuple[Expr, ...]
+    nonzero: tuple[Expr, ...]
+    not_all_zero: tuple[Expr, ...] = ()
+    answer: Answer | None = None
+    error: type[CompensatorError] | None = None
+    reason: str = ""
+    is_generic: bool = False
+
+    @property
+    def status(self) -> str:
+        """How it ended: "answered", "refused" (there is no answer), or "open"."""
+        if not self.reason:
+            return "answered"
+        mathematical = self.error is not None and not issubclass(self.error, InputError)
+        return "refused" if mathematical else "open"
+
+    def contains(self, values: Mapping[str | Symbol, NumberLike]) -> bool:
+        """Tell whether the conditions hold for given real values of all symbols.
+
+        Raises
+        ------
+        InputError
+            If a symbol of the conditions has no value.
+        """
+        given = {as_symbol(name).name: exact_number(value) for name, value in values.items()}
+
+        def vanishes(expression: Expr) -> bool:
+            missing = sorted(s.name for s in expression.free_symbols if s.name not in given)
+            if missing:
+                raise InputError(f"give a value for {', '.join(missing)}, too")
+            at = {s: given[s.name] for s in expression.free_symbols}
+            return irreducible_factors(expression.subs(at, simultaneous=True)) is None
+
+        if any(vanishes(f) for f in self.nonzero) or not all(vanishes(f) for f in self.zero):
+            return False
+        if self.not_all_zero and all(vanishes(f) for f in self.not_all_zero):
+            return False
+        return all(vanishes(symbol - value) for symbol, value in self.values)
+
+    @property
+    def conditions(self) -> str:
+        """The conditions in words, for instance "a = b**2, c != 0"."""
+        parts = [f"{symbol} = {text(value)}" for symbol, value in self.values]
+        parts += [f"{text(factor)} = 0" for factor in self.zero]
+        parts += [f"{text(factor)} != 0" for factor in self.nonzero]
+        if self.not_all_zero:
+            parts.append(f"({', '.join(map(text, self.not_all_zero))}) not all 0")
+        return ", ".join(parts) or "always"
+
+    def __str__(self) -> str:
+        if self.status == "answered":
+            return f"{self.conditions}: {' | '.join(str(self.answer).splitlines())}"
+        generic = " for generic values" if self.is_generic else ""
+        name = f" ({self.error.__name__})" if self.error else ""
+        return f"{self.conditions}: {self.status}{generic}{name}: {quoted(self.reason)}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(*self._formulas())
+
+    def _formulas(self) -> tuple[str, str]:
+        """The answer and its conditions."""
+        conditions = [f"{latex(symbol)} = {latex(value)}" for symbol, value in self.values]
+        conditions += [f"{latex(factor)} = 0" for factor in self.zero]
+        conditions.append(unless(self.nonzero))
+        if self.not_all_zero:
+            conditions.append(rf"{latex(self.not_all_zero)} \neq 0")
+        where = r", \; ".join(filter(None, conditions)) or words("always")
+        if self.status == "answered":
+            return latex(self.answer), where
+        return words(self.error.__name__ if self.error else self.status), where
+
+
+@dataclass(frozen=True)
+class ExceptionalCases(ExactValue, Generic[Answer]):
+    """All cases of a symbolic answer: every real value of the symbols lies in exactly one.
+
+    Attributes
+    ----------
+    cases : tuple of ExceptionalCase
+        The generic one first; each exceptional one stands after the case that it was taken from.
+    """
+
+    cases: tuple[ExceptionalCase[Answer], ...]
+
+    @property
+    def generic(self) -> ExceptionalCase[Answer]:
+        """The case of generic values."""
+        return self.cases[0]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every case was answered or refused, for all values that its conditions allow."""
+        return all(case.status != "open" and not case.is_generic for case in self.cases)
+
+    def at(self, values: Mapping[str | Symbol, NumberLike]) -> ExceptionalCase[Answer]:
+        """Return the case in which given real values of all symbols lie.
+
+        Raises
+        ------
+        InputError
+            If a symbol has no value, or the values lie in no case: they are not real, or other
+            than a symbol's assumptions allow.
+        """
+        if not isinstance(values, Mapping):
+            raise InputError(f"at takes a mapping such as {{'a': 2}}, not {shown(values)}")
+        for case in self.cases:
+            if case.contains(values):
+                return case
+        raise InputError(
+            f"{shown(dict(values))} lies in no case; the symbols stand for real numbers that meet "
+            "their own assumptions"
+        )
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.cases))
+
+    def _repr_latex_(self) -> str:
+        rows = r" \\ ".join(" & ".join(case._formulas()) for case in self.cases)
+        return displayed(rf"\begin{{cases}} {rows} \end{{cases}}")

@@ -1,0 +1,156 @@
+"""Realisations of the least order, by Ho and Kalman or out of a larger one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import Expr, ImmutableMatrix, Symbol
+
+from compensator_theory._latex import displayed, latex, unless
+from compensator_theory.forms._expansions import markov_parameters
+from compensator_theory.forms._hankel_matrices import (
+    block_rows,
+    hankel_matrix,
+    places,
+    proper_entry,
+)
+from compensator_theory.forms._kalman import kalman_decomposition
+from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._flint_matrices import zero_matrix
+from compensator_theory.matrices._linear_algebra import solve
+from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.systems._canonical_forms import RealisationLike, realisation
+from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
+from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._transfer_matrices import TransferMatrix
+
+IDENTITY = "the transfer matrix of the realisation times D, less N times its denominator"
+
+
+@dataclass(frozen=True)
+class MinimalRealisation(ExactValue):
+    """A realisation of the least order, and the check that its transfer matrix is the given one.
+
+    Attributes
+    ----------
+    realisation : Realisation
+        Controllable and observable, for symbols outside the exceptional set.
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; the realisation exists and is minimal where none of
+        them is zero. Empty without symbols.
+    certificate : Certificate
+        Its transfer matrix against the source, multiplied out.
+    """
+
+    realisation: Realisation
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    @property
+    def order(self) -> int:
+        """Number of states, the McMillan degree."""
+        return self.realisation.n
+
+    def __str__(self) -> str:
+        return str(self.realisation)
+
+    def _repr_latex_(self) -> str:
+        name = r"\begin{bmatrix} A & B \\ C & D \end{bmatrix}"
+        return displayed(f"{name} = {latex(self.realisation)}", unless(self.exceptional))
+
+
+def minimal_realisation(
+    G: TransferMatrixLike | RealisationLike, variable: str | Symbol | None = None
+) -> MinimalRealisation:
+    r"""Realise a proper transfer matrix, or reduce a realisation, with the least number of states.
+
+    .. math:: A = \mathcal H^{\uparrow}_{IJ} \mathcal H_{IJ}^{-1}, \qquad
+              B = \mathcal H_{I1}, \qquad C = \mathcal H_{1J} \mathcal H_{IJ}^{-1}
+
+    Parameters
+    ----------
+    G : transfer matrix or realisation
+        Anything :func:`transfer_matrix` or :func:`realisation` reads; a tuple of three or four
+        matrices is (A, B, C, D). A realisation is reduced by Kalman's decomposition; from a
+        transfer matrix the first independent rows I and columns J of its block Hankel matrix are
+        taken (Ho and Kalman), for one signal each a companion form.
+    variable : str or Symbol, optional
+        As for the readers.
+
+    Raises
+    ------
+    ImproperError
+        If an entry is improper.
+    InputError, BudgetError
+        If it cannot be read, or is too large.
+
+    Notes
+    -----
+    Source: B. L. Ho and R. E. Kalman, Effective construction of linear state-variable models from
+    input/output functions, Regelungstechnik 14 (1966).
+
+    Examples
+    --------
+    >>> from compensator_theory import minimal_realisation
+    >>> G = [["1/(s + 1)", "2/(s + 1)"], ["-1/((s + 1)*(s + 2))", "1/(s + 2)"]]
+    >>> print(minimal_realisation(G))
+    A = [[-1, 0, 0], [0, 0, 1], [0, -2, -3]]
+    B = [[1, 2], [0, 1], [-1, -2]]
+    C = [[1, 0, 0], [0, 1, 0]]
+    """
+    if _is_state_space(G):
+        given = realisation(G, variable)
+        parts = kalman_decomposition(given)
+        source = given.transfer_matrix()
+        return _checked(parts.minimal, source, parts.exceptional)
+    source = transfer_matrix(G, variable)
+    size = block_rows(source)
+    D = ImmutableMatrix(
+        *source.shape,
+        [markov_parameters(proper_entry(source, i, j), 1)[0] for i, j in places(source)],
+    )
+    whole = hankel_matrix(source, size, size + 1) if size else zero_matrix(0, 0)
+    outputs, inputs = source.shape
+    first = whole[:, : size * inputs]
+    rows = echelon(first.T)
+    columns = echelon(first[list(rows.pivots), :]) if rows.pivots else rows
+    chosen = first[list(rows.pivots), :]
+    square = chosen[:, list(columns.pivots)]
+    shifted = whole[list(rows.pivots), [c + inputs for c in columns.pivots]]
+    # x = the outputs I of the free motion: their rows of the Hankel matrix are the basis.
+    A = solve(square.T, shifted.T).T if rows.pivots else square
+    B = chosen[:, :inputs]
+    C = solve(square.T, first[:outputs, list(columns.pivots)].T).T if rows.pivots else None
+    n = len(rows.pivots)
+    found = Realisation(
+        A if n else zero_matrix(0, 0),
+        B if n else zero_matrix(0, inputs),
+        C if n else zero_matrix(outputs, 0),
+        D,
+        source.variable,
+        sample_time=source.sample_time,
+    )
+    return _checked(found, source, exceptional_factors([rows.divided_by, columns.divided_by]))
+
+
+def _is_state_space(obj: object) -> bool:
+    if isinstance(obj, Realisation) or (isinstance(obj, tuple) and len(obj) in (3, 4)):
+        return True
+    return is_foreign(obj) and all(hasattr(obj, name) for name in "ABCD")
+
+
+def _checked(
+    found: Realisation, source: TransferMatrix, exceptional: tuple[Expr, ...]
+) -> MinimalRealisation:
+    back = found.transfer_matrix()
+    residual = [
+        canonical(mine * source.denominator - given * back.denominator).as_expr()
+        for my_row, row in zip(back.numerators, source.numerators, strict=True)
+        for mine, given in zip(my_row, row, strict=True)
+    ]
+    certificate = certificate_of(IDENTITY, [residual], "realisation")
+    return MinimalRealisation(found, exceptional, certificate)

@@ -1,0 +1,209 @@
+"""Polynomials in one variable over the field of their coefficients: python-flint, or SymPy's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from typing import Any, TypeAlias
+
+import flint
+from sympy import Poly, Symbol
+from sympy.polys.domains.domain import Domain
+from sympy.polys.rings import PolyRing
+
+from compensator_theory.errors import InputError
+from compensator_theory.forms._function_rings import FunctionRing
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
+from compensator_theory.polynomials._budget import ask, decimal_digits
+from compensator_theory.polynomials._poly import canonical
+
+Element: TypeAlias = Any
+"""A polynomial of python-flint (rational coefficients) or of a ring of SymPy; both compute."""
+Grid: TypeAlias = list[list[Element]]
+"""A matrix of elements by rows."""
+
+
+class RationalRing:
+    """Polynomials with rational coefficients, by python-flint.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.forms._rings import ring_of
+    >>> ring = ring_of([polynomial("s + 1")])
+    >>> ring.write(ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + 1")))[0])
+    Poly(s - 1, s, domain='QQ')
+    """
+
+    def __init__(self, variable: Symbol) -> None:
+        self.variable = variable
+        self.zero, self.one = flint.fmpq_poly(), flint.fmpq_poly([1])
+
+    def read(self, poly: Poly) -> Element:
+        """Return an element."""
+        return to_flint_polynomial(poly)
+
+    def write(self, element: Element) -> Poly:
+        """Return a polynomial of SymPy."""
+        return from_flint_polynomial(element, self.variable)
+
+    def degree(self, element: Element) -> int:
+        """Return the degree, -1 for zero."""
+        return int(element.degree())
+
+    def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
+        """Return quotient and remainder."""
+        half = self._digits(a, b) // 2  # of 8000 digits: some seconds; nobody can foresee it
+        ask("digits", half, "each half of a coefficient in the elimination of a polynomial matrix")
+        quotient, remainder = divmod(a, b)
+        return quotient, remainder
+
+    def effort(self, a: Element, b: Element) -> int:
+        """Return how many digits a division works on; those of long numbers count more."""
+        digits, degree = self._digits(a, b), max(self.degree(a), self.degree(b))
+        return (degree + 1) * digits * (1000 + digits) // 1000
+
+    def _digits(self, a: Element, b: Element) -> int:
+        return decimal_digits(max(a.numer().height_bits(), b.numer().height_bits()))
+
+    def reciprocal_of_leading(self, element: Element) -> Element:
+        """Return 1 over the leading coefficient, as a constant polynomial."""
+        return flint.fmpq_poly([1 / element.coeffs()[-1]])
+
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return flint.fmpq_poly([element[power]])
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return flint.fmpq_poly([0] * exponent + [1])
+
+
+class SymbolicRing:
+    """Polynomials over a field that contains irrational numbers, by SymPy.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.forms._rings import ring_of
+    >>> ring = ring_of([polynomial("s + sqrt(2)")])
+    >>> rest = ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + sqrt(2)")))[1]
+    >>> ring.write(rest)
+    Poly(2, s, domain='QQ')
+    """
+
+    def __init__(self, variable: Symbol, field: Domain) -> None:
+        self.variable, self.field = variable, field
+        self.ring = PolyRing([variable], field, "lex")
+        self.zero, self.one = self.ring.zero, self.ring.one
+        self.has_fractions = bool(field.is_FractionField)
+
+    def read(self, poly: Poly) -> Element:
+        """Return an element."""
+        return self.ring.from_dict(poly.set_domain(self.field).rep.to_dict())
+
+    def write(self, element: Element) -> Poly:
+        """Return a polynomial of SymPy."""
+        return canonical(Poly.from_dict(dict(element), self.variable, domain=self.field))
+
+    def degree(self, element: Element) -> int:
+        """Return the degree, -1 for zero."""
+        return int(element.degree()) if element else -1
+
+    def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
+        """Return quotient and remainder."""
+        ask("terms", self._terms(a) + self._terms(b), "a division between polynomial matrices")
+        quotient, remainder = a.div(b)
+        return quotient, remainder
+
+    def effort(self, a: Element, b: Element) -> int:
+        """Return 0: the terms are counted at each division."""
+        return 0
+
+    def _terms(self, element: Element) -> int:
+        """Return how many terms the coefficients have: what grows, and nobody can foresee it."""
+        if not self.has_fractions:
+            return len(element)
+        return sum(len(c.numer) + len(c.denom) for c in element.values())
+
+    def reciprocal_of_leading(self, element: Element) -> Element:
+        """Return 1 over the leading coefficient, as a constant polynomial."""
+        return self.ring.ground_new(self.field.quo(self.field.one, element.LC))
+
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return self.ring.ground_new(element.get((power,), self.field.zero))
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return self.ring.gens[0] ** exponent
+
+
+Ring: TypeAlias = RationalRing | FunctionRing | SymbolicRing
+
+
+def ring_of(polynomials: Iterable[Poly]) -> Ring:
+    """Return the ring over the smallest field that has all coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.forms._rings import ring_of
+    >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
+    'FunctionRing'
+    """
+    listed = list(polynomials)
+    field = reduce(lambda a, b: a.unify(b), (p.domain for p in listed)).get_field()
+    if field.is_QQ:
+        return RationalRing(listed[0].gen)
+    if field.is_EX or not field.is_Exact:
+        raise InputError(
+            "the coefficients span no field that is known here; write symbols in place of "
+            "irrational numbers"
+        )
+    kind = FunctionRing if FunctionRing.serves(field) else SymbolicRing
+    return kind(listed[0].gen, field)
+
+
+def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid:
+    """Multiply two matrices of elements.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.forms._rings import multiply, ring_of
+    >>> ring = ring_of([polynomial("s")])
+    >>> s = ring.read(polynomial("s"))
+    >>> ring.write(multiply(ring, [[s, ring.one]], [[s], [s]])[0][0])
+    Poly(s**2 + s, s, domain='QQ')
+    """
+    columns = list(zip(*right, strict=True))
+    if isinstance(ring, FunctionRing):
+        for row in (*left, *columns):
+            ask("terms", sum(map(ring.terms, row)), "a product of polynomial matrices")
+        return [
+            [ring.combined(zip(row, column, strict=True)) for column in columns] for row in left
+        ]
+    return [
+        [
+            sum((x * y for x, y in zip(row, column, strict=True) if x and y), ring.zero)
+            for column in columns
+        ]
+        for row in left
+    ]
+
+
+def identity(ring: Ring, size: int) -> Grid:
+    """Return the identity matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.forms._rings import identity, ring_of
+    >>> len(identity(ring_of([polynomial("s")]), 2))
+    2
+    """
+    return [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]

@@ -1,0 +1,152 @@
+"""The kinds of zeros: invariant, transmission, input- and output-decoupling."""
+
+from __future__ import annotations
+
+from sympy import ImmutableMatrix, Symbol
+
+from compensator_theory.forms._coprime_fractions import coprime_fractions
+from compensator_theory.forms._smith import smith_form
+from compensator_theory.forms._zero_directions import Zeros, zeros_of
+from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.systems._canonical_forms import RealisationLike, realisation
+from compensator_theory.systems._matrix_conversions import TransferMatrixLike
+from compensator_theory.systems._realisations import Realisation
+
+
+def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
+    r"""Find where Rosenbrock's system matrix loses rank.
+
+    .. math:: P(s) = \begin{bmatrix} sI - A & -B \\ C & D \end{bmatrix}, \qquad
+              P(z) \begin{bmatrix} x \\ u \end{bmatrix} = 0, \quad
+              \begin{bmatrix} w' & y' \end{bmatrix} P(z) = 0
+
+    Parameters
+    ----------
+    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+        Hidden modes count. With symbols, for generic values of them.
+    variable : str or Symbol, optional
+        As for :func:`realisation`.
+
+    Notes
+    -----
+    Below the normal rank: a plant with more inputs than outputs has a kernel everywhere, and its
+    directions are then unique only up to that. Source: H. H. Rosenbrock, State-space and
+    Multivariable Theory (1970).
+
+    Examples
+    --------
+    >>> from compensator_theory import invariant_zeros
+    >>> print(invariant_zeros(([[0, 1], [-2, -3]], [[0], [1]], [[5, 1]]), "s"))
+    zeros of s + 5
+    s + 5 = 0: state [1, -5], input [12], costate [1, 0], output [1]
+    """
+    given = realisation(plant, variable)
+    upper = _pencil(given).row_join(-given.B)
+    matrix = upper.col_join(given.C.row_join(given.D))
+    smith = smith_form(matrix, given.variable)
+    n = given.n
+    return zeros_of(smith, smith, (n, given.B.cols), (n, given.C.rows))
+
+
+def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Zeros:
+    r"""Find where a transfer matrix blocks a direction of the input.
+
+    .. math:: G = N_r D_r^{-1} = D_l^{-1} N_l, \qquad N_r(z)\,v = 0, \quad u = D_r(z)\,v, \qquad
+              w' N_l(z) = 0, \quad y' = w' D_l(z)
+
+    Parameters
+    ----------
+    G : transfer matrix
+        Anything :func:`transfer_matrix` reads, of any shape; of a realisation the hidden modes do
+        not count. With symbols, for generic values of them.
+    variable : str or Symbol, optional
+        As for :func:`transfer_matrix`.
+
+    Notes
+    -----
+    If z is no pole, then G(z) u = 0 and y' G(z) = 0. A target model of retrospective cost adaptive
+    control must have the zero in the output direction y, or the controller may cancel it.
+
+    Source: C. A. Desoer and J. D. Schulman, IEEE Transactions on Circuits and Systems 21 (1974).
+
+    Examples
+    --------
+    >>> from compensator_theory import transmission_zeros
+    >>> G = [["1/(s + 1)", "2/(s + 1)"], ["-1/((s + 1)*(s + 2))", "1/(s + 2)"]]
+    >>> print(transmission_zeros(G))
+    zeros of s + 3
+    s + 3 = 0: input [2, -1], output [1, -1]
+    """
+    fractions = coprime_fractions(G, variable)
+    right, left = smith_form(fractions.N_r), smith_form(fractions.N_l)
+    found = zeros_of(
+        right,
+        left,
+        (0, fractions.D_r.shape[0]),
+        (0, fractions.D_l.shape[0]),
+        fractions.D_r,
+        fractions.D_l,
+    )
+    every = exceptional_factors([*found.exceptional, *fractions.exceptional])
+    return Zeros(
+        found.invariant_polynomials, found.polynomial, found.directions, every, found.certificate
+    )
+
+
+def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
+    r"""Find the modes that the input does not reach.
+
+    .. math:: w' \begin{bmatrix} zI - A & -B \end{bmatrix} = 0
+
+    Parameters
+    ----------
+    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+        With symbols, for generic values of them.
+    variable : str or Symbol, optional
+        As for :func:`realisation`.
+
+    Examples
+    --------
+    >>> from compensator_theory import input_decoupling_zeros
+    >>> print(input_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [0]], [[1, 1]]), "s"))
+    zeros of s + 2
+    s + 2 = 0: costate [0, 1]
+    """
+    given = realisation(plant, variable)
+    return _decoupling_zeros(given, _pencil(given).row_join(-given.B), (0, 0), (given.n, 0))
+
+
+def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
+    r"""Find the modes that the output does not show.
+
+    .. math:: \begin{bmatrix} zI - A \\ C \end{bmatrix} x = 0
+
+    Parameters
+    ----------
+    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+        With symbols, for generic values of them.
+    variable : str or Symbol, optional
+        As for :func:`realisation`.
+
+    Examples
+    --------
+    >>> from compensator_theory import output_decoupling_zeros
+    >>> print(output_decoupling_zeros(([[-1, 0], [0, -2]], [[1], [1]], [[1, 0]]), "s"))
+    zeros of s + 2
+    s + 2 = 0: state [0, 1]
+    """
+    given = realisation(plant, variable)
+    return _decoupling_zeros(given, _pencil(given).col_join(given.C), (given.n, 0), (0, 0))
+
+
+def _pencil(plant: Realisation) -> ImmutableMatrix:
+    return plant.variable * identity_matrix(plant.n) - plant.A
+
+
+def _decoupling_zeros(
+    plant: Realisation, matrix: ImmutableMatrix, right: tuple[int, int], left: tuple[int, int]
+) -> Zeros:
+    """Find where the pencil beside B or C loses rank; without states there is nothing to hide."""
+    smith = smith_form(matrix if plant.n else [[1]], plant.variable)
+    return zeros_of(smith, smith, right, left)

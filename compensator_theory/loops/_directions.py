@@ -1,0 +1,102 @@
+"""Directions at a zero: numbers with rational real and imaginary parts, and eta' G(z0)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy
+from sympy import QQ_I, Expr, ImmutableMatrix, Matrix, Poly
+from sympy.polys.domains.domainelement import DomainElement
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._budget import ask, listed, shown
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.systems._transfer_matrices import TransferMatrix
+
+
+def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
+    """Read a matrix of rationals from its rows.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._directions import rational_matrix
+    >>> rational_matrix([[0.5, 1]], "H")
+    Matrix([[1/2, 1]])
+    """
+    try:
+        given = [listed(row, "degree", name) for row in listed(value, "degree", name)]
+        ask("entries", sum(map(len, given)), name)
+        rows = [[exact_number(entry) for entry in row] for row in given]
+    except TypeError as error:
+        raise InputError(f"{name} = {shown(value)} must be a matrix, a list of its rows") from error
+    if not rows or not rows[0] or len({len(row) for row in rows}) != 1:
+        raise InputError(f"{name} needs rows of one and the same nonzero length")
+    if not all(entry.is_rational for row in rows for entry in row):
+        raise InputError(f"{name} = {rows} must be rational")
+    return Matrix(rows)
+
+
+def gaussian(value: NumberLike, name: str) -> Expr:
+    """Read a number with rational real and imaginary parts.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._directions import gaussian
+    >>> gaussian(0.5 + 1j, "z0")
+    1/2 + I
+    """
+    number = exact_number(value)
+    if number.free_symbols or not all(part.is_rational for part in number.as_real_imag()):
+        raise InputError(f"{name} is not rational; give a decimal of it")
+    return sympy.expand(number)
+
+
+def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
+    """Read a direction, a column of that size that is not zero.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._directions import read_direction
+    >>> read_direction([1, "1/2"], 2).T
+    Matrix([[1, 1/2]])
+    """
+    name = f"the direction {shown(eta)}"
+    entries = [gaussian(entry, name) for entry in listed(eta, "degree", name)]
+    if len(entries) != size:
+        raise InputError(f"the direction {entries} has {len(entries)} entries; {size} are needed")
+    if not any(entries):
+        raise InputError("the direction is zero, which is none")
+    return ImmutableMatrix(entries)
+
+
+def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
+    """G(z0) over the Gaussian rationals."""
+    point = QQ_I.from_sympy(z0)
+
+    def at(polynomial: Poly) -> DomainElement:
+        value = QQ_I.zero
+        for coefficient in polynomial.all_coeffs():
+            value = value * point + QQ_I.from_sympy(coefficient)
+        return value
+
+    bottom = at(G.denominator)
+    if bottom == QQ_I.zero:
+        raise InputError(f"z0 = {z0} is a pole of {G}; a zero is asked for")
+    values = [[at(entry) / bottom for entry in row] for row in G.numerators]
+    return DomainMatrix(values, G.shape, QQ_I)
+
+
+def residual(G: TransferMatrix, z0: Expr, W: Matrix, eta: Matrix) -> Matrix:
+    """Return eta' W G(z0) for exact data.
+
+    Examples
+    --------
+    >>> from sympy import Integer, Matrix
+    >>> from compensator_theory import transfer_matrix
+    >>> from compensator_theory.loops._directions import residual
+    >>> residual(transfer_matrix([["(q - 2)/q"]]), Integer(3), Matrix([[1]]), Matrix([1]))
+    Matrix([[1/3]])
+    """
+    left, weights = (DomainMatrix.from_Matrix(M).convert_to(QQ_I) for M in (eta.T, W))
+    return (left * weights * _value(G, z0)).to_Matrix()

@@ -1,0 +1,206 @@
+"""The loop of a SISO plant and compensator: its sign, and the one home of D D_c - f N N_c."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
+
+from sympy import Poly, Symbol
+
+from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._poly import canonical, over_one_field
+from compensator_theory.polynomials._reading import is_one_of
+from compensator_theory.polynomials._variables import is_operator
+from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._sample_times import shared_sample_time
+from compensator_theory.systems._transfer_functions import (
+    TransferFunction,
+    require_proper,
+)
+from compensator_theory.systems._transfer_matrices import TransferMatrix
+
+LoopPart: TypeAlias = TransferFunctionLike | Realisation
+"""What :func:`read_loop` reads: a transfer function in any form, or a realisation."""
+
+
+def require_sign(feedback: object) -> None:
+    """Refuse a sign of feedback other than +1 and -1.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._siso import require_sign
+    >>> require_sign(-1)
+    """
+    if not is_one_of(feedback, (1, -1)):
+        raise InputError(f"feedback = {shown(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+
+
+def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | None) -> int:
+    """Return the sign of a loop; a compensator that was designed for another one is refused.
+
+    Parameters
+    ----------
+    compensator : TransferFunction or Realisation
+        May carry the sign that it was designed for.
+    feedback : {+1, -1} or None
+        What was asked for; None means +1, u = G_c y.
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> from compensator_theory.loops._siso import agreed_sign
+    >>> agreed_sign(realisation("1/s"), None)
+    1
+    """
+    sign = 1 if feedback is None else feedback
+    require_sign(sign)
+    designed = compensator.feedback
+    if designed is not None and designed != sign:
+        raise InputError(
+            f"this compensator was designed for feedback = {designed:+d} and the loop is to be "
+            f"closed with {sign:+d}, which would be another loop; write feedback={designed:+d}, or "
+            "change the sign of the compensator"
+        )
+    return int(sign)
+
+
+def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
+    r"""Return the closed-loop polynomial, every common factor kept.
+
+    .. math:: D D_c - f\,N N_c
+
+    Parameters
+    ----------
+    G, G_c : TransferFunction
+        N/D and :math:`N_c/D_c`, in one variable.
+    feedback : {+1, -1}
+        The sign f.
+
+    Notes
+    -----
+    Source: the denominator of (7.22); chapters 2 and 4 use f = +1, Section 7.3 and after -1.
+    """
+    N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
+    return canonical(D * D_c - N * N_c * feedback)
+
+
+def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
+    r"""Return :math:`D D_c - f N N_c` of a loop that has all its poles.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.loops._siso import well_posed_loop
+    >>> well_posed_loop(transfer_function("1/s"), transfer_function("2", "s"), -1).as_expr()
+    s + 2
+    """
+    Dtilde = closed_loop_of_pair(G, G_c, feedback)
+    if Dtilde.is_zero or Dtilde.degree() < G.order + G_c.order:
+        raise ImproperError(
+            f"the loop of {G} and {G_c} is not well posed: G G_c tends to {feedback} at infinity, "
+            f"so that the direct terms cancel and the closed loop {format_polynomial(Dtilde)} has "
+            f"too few poles"
+        )
+    return Dtilde
+
+
+def read_loop(
+    plant: LoopPart,
+    compensator: LoopPart,
+    feedback: int,
+    *,
+    name: str = "compensator",
+    variable: str | Symbol | None = None,
+) -> tuple[TransferFunction, TransferFunction]:
+    """Read a plant and what stands beside it; a constant has the variable of the plant.
+
+    Parameters
+    ----------
+    plant, compensator : transfer function or Realisation
+    feedback : {+1, -1}
+    name : str
+        What the second one is called in messages.
+    variable : str or Symbol, optional
+        Of the plant.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._siso import read_loop
+    >>> print(*read_loop("1/s", "k", -1))
+    (1)/(s) (k)/(1)
+    """
+    require_sign(feedback)
+    if isinstance(plant, Realisation):
+        G = plant.transfer_function()
+    else:
+        G = transfer_function(plant, variable)
+    if isinstance(compensator, Realisation):
+        G_c = compensator.transfer_function()
+    else:
+        G_c = in_variable_of(G, compensator, transfer_function)
+    if G_c.variable != G.variable:
+        raise InputError(
+            f"the plant is written in the variable {G.variable} and the {name} in {G_c.variable}; "
+            "they need the same variable"
+        )
+    shared_sample_time(G, G_c)
+    agreed_sign(G_c, feedback)
+    return G, G_c
+
+
+def siso_loop(
+    plant: LoopPart, compensator: LoopPart, feedback: int, variable: str | Symbol | None = None
+) -> tuple[TransferFunction, TransferFunction]:
+    """Read the proper parts of a loop whose plant is free of hidden modes.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops._siso import siso_loop
+    >>> print(*siso_loop("1/s", "2/(s + 1)", -1))
+    (1)/(s) (2)/(s + 1)
+    """
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
+    require_proper(G, "plant")
+    require_proper(G_c, "compensator")
+    if G.order == 0:
+        raise InputError(f"the plant {G} has no state to estimate")
+    factor = G.common_factor()
+    if factor.degree() > 0:
+        raise NotCoprimeError(
+            f"the plant {G} has the hidden modes {format_polynomial(factor)}, and what they admit "
+            "depends on its realisation; reduce it, or use realisation_is_observer_based"
+        )
+    return G, G_c
+
+
+Read = TypeVar("Read", TransferFunction, TransferMatrix)
+
+
+def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None], Read]) -> Read:
+    """Read what stands beside G; only another operator is another variable.
+
+    Parameters
+    ----------
+    G : TransferFunction or TransferMatrix
+    part : object
+        What `read` takes.
+    read : callable
+        :func:`transfer_function` or :func:`transfer_matrix`.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.loops._siso import in_variable_of
+    >>> in_variable_of(transfer_function("1/s"), "k", transfer_function).variable
+    s
+    """
+    try:
+        found = read(part, None)
+    except InputError:
+        return read(part, G.variable)
+    if found.variable == G.variable or is_operator(found.variable):
+        return found
+    return read(part, G.variable)

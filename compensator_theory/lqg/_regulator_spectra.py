@@ -1,0 +1,129 @@
+"""The polynomial whose stable roots are a regulator's poles: one determinant of a pencil."""
+
+from __future__ import annotations
+
+import flint
+import sympy
+from sympy import Matrix, Poly, Symbol
+
+from compensator_theory.lqg._regulator_data import Weights, read_weights
+from compensator_theory.matrices._exact_matrices import MatrixLike
+from compensator_theory.matrices._flint_matrices import rational, to_flint
+from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._variables import Time, variable_in
+
+
+def regulator_spectrum(
+    A: MatrixLike,
+    B: MatrixLike,
+    Q: MatrixLike | None = None,
+    R: MatrixLike | None = None,
+    N: MatrixLike | None = None,
+    *,
+    time: Time,
+    E_1: MatrixLike | None = None,
+    E_2: MatrixLike | None = None,
+    variable: str | Symbol | None = None,
+) -> Poly:
+    r"""Return the polynomial whose stable roots are the regulator's poles.
+
+    .. math::
+        p(z) &= \pm\det\begin{bmatrix} A - zI & 0 & B \\ -Q & I - zA^T & -N \\
+              N^T & zB^T & R \end{bmatrix}
+              = z^{n}\, \det\!\left(G^T(1/z)\,G(z)\right) D(z) D(1/z) \\
+        p(s) &= \pm\det\begin{bmatrix} A - sI & 0 & B \\ -Q & -A^T - sI & -N \\
+              N^T & B^T & R \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
+
+    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
+
+    Parameters
+    ----------
+    A, B, Q, R, N, E_1, E_2
+        As for :func:`solve_riccati`; :math:`Q = E_1^TE_1`, :math:`N = E_1^TE_2`,
+        :math:`R = E_2^TE_2`.
+    time : {"continuous", "discrete"}
+        Whether the polynomial is even or palindromic.
+    variable : str or Symbol, optional
+        Default: s in continuous, q in discrete time.
+
+    Returns
+    -------
+    sympy.Poly
+        Of degree 2n or less, computed from its values at 2n + 1 integers. For the estimator give
+        the transposes :math:`A^T, C^T, D_1^T, D_2^T`.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, an entry is symbolic, or the variable stands for the other time
+        domain.
+
+    Examples
+    --------
+    >>> from compensator_theory import regulator_spectrum
+    >>> regulator_spectrum([[3]], [[1]], [[4]], time="discrete").as_expr()
+    4*q
+    >>> regulator_spectrum([[0]], [[1]], [[4]], [[1]], time="continuous").as_expr()
+    4 - s**2
+    """
+    symbol = variable_in(time, variable, "the spectrum of an LQG regulator")
+    return spectrum_of_weights(read_weights(A, B, Q, R, N, E_1, E_2), time, symbol)
+
+
+def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
+    """Return the same polynomial for weights that are read.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.lqg._regulator_data import read_weights
+    >>> from compensator_theory.lqg._regulator_spectra import spectrum_of_weights
+    >>> weights = read_weights([[0]], [[1]], [[4]], [[1]])
+    >>> spectrum_of_weights(weights, "continuous", s).as_expr()
+    4 - s**2
+    """
+    a, b, q, r, cross = weights
+    n, l_u = b.shape
+    zero, eye = sympy.zeros, sympy.eye
+    discrete = time == "discrete"
+    constant = sympy.BlockMatrix(
+        [[a, zero(n, n), b],
+         [-q, eye(n) if discrete else -a.T, -cross],
+         [cross.T, zero(l_u, n) if discrete else b.T, r]]
+    ).as_explicit()  # fmt: skip
+    slope = sympy.BlockMatrix(
+        [[-eye(n), zero(n, n), zero(n, l_u)],
+         [zero(n, n), -a.T if discrete else -eye(n), zero(n, l_u)],
+         [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)]]
+    ).as_explicit()  # fmt: skip
+    return _determinant(constant, slope, n, symbol)
+
+
+def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
+    """Return ascending coefficients through the points, by Newton's divided differences.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.lqg._regulator_spectra import interpolated
+    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
+    [2, 3]
+    """
+    table = list(values)
+    for order in range(1, len(points)):
+        for i in range(len(points) - 1, order - 1, -1):
+            table[i] = (table[i] - table[i - 1]) / (points[i] - points[i - order])
+    result = flint.fmpq_poly([table[-1]])
+    for i in range(len(points) - 2, -1, -1):
+        result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
+    return list(result.coeffs())
+
+
+def _determinant(constant: Matrix, slope: Matrix, n: int, variable: Symbol) -> Poly:
+    """Return (-1)^n times that of a pencil, from its values at 2n + 1 integers."""
+    pencil = [to_flint(matrix) for matrix in (constant, slope)]
+    points = [flint.fmpq(k) for k in range(-n, n + 1)]
+    values = [(pencil[0] + point * pencil[1]).det() for point in points]
+    sign = -1 if n % 2 else 1
+    descending = [sign * rational(c) for c in reversed(interpolated(points, values))]
+    return canonical(Poly(descending or [0], variable))

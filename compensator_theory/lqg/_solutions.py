@@ -1,0 +1,152 @@
+"""What solves a linear equation for a matrix: one solution, all of them, and where that holds."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix
+
+from compensator_theory._latex import displayed, latex, total, unless
+from compensator_theory._printing import text
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._echelon import contradictions, echelon
+from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._values import ExactValue
+
+
+@dataclass(frozen=True)
+class MatrixSolution(ExactValue):
+    """Every solution of a linear equation for a matrix X.
+
+    Attributes
+    ----------
+    X : sympy.ImmutableMatrix
+        One solution.
+    homogeneous : tuple of sympy.ImmutableMatrix
+        A basis of what can be added to it; empty where X is the only solution.
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; everything holds where none of them is zero. For
+        values where one is, solve again with these values: there may be no solution or a family.
+    certificate : Certificate
+        The equation, evaluated anew for X and for the basis.
+    """
+
+    X: ImmutableMatrix
+    homogeneous: tuple[ImmutableMatrix, ...]
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    @property
+    def is_unique(self) -> bool:
+        """Whether X is the only solution."""
+        return not self.homogeneous
+
+    def __str__(self) -> str:
+        count = len(self.homogeneous)
+        return f"X = {text(self.X.tolist())}" + (
+            f", one of a family of dimension {count}" * bool(count)
+        )
+
+    def _repr_latex_(self) -> str:
+        terms = [rf"\alpha_{{{k}}} {latex(part)}" for k, part in enumerate(self.homogeneous, 1)]
+        return displayed(f"X = {total([latex(self.X), *terms])}", unless(self.exceptional))
+
+
+Terms: TypeAlias = Sequence[tuple[Matrix, Matrix]]
+"""Pairs (L_i, R_i) of a linear map, the sum of the L_i X R_i."""
+
+
+def solve_by_kronecker(
+    maps: Sequence[Terms],
+    shape: tuple[int, int],
+    right: Sequence[Expr],
+    *,
+    contradiction: str,
+    sources: Iterable[Matrix] = (),
+) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...], list[Expr]]:
+    r"""Solve linear equations for a matrix as one system of n m unknowns.
+
+    .. math:: \sum_i L_i X R_i = C \quad\Leftrightarrow\quad
+              \left(\textstyle\sum_i L_i \otimes R_i^T\right) \mathrm{vec}\, X = \mathrm{vec}\, C
+
+    where vec lists a matrix row by row.
+
+    Parameters
+    ----------
+    maps : sequence of Terms
+        The pairs (L_i, R_i) of each equation.
+    shape : tuple of int
+        Of the unknown.
+    right : sequence of sympy.Expr
+        What the maps are to give, row by row, one equation after the other.
+    contradiction : str
+        What to say where there is no solution.
+    sources : iterable of sympy.Matrix
+        Data whose denominators count as divisors.
+
+    Returns
+    -------
+    tuple
+        A solution, a basis of the homogeneous ones, and what was divided by.
+
+    Examples
+    --------
+    >>> from sympy import Matrix, eye
+    >>> from compensator_theory.lqg._solutions import solve_by_kronecker
+    >>> sums = [(eye(1), Matrix([1, 1]))]
+    >>> X, more, _ = solve_by_kronecker([sums], (1, 2), [3], contradiction="")
+    >>> X, len(more)
+    (Matrix([[3, 0]]), 1)
+    """
+    rows, columns = shape
+    size = rows * columns
+    ask("entries", len(right) * (size + 1), "the linear system of the matrix equation")
+    table = Matrix.vstack(*(_table(terms) for terms in maps))
+    found = echelon(table.row_join(Matrix(len(right), 1, list(right))))
+    divisors = [found.divided_by, *denominators_of(sources)]
+    if size in found.pivots:
+        column = Matrix(len(right), 1, list(right))
+        raise NoSolutionError(contradiction).holding(contradictions(table, column))
+    particular, basis = found.solutions()
+    X, *more = (ImmutableMatrix(rows, columns, list(v)) for v in (particular, *basis))
+    return X, tuple(more), divisors
+
+
+def _table(terms: Terms) -> Matrix:
+    """Add up the Kronecker products, entries that are not zero only."""
+    left, right = terms[0]
+    below, beside = right.cols, right.rows
+    entries: dict[tuple[int, int], Expr] = defaultdict(lambda: sympy.Integer(0))
+    for L, R in terms:
+        columns = list(R.todok().items())
+        for (i, j), x in L.todok().items():
+            for (k, n), y in columns:
+                entries[i * below + n, j * beside + k] += x * y
+    return Matrix(left.rows * below, left.cols * beside, lambda i, j: entries.get((i, j), 0))
+
+
+def certified(
+    identity: str,
+    residuals: Iterable[Matrix],
+    X: ImmutableMatrix,
+    homogeneous: tuple[ImmutableMatrix, ...],
+    divisors: Iterable[Expr],
+) -> MatrixSolution:
+    """Put a solution together with what is left of its equation; refuse a wrong one.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from compensator_theory.lqg._solutions import certified
+    >>> zero = ImmutableMatrix([[0]])
+    >>> certified("0 = 0", [zero], zero, (), []).certificate.holds
+    True
+    """
+    certificate = certificate_of(identity, residuals)
+    return MatrixSolution(X, homogeneous, exceptional_factors(divisors), certificate)

@@ -1,0 +1,131 @@
+"""What a conversion leaves behind to be checked: an identity, and what is left of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+import flint
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly
+
+from compensator_theory._latex import displayed, latex, words
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices._flint_matrices import RationalMatrix, from_flint
+from compensator_theory.matrices._rational_functions import vanish
+from compensator_theory.polynomials._values import ExactValue
+
+
+@dataclass(frozen=True)
+class Certificate(ExactValue):
+    """An exact identity between a result and what it was made from, evaluated.
+
+    Attributes
+    ----------
+    identity : str
+        What was checked.
+    residual : sympy.ImmutableMatrix
+        What is left of it, computed from the source; the identity holds if it is zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> G = realisation("(s + 3)/(s**2 + 2*s)").transfer_function()
+    >>> G.certificate.holds, G.certificate.identity
+    (True, 'adj(sI - A) B by (sI - A) adj(sI - A) B = det(sI - A) B')
+    """
+
+    identity: str
+    residual: ImmutableMatrix
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing is left."""
+        return bool(self.residual.is_zero_matrix)
+
+    def __str__(self) -> str:
+        return f"{self.identity}: {'holds exactly' if self.holds else 'FAILS'}"
+
+    def _repr_latex_(self) -> str:
+        left = "" if self.holds else f"{words('left is')} {latex(self.residual)}"
+        return displayed(words(str(self)), left)
+
+
+def proven(certificate: Certificate, what: str = "result") -> Certificate:
+    """Return a certificate that holds.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from compensator_theory.matrices._certificates import Certificate, proven
+    >>> print(proven(Certificate("1 - 1 = 0", ImmutableMatrix([[0]])), "difference"))
+    1 - 1 = 0: holds exactly
+    """
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the {what} is wrong, please report it")
+    return certificate
+
+
+Residuals: TypeAlias = Iterable[Iterable[Expr] | Poly]
+"""Matrices, lists of expressions and polynomials that an identity says are zero."""
+
+
+def certificate_of(identity: str, residuals: Residuals, what: str = "result") -> Certificate:
+    """Return the certificate of what must vanish, and refuse what does not.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._certificates import certificate_of
+    >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
+    True
+    """
+    return proven(evaluated(identity, residuals), what)
+
+
+def evaluated(identity: str, residuals: Residuals) -> Certificate:
+    """Return the certificate of an identity, whether it holds or not.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices._certificates import evaluated
+    >>> print(evaluated("a = 0", [[a]]))
+    a = 0: FAILS
+    """
+    parts = [part.all_coeffs() if isinstance(part, Poly) else part for part in residuals]
+    kept = [part.kept for part in parts if isinstance(part, RationalMatrix)]
+    if len(kept) == len(parts):
+        numbers = [entry for part in kept for entry in part.entries()]
+        matrix = from_flint(flint.fmpq_mat(1, len(numbers), numbers))
+        return Certificate(identity, matrix)
+    entries = [entry for part in parts for entry in part]
+    left = [
+        sympy.Integer(0) if is_zero else sympy.cancel(entry)
+        for entry, is_zero in zip(entries, vanish(entries), strict=True)
+    ]
+    return Certificate(identity, ImmutableMatrix(1, len(left), left))
+
+
+class Certified:
+    """Base of the results that can be held against what they were made from, by their own fields.
+
+    A class says its `identity`, and in `_left_over` what that says is zero. Nothing of the
+    algorithm that found the result is used again.
+    """
+
+    identity: ClassVar[str]
+
+    def _left_over(self) -> Residuals:
+        raise NotImplementedError
+
+    @property
+    def certificate(self) -> Certificate:
+        """The identity, evaluated anew from the fields of this result."""
+        return evaluated(self.identity, self._left_over())
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether the certificate holds."""
+        return self.certificate.holds

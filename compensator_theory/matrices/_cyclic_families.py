@@ -1,0 +1,121 @@
+"""Continua of invariant subspaces, where a matrix has several Jordan blocks for one root."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+import sympy
+from sympy import ImmutableMatrix, Matrix, Symbol
+
+from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.matrices._invariant_subspaces import PrimaryComponent, joined, kernel
+from compensator_theory.matrices._linear_algebra import rank
+
+
+def subspace_family(
+    matrix: Matrix, component: PrimaryComponent, exponent: int, names: Iterator[Symbol]
+) -> tuple[ImmutableMatrix, tuple[Symbol, ...]] | None:
+    r"""Parametrise the cyclic invariant subspaces with the polynomial :math:`f^e`.
+
+    .. math:: V(\alpha) = \mathrm{span}\{v, \tilde A v, \tilde A^2 v, \ldots\}, \qquad
+              v = v_0 + \textstyle\sum_i \alpha_i c_i
+
+    Parameters
+    ----------
+    matrix : sympy.Matrix
+        Square, rational.
+    component : PrimaryComponent
+        Of the matrix, with several Jordan blocks.
+    exponent : int
+        The power e, with a kernel larger than e deg f.
+    names : iterator of Symbol
+        Where the parameters are taken from.
+
+    Returns
+    -------
+    tuple of matrix and symbols, or None
+        A basis of e deg f columns that is affine in dim ker f^e - e deg f parameters, and the
+        parameters: all cyclic subspaces but a thin set of them, each once. None if no Jordan block
+        is as long as e, so that no subspace is cyclic.
+
+    Notes
+    -----
+    The :math:`c_i` span an invariant complement of the cyclic subspace of :math:`v_0`: the kernel
+    of a functional's first e deg f translates. A general v has the form :math:`r(\tilde A)v_0 + c`
+    with r invertible modulo f, and v and v/r generate the same subspace.
+
+    Examples
+    --------
+    >>> from sympy import Matrix, symbols
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices._invariant_subspaces import primary_components
+    >>> from compensator_theory.matrices._cyclic_families import subspace_family
+    >>> one = Matrix([[1, 0], [0, 1]])
+    >>> part, = primary_components(one, polynomial("(s - 1)**2"))
+    >>> subspace_family(one, part, 1, iter(symbols("alpha_1:9")))
+    (Matrix([
+    [      1],
+    [alpha_1]]), (alpha_1,))
+    """
+    size = exponent * component.degree
+    whole = component.kernels[exponent]
+    for v in _combinations(whole):
+        cyclic = krylov(matrix, v, size)
+        if rank(cyclic) < size:
+            continue
+        for functional in _combinations(identity_matrix(matrix.rows)):
+            translates = krylov(matrix.T, functional, size).T
+            if rank(translates * cyclic) == size:
+                complement = whole * kernel(translates * whole)
+                parameters = tuple(next(names) for _ in range(complement.cols))
+                general = v + complement * Matrix(len(parameters), 1, list(parameters))
+                return krylov(matrix, general, size), parameters
+    return None
+
+
+def sample_subspaces(
+    matrix: Matrix, component: PrimaryComponent, exponent: int
+) -> Iterator[ImmutableMatrix]:
+    r"""Yield some invariant subspaces with the polynomial :math:`f^e`, cyclic or not."""
+    size, rows = exponent * component.degree, matrix.rows
+    lengths, rest = [], exponent
+    for longest in component.block_lengths:
+        lengths.append(min(rest, longest))
+        rest -= lengths[-1]
+    dice = random.Random(exponent)  # the same subspaces in every run
+    for _ in range(20):
+        blocks = []
+        for length in filter(None, lengths):
+            basis = component.kernels[length]
+            weights = Matrix(basis.cols, 1, [dice.randint(-3, 3) for _ in range(basis.cols)])
+            blocks.append(krylov(matrix, basis * weights, length * component.degree))
+        span = joined(rows, blocks)
+        if rank(span) == size:
+            yield span
+
+
+def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
+    """Return the columns v, Av, ..., A^(size-1) v.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._cyclic_families import krylov
+    >>> krylov(Matrix([[0, 1], [0, 0]]), Matrix([0, 1]), 2)
+    Matrix([
+    [0, 1],
+    [1, 0]])
+    """
+    columns = [vector]
+    for _ in range(size - 1):
+        columns.append((matrix * columns[-1]).applyfunc(sympy.expand))
+    return joined(matrix.rows, columns)
+
+
+def _combinations(basis: ImmutableMatrix) -> Iterator[ImmutableMatrix]:
+    """Yield the basis vectors and then sums of them with small distinct weights."""
+    for column in range(basis.cols):
+        yield basis[:, column]
+    for base in (1, 2, 3, -2):
+        yield basis * Matrix([base**k + k for k in range(basis.cols)])

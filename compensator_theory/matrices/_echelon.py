@@ -1,0 +1,118 @@
+"""Ranks, kernels and bases, with the polynomials in the symbols that they were divided by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import flint
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.matrices._flint_matrices import (
+    from_flint,
+    identity_matrix,
+    is_rational_matrix,
+    to_flint,
+    zero_matrix,
+)
+from compensator_theory.matrices._fraction_free import SymbolicRows
+
+
+@dataclass(frozen=True)
+class Echelon:
+    """The reduced row echelon form of a matrix.
+
+    Attributes
+    ----------
+    matrix : sympy.ImmutableMatrix
+        Its nonzero rows.
+    pivots : tuple of int
+        Columns of the leading ones; as many as the rank, with symbols the generic one.
+    divided_by : sympy.Expr
+        The minor that was divided by; where it is zero, the rank may be smaller.
+    """
+
+    matrix: ImmutableMatrix
+    pivots: tuple[int, ...]
+    divided_by: Expr
+
+    def kernel(self) -> ImmutableMatrix:
+        """Return a basis of the null space, as columns; there may be none."""
+        columns = self.matrix.cols
+        free = [column for column in range(columns) if column not in self.pivots]
+        stacked = (-self.matrix[:, free]).col_join(identity_matrix(len(free)))
+        places = [*self.pivots, *free]
+        return stacked[[places.index(k) for k in range(columns)], :]
+
+    def solutions(self) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...]]:
+        """Return a solution of A x = b and a basis of the homogeneous ones; this is of [A | b]."""
+        kernel = self.kernel()[:-1, :]
+        *basis, last = (kernel[:, k] for k in range(kernel.cols))
+        return -last, tuple(basis)
+
+
+def echelon(matrix: Matrix) -> Echelon:
+    """Return the reduced row echelon form, by python-flint or without fractions."""
+    columns = int(matrix.cols)
+    if 0 in matrix.shape:
+        return Echelon(zero_matrix(0, columns), (), sympy.Integer(1))
+    if is_rational_matrix(matrix):
+        reduced, found = to_flint(matrix).rref()
+        rows = reduced.tolist()[: int(found)]
+        pivots = tuple(next(c for c in range(columns) if row[c]) for row in rows)
+        form = flint.fmpq_mat(len(rows), columns, [entry for row in rows for entry in row])
+        return Echelon(from_flint(form), pivots, sympy.Integer(1))
+    if (symbolic := SymbolicRows.of(matrix)) is not None:
+        found_pivots = symbolic.reduce(columns, shortest=False)
+        form = symbolic.quotients(range(len(found_pivots)), range(columns))
+        return Echelon(form, tuple(found_pivots), symbolic.minor())
+    # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
+    over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
+    numerator, minor, pivots = over_ring.rref_den(method="FF")
+    field = numerator.domain.get_field()
+    inverse = 1 / field.convert_from(minor, numerator.domain)
+    form = (numerator.convert_to(field) * inverse).to_Matrix()[: len(pivots), :]
+    return Echelon(ImmutableMatrix(form), tuple(pivots), numerator.domain.to_sympy(minor))
+
+
+def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
+    """Return the first columns that span the column space, and the minor that proves it.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._echelon import independent_columns
+    >>> independent_columns(Matrix([[0, 2, 4], [0, 1, 2]]))[0]
+    Matrix([
+    [2],
+    [1]])
+    """
+    found = echelon(matrix)
+    return ImmutableMatrix(matrix[:, list(found.pivots)]), found.divided_by
+
+
+def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
+    r"""Return y b for a basis of the relations y A = 0 of a linear system A x = b.
+
+    The system is contradictory wherever one of them is not zero, for they hold no denominators.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.matrices._echelon import contradictions
+    >>> contradictions(Matrix([[a], [1]]), Matrix([b, 1]))
+    [a - b]
+    """
+    if not (matrix.free_symbols or right_side.free_symbols):
+        return [sympy.Integer(1)]
+    relations = echelon(ImmutableMatrix(matrix.T)).kernel()
+    found = []
+    for k in range(relations.cols):
+        bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in relations[:, k]]
+        common = sympy.lcm_list(bottoms)
+        total = sum(common * y * b for y, b in zip(relations[:, k], right_side, strict=True))
+        if (value := sympy.cancel(total)) != 0:
+            found.append(value)
+    return found

@@ -1,0 +1,145 @@
+"""Matrices of any kind to exact SymPy matrices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import chain
+from typing import Any, Protocol, TypeAlias
+
+import flint
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase, Rational
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices._flint_matrices import (
+    RationalMatrix,
+    from_flint,
+    kept_rational,
+    to_flint,
+)
+from compensator_theory.matrices._kept_matrices import KeptMatrix
+from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
+from compensator_theory.polynomials._budget import ask, decimal_digits, listed, shown
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._variables import require_one_symbol_a_name
+
+
+class ArrayOfNumbers(Protocol):
+    """What a NumPy array shows of itself; only its shape and its entries are used."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of rows and columns."""
+
+    def __iter__(self) -> Iterator[Any]:
+        """Return its rows."""
+
+
+WHOLE_AS_PRINTED = 10**16
+"""Below this a float without a fraction is the integer of its shortest decimal."""
+
+MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNumbers
+"""A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
+
+
+def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
+    """Read a matrix exactly, entry by entry.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
+    >>> exact_matrix([[0.1, "a"]], "A")
+    Matrix([[1/10, a]])
+    """
+    if (read := _read_at_once(value, name)) is not None:
+        return read
+    rows, shape = _rows_of(value, name)
+    ask("entries", shape[0] * shape[1], f"the matrix {name}")
+    entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
+    flat = [entry for row in entries for entry in row]
+    require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
+    found = ImmutableMatrix(*shape, flat)
+    kept = symbolic_matrix(found)
+    return found if kept is None else kept
+
+
+def _read_at_once(value: Any, name: str) -> KeptMatrix | None:
+    """Read what is kept, and rational numbers without a look at each as an expression, or None."""
+    if isinstance(value, SymbolicMatrix):
+        ask("entries", value.rows * value.cols, f"the matrix {name}")
+        return value
+    if isinstance(value, RationalMatrix):
+        return _asked(value, name)
+    if type(value) in (ImmutableMatrix, Matrix):
+        return None if kept_rational(value) is None else _asked(from_flint(to_flint(value)), name)
+    is_array = type(value).__module__ == "numpy" and getattr(value, "ndim", 0) == 2
+    if is_array and value.dtype.name in ("float64", "int64"):
+        ask("entries", value.size, f"the matrix {name}")
+        value = value.tolist()
+    if type(value) not in (list, tuple) or not {list, tuple}.issuperset(map(type, value)):
+        return None
+    if len(set(map(len, value))) != 1 or not value[0]:
+        return None
+    shape = len(value), len(value[0])
+    ask("entries", shape[0] * shape[1], f"the matrix {name}")
+    flat = [*chain.from_iterable(value)]
+    kinds = set(map(type, flat))
+    if kinds == {int}:
+        ask("digits", decimal_digits(max(*flat, -min(flat)).bit_length()), "a number")
+        return from_flint(flint.fmpq_mat(flint.fmpz_mat(*shape, flat)))
+    if not all(kind in (int, float, Fraction) or issubclass(kind, Rational) for kind in kinds):
+        return None
+    entries = [*map(_number, flat)]
+    if None in entries:
+        return None
+    return _asked(from_flint(flint.fmpq_mat(*shape, entries)), name)
+
+
+def _number(entry: Any) -> flint.fmpq | None:
+    """Read one entry as :func:`exact_number` does; None if it is not finite."""
+    if isinstance(entry, float):
+        if not math.isfinite(entry):
+            return None
+        whole = entry.is_integer() and abs(entry) < WHOLE_AS_PRINTED
+        entry = int(entry) if whole else Fraction(repr(entry))
+    return flint.fmpq(int(entry.numerator), int(entry.denominator))
+
+
+def _asked(matrix: RationalMatrix, name: str) -> RationalMatrix:
+    """Ask the budget for the entries and for the longest of them."""
+    entries = matrix.kept.entries()
+    ask("entries", len(entries), f"the matrix {name}")
+    bits = max(map(flint.fmpq.height_bits, entries), default=0)
+    ask("digits", decimal_digits(bits), "a number")
+    return matrix
+
+
+def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
+    if isinstance(value, MatrixBase):
+        return value.tolist(), (int(value.rows), int(value.cols))
+    if hasattr(value, "toarray") or hasattr(value, "todense"):
+        raise InputError(f"{name} is a sparse matrix; write it out with .toarray()")
+    shape = getattr(value, "shape", None)
+    iterable = hasattr(value, "__iter__") and not isinstance(value, str | bytes | set | dict)
+    rows = listed(value, "entries", f"the matrix {name}") if iterable and shape != () else None
+    if rows is None or any(isinstance(r, str | bytes) or not hasattr(r, "__len__") for r in rows):
+        raise InputError(
+            f"{name} = {shown(value)} is not a matrix; write rows, as in [[1, 2], [3, 4]]"
+        )
+    if len({len(row) for row in rows}) > 1:
+        raise InputError(f"the rows of {name} have different lengths: {[len(r) for r in rows]}")
+    columns = len(rows[0]) if rows else (shape[1] if shape is not None and len(shape) > 1 else 0)
+    return [list(row) for row in rows], (len(rows), columns)
+
+
+def _rational_or_symbolic(value: NumberLike, name: str) -> Expr:
+    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
+    entry = sympy.sympify(exact_number(value))
+    if entry.is_number and not entry.is_rational:
+        raise InputError(
+            f"{name} contains the irrational number {entry}; write a rational number close to it, "
+            "or, where the function takes symbols, a symbol in its place"
+        )
+    return entry

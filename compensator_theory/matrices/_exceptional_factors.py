@@ -1,0 +1,73 @@
+"""Where a symbolic answer does not hold: the factors of what was divided by on the way to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import sympy
+from sympy import Expr, Matrix
+
+from compensator_theory.matrices._flint_matrices import symbols_in
+from compensator_theory.matrices._rational_functions import NotRationalError, in_symbols
+from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
+
+
+def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
+    """Return the irreducible polynomials in the symbols where one of the divisors is 0 or infinite.
+
+    Parameters
+    ----------
+    divisors : iterable of sympy.Expr
+        Rational functions of symbols; numbers, and factors that are known to be nonzero, drop out.
+
+    Examples
+    --------
+    >>> from sympy import Integer
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.matrices._exceptional_factors import exceptional_factors
+    >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
+    (a, a - 1, b + 1)
+    """
+    given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
+    found = {factor: degree for factor, degree in _factors(given) if not factor.is_nonzero}
+    return tuple(sorted(found, key=lambda f: (found[f], sympy.count_ops(f), str(f))))
+
+
+def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
+    """Factors of both sides with their degrees, by python-flint where it can read them."""
+    symbols = frozenset().union(*(divisor.free_symbols for divisor in divisors))
+    work = in_symbols(symbols) if symbols and all(x.is_Symbol for x in symbols) else None
+    for divisor in divisors:
+        try:
+            if work is None:
+                raise NotRationalError
+            sides = work.lowest(*work.read(divisor))
+        except NotRationalError:
+            for side in sympy.fraction(sympy.cancel(divisor)):
+                for found, _ in sympy.factor_list(side)[1]:
+                    yield found, int(sympy.Poly(found).total_degree())
+            continue
+        for side in sides:
+            for factor, _ in side.factor()[1]:
+                sign = -1 if factor.leading_coefficient() < 0 else 1
+                yield work.expression(factor * sign), int(factor.total_degree())
+
+
+def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
+    """Return the denominators that have symbols in them, of each matrix one, or of its entries.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._exceptional_factors import denominators_of
+    >>> denominators_of([Matrix([["1/a", "2*b"]])])
+    [a]
+    """
+    bottoms: dict[Expr, None] = {}
+    for matrix in filter(symbols_in, matrices):
+        kept = symbolic_matrix(matrix)
+        if isinstance(kept, SymbolicMatrix):
+            bottoms[kept.work.expression(kept.kept.below)] = None
+        elif kept is None:
+            bottoms |= dict.fromkeys(sympy.fraction(sympy.cancel(e))[1] for e in matrix)
+    return [bottom for bottom in bottoms if bottom.free_symbols]

@@ -1,0 +1,291 @@
+"""Rational matrices that python-flint keeps, and SymPy shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import flint
+from sympy import QQ, Expr, ImmutableMatrix, Integer, Matrix, Rational, Symbol, Tuple
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.sdm import SDM
+
+from compensator_theory.matrices._kept_matrices import OF_SYMPY, KeptMatrix
+
+
+class RationalMatrix(KeptMatrix):
+    """A matrix of rational numbers that python-flint keeps.
+
+    Sums, products, transposes and ranks of such matrices stay in python-flint.
+
+    Attributes
+    ----------
+    kept : flint.fmpq_mat
+        Not to be changed by anybody.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from compensator_theory.matrices._flint_matrices import from_flint, to_flint
+    >>> half = from_flint(to_flint(ImmutableMatrix([[1, 2], [3, 4]])) / 2)
+    >>> half * half.T, (half + half).kept
+    (Matrix([
+    [ 5/4, 11/4],
+    [11/4, 25/4]]), [1, 2]
+    [3, 4])
+    """
+
+    kept: flint.fmpq_mat
+
+    @classmethod
+    def _kept_as(cls, kept: flint.fmpq_mat) -> RationalMatrix:
+        found: RationalMatrix = cls._of_shape(int(kept.nrows()), int(kept.ncols()))
+        found.kept = kept
+        return found
+
+    @classmethod
+    def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
+        if rep.domain.is_ZZ or rep.domain.is_QQ:
+            return cls._kept_as(_in_flint(rep))
+        return ImmutableMatrix._fromrep(rep)
+
+    @cached_property
+    def _rep(self) -> DomainMatrix:
+        """SymPy's form for computing, sparse as in all its matrices."""
+        rows: list[list[Any]] = self.kept.tolist() if self._rows and self._cols else []
+        if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
+            rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
+        nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
+        by_row = {i: row for i, row in nonzero.items() if row}
+        return DomainMatrix.from_rep(SDM(by_row, (self._rows, self._cols), QQ))
+
+    @cached_property
+    def _args(self) -> tuple[Integer, Integer, Tuple]:
+        flat = [entry for row in self._eval_tolist() for entry in row]
+        return Integer(self._rows), Integer(self._cols), Tuple(*flat, sympify=False)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, RationalMatrix):
+            return bool(self.kept == other.kept)
+        return super().__eq__(other)
+
+    __hash__ = KeptMatrix.__hash__
+
+    @property
+    def is_zero_matrix(self) -> bool:
+        """Whether every entry is zero, which is always known here."""
+        return not any(self.kept.entries())
+
+    @property
+    def free_symbols(self) -> set[Symbol]:
+        """No symbols."""
+        return set()
+
+    def _entry(self, row: int, column: int) -> Rational:
+        return rational(self.kept[row, column])
+
+    def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
+        return OF_SYMPY[operation](left, self)
+
+    def _eval_tolist(self) -> list[list[Rational]]:
+        if not (self._rows and self._cols):
+            return [[] for _ in range(self._rows)]
+        return [[rational(entry) for entry in row] for row in self.kept.tolist()]
+
+    def _eval_transpose(self) -> RationalMatrix:
+        return self._kept_as(self.kept.transpose())
+
+    def __neg__(self) -> RationalMatrix:
+        return self._kept_as(-self.kept)
+
+    def _eval_add(self, other: Matrix) -> ImmutableMatrix:
+        raw = rational_in_flint(other)
+        return self._left_to("add", other) if raw is None else self._kept_as(self.kept + raw)
+
+    def _eval_matrix_mul(self, other: Matrix) -> ImmutableMatrix:
+        raw = rational_in_flint(other)
+        return self._left_to("multiply", other) if raw is None else self._kept_as(self.kept * raw)
+
+    def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
+        if not isinstance(other, Rational):
+            return super()._eval_scalar_mul(other)
+        return self._kept_as(self.kept * flint.fmpq(int(other.p), int(other.q)))
+
+    _eval_scalar_rmul = _eval_scalar_mul
+
+    def _eval_row_join(self, other: Matrix) -> ImmutableMatrix:
+        if (raw := rational_in_flint(other)) is None:
+            return self._left_to("beside", other)
+        return self._kept_as(_joined(self.kept.transpose(), raw.transpose()).transpose())
+
+    def _eval_col_join(self, other: Matrix) -> ImmutableMatrix:
+        if (raw := rational_in_flint(other)) is None:
+            return self._left_to("below", other)
+        return self._kept_as(_joined(self.kept, raw))
+
+    def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> RationalMatrix:
+        entries, width = self.kept.entries(), self._cols
+        chosen = [entries[i * width + j] for i in rows for j in columns]
+        return self._kept_as(flint.fmpq_mat(len(rows), len(columns), chosen))
+
+
+def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
+    height = above.nrows() + below.nrows()
+    return flint.fmpq_mat(height, above.ncols(), above.entries() + below.entries())
+
+
+def is_rational_matrix(matrix: Matrix) -> bool:
+    """Tell whether every entry is a rational number.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._flint_matrices import is_rational_matrix
+    >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
+    (True, False)
+    """
+    if isinstance(matrix, KeptMatrix):  # what turned out rational is not kept with symbols
+        return isinstance(matrix, RationalMatrix)
+    if kept_rational(matrix) is not None:
+        return True
+    # SymPy's conversion would write down what it refuses, and look for the values of its roots
+    return all(entry.is_Rational for entry in matrix.todok().values())
+
+
+def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
+    """Return a matrix in python-flint if every entry is a rational number, else None.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._flint_matrices import rational_in_flint
+    >>> rational_in_flint(Matrix([["a"]])) is None
+    True
+    """
+    return to_flint(matrix) if is_rational_matrix(matrix) else None
+
+
+def to_flint(matrix: Matrix) -> flint.fmpq_mat:
+    """Return a rational matrix as one of python-flint.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._flint_matrices import to_flint
+    >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
+    -2
+    """
+    if isinstance(matrix, RationalMatrix):
+        return matrix.kept
+    kept = kept_rational(matrix)
+    return _in_flint(matrix.to_DM(domain=QQ) if kept is None else kept)
+
+
+def _in_flint(kept: DomainMatrix) -> flint.fmpq_mat:
+    entries = kept.to_list_flat()
+    if QQ.dtype is not flint.fmpq:
+        entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
+    return flint.fmpq_mat(*kept.shape, entries)
+
+
+def kept_rational(matrix: Matrix) -> DomainMatrix | None:
+    """Return SymPy's own form of rational numbers, None for others; a conversion takes longer.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._flint_matrices import kept_rational
+    >>> kept_rational(Matrix([["a"]])) is None
+    True
+    """
+    if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
+        return None  # and it is not written
+    kept = getattr(matrix, "_rep", None)
+    if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
+        return kept
+    return None
+
+
+def symbols_in(matrix: Matrix) -> set[Symbol]:
+    """Return the symbols of a matrix; one of numbers only is not looked through.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._flint_matrices import symbols_in
+    >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
+    ({a}, set())
+    """
+    is_free = not isinstance(matrix, KeptMatrix) and kept_rational(matrix) is not None
+    return set() if is_free else set(matrix.free_symbols)
+
+
+def from_flint(matrix: flint.fmpq_mat) -> RationalMatrix:
+    """Return a rational matrix of python-flint, which is kept and must not change, as SymPy's.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.matrices._flint_matrices import from_flint
+    >>> from_flint(flint.fmpq_mat(1, 2, [flint.fmpq(1, 2), flint.fmpq(3)]))
+    Matrix([[1/2, 3]])
+    """
+    return RationalMatrix._kept_as(matrix)
+
+
+def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> ImmutableMatrix:
+    """Return the matrix of entries that were computed here, kept by python-flint if it can be.
+
+    Examples
+    --------
+    >>> from sympy import Rational
+    >>> from compensator_theory.matrices._flint_matrices import of_rows
+    >>> of_rows([[Rational(1, 2), 0]], (1, 2)).kept
+    [1/2, 0]
+    """
+    flat = [entry for row in rows for entry in row]
+    if not all(isinstance(entry, int | Rational) for entry in flat):
+        return ImmutableMatrix(*shape, flat)
+    entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in flat]
+    return from_flint(flint.fmpq_mat(*shape, entries))
+
+
+def identity_matrix(size: int) -> RationalMatrix:
+    """Return the identity matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices._flint_matrices import identity_matrix
+    >>> identity_matrix(2)
+    Matrix([
+    [1, 0],
+    [0, 1]])
+    """
+    ones = [int(i == j) for i in range(size) for j in range(size)]
+    return from_flint(flint.fmpq_mat(size, size, ones))
+
+
+def zero_matrix(rows: int, columns: int) -> RationalMatrix:
+    """Return a matrix of zeros.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices._flint_matrices import zero_matrix
+    >>> zero_matrix(1, 2)
+    Matrix([[0, 0]])
+    """
+    return from_flint(flint.fmpq_mat(rows, columns))
+
+
+def rational(value: flint.fmpq) -> Rational:
+    """Return a rational number of python-flint as one of SymPy.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.matrices._flint_matrices import rational
+    >>> rational(flint.fmpq(2, 4))
+    1/2
+    """
+    return Rational.from_coprime_ints(int(value.p), int(value.q))

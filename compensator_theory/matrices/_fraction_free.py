@@ -1,0 +1,153 @@
+"""Elimination without fractions in matrices of rational functions of symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import prod
+
+import flint
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
+
+from compensator_theory.matrices._rational_functions import RationalFunctions
+from compensator_theory.matrices._symbolic_matrices import (
+    Numerators,
+    common_factor,
+    kept_with_symbols,
+    multiplied_grids,
+    of_numerators,
+    over_one,
+)
+
+
+class SymbolicRows:
+    """Matrices of one height side by side, each row times its least common denominator.
+
+    Attributes
+    ----------
+    rows : list of lists of flint.fmpz_mpoly
+    scales : list of flint.fmpz_mpoly
+        What each row was multiplied by.
+    last : flint.fmpz_mpoly
+        The minor that the reduced rows have as their common factor.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._fraction_free import SymbolicRows
+    >>> system = SymbolicRows.of(Matrix([["1/a", 1], [0, "b"]]), Matrix([1, "b"]))
+    >>> system.reduce(2)
+    [0, 1]
+    >>> system.quotients(range(2), [2])
+    Matrix([
+    [0],
+    [1]])
+    """
+
+    def __init__(self, work: RationalFunctions, parts: Sequence[Numerators]) -> None:
+        self.work, self.last, self.sign = work, work.one, 1
+        flats, common = over_one(work, parts)
+        widths = [part.columns for part in parts]
+        rows = (
+            [x for flat, m in zip(flats, widths, strict=True) for x in flat[i * m : (i + 1) * m]]
+            for i in range(parts[0].rows)
+        )
+        shortened = (_shortened(row, common) for row in rows)
+        self.rows, self.scales = map(list, zip(*shortened, strict=True))
+
+    @classmethod
+    def of(cls, *matrices: Matrix) -> SymbolicRows | None:
+        """Read matrices of rational functions of symbols over QQ; None where they hold others."""
+        if 0 in matrices[0].shape or (read := kept_with_symbols(*matrices)) is None:
+            return None
+        return cls(*read)
+
+    def reduce(self, columns: int, *, shortest: bool = True) -> list[int]:
+        """Bring the first columns to reduced echelon form, times `last`; return the pivots.
+
+        With `shortest` the pivot of a column is its shortest entry, else its first.
+        """
+        pivots: list[int] = []
+        for column in range(columns):
+            k = len(pivots)
+            below = [i for i in range(k, len(self.rows)) if not self.rows[i][column].is_zero()]
+            if not below:
+                continue
+            place = min(below, key=lambda i: len(self.rows[i][column])) if shortest else below[0]
+            if place != k:
+                self.rows[k], self.rows[place] = self.rows[place], self.rows[k]
+                self.sign = -self.sign
+            self._clear_column(k, column)
+            pivots.append(column)
+            if len(pivots) == len(self.rows):
+                break
+        return pivots
+
+    def _clear_column(self, k: int, column: int) -> None:
+        """Bareiss's step: every entry stays a minor of the matrix, so that the division is exact.
+
+        A row that is zero in the column is multiplied all the same, so that all have one factor.
+        """
+        chosen, pivot, before = self.rows[k], self.rows[k][column], self.last
+        for i, row in enumerate(self.rows):
+            if i != k:
+                head = row[column]
+                if not head.is_zero():
+                    self.rows[i] = [
+                        (pivot * x - head * y) / before for x, y in zip(row, chosen, strict=True)
+                    ]
+                elif pivot != before:
+                    self.rows[i] = [x if x.is_zero() else pivot * x / before for x in row]
+        self.last = pivot
+
+    def quotients(self, rows: Sequence[int], columns: Sequence[int]) -> ImmutableMatrix:
+        """Return entries of the reduced form, in lowest terms."""
+        numerators = [self.rows[i][j] for i in rows for j in columns]
+        return of_numerators(self.work, numerators, self.last, (len(rows), len(columns)))
+
+    def minor(self) -> Expr:
+        """The minor of the rows without denominators by which the reduced form was multiplied."""
+        return self.work.expression(self.last)
+
+    def determinant(self) -> Expr:
+        """Return the determinant of a square matrix whose rows have all been reduced."""
+        below, above = prod(self.scales, start=self.work.one), self.last * self.sign
+        if below.is_constant():
+            return self.work.expression(above, int(below.leading_coefficient()))
+        return self.work.write(above, below)
+
+
+def _shortened(
+    row: list[flint.fmpz_mpoly], below: flint.fmpz_mpoly
+) -> tuple[list[flint.fmpz_mpoly], flint.fmpz_mpoly]:
+    """Return a row of numerators times its own denominators, and these."""
+    shared = common_factor(below, row)
+    return (row if shared.is_one() else [x / shared for x in row]), below / shared
+
+
+def symbolic_characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly | None:
+    r"""Return det(sI - A) by Faddeev and LeVerrier; None for other than rational functions over QQ.
+
+    .. math:: M_1 = I, \quad c_k = -\mathrm{tr}(A M_k)/k, \quad M_{k+1} = A M_k + c_k I
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import s
+    >>> from compensator_theory.matrices._fraction_free import symbolic_characteristic_polynomial
+    >>> symbolic_characteristic_polynomial(Matrix([["1/a", 1], [0, "b"]]), s).as_expr().factor()
+    (-b + s)*(a*s - 1)/a
+    """
+    if (read := kept_with_symbols(matrix)) is None:
+        return None
+    work, (given,) = read
+    n, A, common = given.rows, given.grid(), given.below
+    found, below, product = [(work.one, work.one)], work.one, [list(row) for row in A]
+    for k in range(1, n + 1):
+        below = below * common
+        c = -sum((product[i][i] for i in range(n)), start=work.zero) / k
+        found.append((c, below))
+        for i in range(n):
+            product[i][i] = product[i][i] + c
+        if k < n:
+            product = multiplied_grids(work, A, product)
+    return work.polynomial(found, variable)

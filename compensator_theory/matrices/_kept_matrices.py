@@ -1,0 +1,97 @@
+"""Matrices of SymPy that python-flint keeps: SymPy's form is written when somebody looks."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from sympy import Expr, ImmutableMatrix, Integer, Matrix, Tuple
+
+OF_SYMPY: dict[str, Callable[[Matrix, Matrix], ImmutableMatrix]] = {
+    "add": ImmutableMatrix._eval_add,
+    "multiply": ImmutableMatrix._eval_matrix_mul,
+    "beside": ImmutableMatrix._eval_row_join,
+    "below": ImmutableMatrix._eval_col_join,
+}
+"""What SymPy does with two matrices, by name."""
+
+
+class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
+    """Base of the matrices that python-flint keeps, equal to the ImmutableMatrix they stand for.
+
+    Hash, text and pickle are those of that matrix. A derived class says how entries are written,
+    and which operations stay in python-flint.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
+    >>> from compensator_theory.matrices._kept_matrices import KeptMatrix
+    >>> [isinstance(exact_matrix([[x]], "A"), KeptMatrix) for x in (1, "1/a", "sqrt(a)")]
+    [True, True, False]
+    """
+
+    _mhash: int | None
+    _class_priority = ImmutableMatrix._class_priority + 1
+
+    @classmethod
+    def _of_shape(cls, rows: int, columns: int) -> Any:
+        found = object.__new__(cls)
+        found._rows, found._cols = rows, columns
+        found._mhash = None
+        found._assumptions = cls.default_assumptions
+        return found
+
+    @property
+    @abstractmethod
+    def _args(self) -> tuple[Integer, Integer, Tuple]:
+        """SymPy's arguments, with the entries written."""
+
+    @abstractmethod
+    def _entry(self, row: int, column: int) -> Expr:
+        """One entry, written."""
+
+    def __hash__(self) -> int:
+        if self._mhash is None:
+            self._mhash = hash((ImmutableMatrix.__name__, *self._hashable_content()))
+        return self._mhash
+
+    def __eq__(self, other: object) -> bool:
+        found: bool = super().__eq__(other)  # or that SymPy does not know
+        return found
+
+    def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
+        return ImmutableMatrix, self._args
+
+    def _sympyrepr(self, printer: Any) -> str:
+        """What SymPy evaluates: the matrix that it stands for."""
+        return str(printer.doprint(ImmutableMatrix(*self._args)))
+
+    _pythoncode = _sympyrepr
+
+    def __iter__(self) -> Iterator[Expr]:
+        return iter(self._args[2].args)
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, int):
+            key = divmod(range(self._rows * self._cols)[key], self._cols)
+        if not (isinstance(key, tuple) and all(isinstance(k, int | slice | list) for k in key)):
+            return super().__getitem__(key)
+        i, j = map(_places, key, (self._rows, self._cols))
+        if isinstance(i, int) and isinstance(j, int):
+            return self._entry(i, j)
+        return self._eval_extract(*([k] if isinstance(k, int) else k for k in (i, j)))
+
+    def _left_to(self, operation: str, other: Matrix) -> ImmutableMatrix:
+        """Leave an operation to the other matrix if python-flint keeps it too, else to SymPy."""
+        if isinstance(other, KeptMatrix):
+            return other._right_of(self, operation)
+        return OF_SYMPY[operation](self, other)
+
+    @abstractmethod
+    def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
+        """Do an operation that the left matrix, which is kept another way, could not do."""
+
+
+def _places(key: Any, size: int) -> Any:
+    return [range(size)[k] for k in key] if isinstance(key, list) else range(size)[key]

@@ -1,0 +1,139 @@
+"""Grassmannians of invariant subspaces, by the open cell, and subspaces with a cyclic quotient."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+import sympy
+from sympy import ImmutableMatrix, Matrix, Symbol, symbols
+
+from compensator_theory.matrices._cyclic_families import krylov, subspace_family
+from compensator_theory.matrices._invariant_subspaces import (
+    PrimaryComponent,
+    joined,
+    kernel,
+    primary_components,
+)
+from compensator_theory.matrices._linear_algebra import rank
+
+Family = tuple[ImmutableMatrix, tuple[Symbol, ...]]
+"""A basis with free parameters, and the parameters."""
+
+
+def grassmannian_cell(
+    matrix: Matrix, component: PrimaryComponent, exponent: int, names: Iterator[Symbol]
+) -> Family:
+    r"""Parametrise the subspaces between two kernels, where every subspace is invariant.
+
+    .. math:: \ker f^j \subset V \subset \ker f^{j+1}, \qquad
+              V = \ker f^j + \mathrm{span}\Big\{\tilde A^t\big(b_i + \sum_{l > w}
+              \alpha_{il}(\tilde A)\,b_l\big)\Big\}_{i \le w}
+
+    Parameters
+    ----------
+    matrix, component, exponent, names
+        As for :func:`subspace_family`; any exponent e with a continuum.
+
+    Returns
+    -------
+    tuple of matrix and symbols
+        With r blocks longer than j, and w lines over the field of the root taken from r: d w (r -
+        w) parameters, d = deg f. All of these subspaces but a thin set, each once. Where f is zero
+        on the component they are all invariant subspaces: the Grassmannian.
+    """
+    d = component.degree
+    j = max(k for k, below in enumerate(component.kernels) if below.cols <= exponent * d)
+    below, above = component.kernels[j], component.kernels[j + 1]
+    w = exponent - below.cols // d
+    generators: list[Matrix] = []
+    span = below
+    for column in range(above.cols):
+        longer = joined(matrix.rows, [span, krylov(matrix, above[:, column], d)])
+        if rank(longer) == longer.cols:
+            generators.append(above[:, column])
+            span = longer
+    blocks: list[Matrix] = [below]
+    parameters: list[Symbol] = []
+    for i in range(w):
+        general = generators[i]
+        for other in generators[w:]:
+            own = tuple(islice(names, d))
+            parameters += own
+            powers = krylov(matrix, other, d)
+            general = general + powers * Matrix(d, 1, list(own))
+        blocks.append(krylov(matrix, general, d))
+    return joined(matrix.rows, blocks), tuple(parameters)
+
+
+def cocyclic_family(
+    matrix: Matrix, component: PrimaryComponent, exponent: int, names: Iterator[Symbol]
+) -> Family | None:
+    """Parametrise the subspaces whose quotient in the component is cyclic, by duality.
+
+    The annihilator of such a subspace is a cyclic one of the transpose.
+
+    Parameters
+    ----------
+    matrix, component, exponent, names
+        As for :func:`subspace_family`.
+
+    Returns
+    -------
+    tuple of matrix and symbols, or None
+        None if no Jordan block is as long as the quotient.
+
+    Examples
+    --------
+    >>> from sympy import Matrix, symbols
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices._invariant_subspaces import primary_components
+    >>> from compensator_theory.matrices._open_cells import cocyclic_family
+    >>> two = Matrix([[0, 1, 0], [0, 0, 0], [0, 0, 0]])
+    >>> part, = primary_components(two, polynomial("s**3"))
+    >>> cocyclic_family(two, part, 2, iter(symbols("alpha_1:9")))[1]
+    (alpha_1,)
+    """
+    whole = component.factor**component.multiplicity
+    (dual,) = primary_components(matrix.T, whole)
+    rest = component.multiplicity - exponent
+    found = subspace_family(matrix.T, dual, rest, names) if dual.has_continuum(rest) else None
+    if found is None:
+        return None
+    annihilator, parameters = found
+    all_of_it = component.kernels[component.multiplicity]
+    inside = kernel(ImmutableMatrix(annihilator.T * all_of_it))
+    basis = (all_of_it * inside).applyfunc(sympy.cancel)
+    return ImmutableMatrix(basis), parameters
+
+
+def families(matrix: Matrix, chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[Family, ...]:
+    """Return every parametrised family of invariant subspaces with one polynomial, largest first.
+
+    Parameters
+    ----------
+    matrix : sympy.Matrix
+    chosen : sequence of pairs of PrimaryComponent and int
+        The exponents of the irreducible factors.
+    """
+    found: list[Family] = [(joined(matrix.rows, []), ())]
+    for component, exponent in chosen:
+        if not component.has_continuum(exponent):
+            options: list[Family] = [(component.kernels[exponent], ())]
+        else:
+            taken = max(len(parameters) for _, parameters in found)
+            names = iter(symbols(f"alpha_{taken + 1}:{taken + matrix.rows**2 + 2}"))
+            start = list(names)
+            made = (
+                subspace_family(matrix, component, exponent, iter(start)),
+                grassmannian_cell(matrix, component, exponent, iter(start)),
+                cocyclic_family(matrix, component, exponent, iter(start)),
+            )
+            known = [family for family in made if family is not None]
+            options = [family for family in known if family[1]] or known  # a point is no family
+        found = [
+            (joined(matrix.rows, [basis, more]), (*parameters, *others))
+            for basis, parameters in found
+            for more, others in options
+        ]
+    return tuple(sorted(found, key=lambda family: -len(family[1])))

@@ -1,0 +1,360 @@
+"""Matrices of rational functions of symbols that python-flint keeps, and SymPy shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import flint
+from sympy import Expr, ImmutableMatrix, Integer, Matrix, Symbol, Tuple
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.matrices._flint_matrices import (
+    RationalMatrix,
+    from_flint,
+    is_rational_matrix,
+    symbols_in,
+    to_flint,
+)
+from compensator_theory.matrices._kept_matrices import OF_SYMPY, KeptMatrix
+from compensator_theory.matrices._rational_functions import (
+    NotRationalError,
+    RationalFunctions,
+    in_symbols,
+)
+
+Grid: TypeAlias = list[list[flint.fmpz_mpoly]]
+
+
+@dataclass(frozen=True)
+class Numerators:
+    """The entries of a matrix, row by row, over one denominator."""
+
+    flat: Sequence[flint.fmpz_mpoly]
+    below: flint.fmpz_mpoly
+    rows: int
+    columns: int
+
+    def grid(self) -> Grid:
+        """Return the numerators by rows."""
+        width = self.columns
+        return [list(self.flat[k * width : (k + 1) * width]) for k in range(self.rows)]
+
+
+class SymbolicMatrix(KeptMatrix):
+    """A matrix of rational functions of symbols over QQ that python-flint keeps.
+
+    Sums, products, joins, parts and transposes of such matrices, and of these with rational ones,
+    stay in python-flint; entries are written in lowest terms, and only where somebody looks.
+
+    Attributes
+    ----------
+    work : RationalFunctions
+        What writes them.
+    kept : Numerators
+        Without a common factor, the denominator with a positive leading coefficient: equal
+        matrices are kept alike. Not to be changed by anybody.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
+    >>> A = exact_matrix([["1/a", 1], [0, "b"]], "A")
+    >>> A * A, A.kept.below
+    (Matrix([
+    [a**(-2), (a*b + 1)/a],
+    [      0,        b**2]]), x0)
+    """
+
+    work: RationalFunctions
+    kept: Numerators
+
+    @classmethod
+    def _kept_as(cls, work: RationalFunctions, kept: Numerators) -> SymbolicMatrix:
+        found: SymbolicMatrix = cls._of_shape(kept.rows, kept.columns)
+        found.work, found.kept = work, kept
+        return found
+
+    @classmethod
+    def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
+        return ImmutableMatrix._fromrep(rep)
+
+    @cached_property
+    def _plain(self) -> ImmutableMatrix:
+        """The matrix that it stands for."""
+        below = self.kept.below
+        return ImmutableMatrix(*self.shape, [self.work.write(x, below) for x in self.kept.flat])
+
+    @property
+    def _rep(self) -> DomainMatrix:
+        return self._plain._rep
+
+    @property
+    def _args(self) -> tuple[Integer, Integer, Tuple]:
+        found: tuple[Integer, Integer, Tuple] = self._plain.args
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, SymbolicMatrix) and self.work.symbols == other.work.symbols:
+            return self.kept == other.kept
+        return super().__eq__(other)
+
+    __hash__ = KeptMatrix.__hash__
+
+    @cached_property
+    def free_symbols(self) -> set[Symbol]:
+        """The symbols that occur, which after a sum or a product may be fewer."""
+        return self.work.symbols_of([*self.kept.flat, self.kept.below])
+
+    def _entry(self, row: int, column: int) -> Expr:
+        return self.work.write(self.kept.flat[row * self._cols + column], self.kept.below)
+
+    def _made(self, flat: Iterable[flint.fmpz_mpoly], rows: int, columns: int) -> ImmutableMatrix:
+        """Return a matrix of some of these entries."""
+        return of_numerators(self.work, list(flat), self.kept.below, (rows, columns))
+
+    def _eval_transpose(self) -> SymbolicMatrix:
+        flat = [x for column in zip(*self.kept.grid(), strict=True) for x in column]
+        kept = Numerators(flat, self.kept.below, self._cols, self._rows)
+        return self._kept_as(self.work, kept)
+
+    def __neg__(self) -> SymbolicMatrix:
+        flat = [-x for x in self.kept.flat]
+        return self._kept_as(self.work, Numerators(flat, self.kept.below, *self.shape))
+
+    def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> ImmutableMatrix:
+        flat = (self.kept.flat[i * self._cols + j] for i in rows for j in columns)
+        return self._made(flat, len(rows), len(columns))
+
+    def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
+        if (both := kept_with_symbols(self, ImmutableMatrix([[other]]))) is None:
+            return super()._eval_scalar_mul(other)
+        work, (given, factor) = both
+        flat = [x * factor.flat[0] for x in given.flat]
+        return of_numerators(work, flat, given.below * factor.below, self.shape)
+
+    _eval_scalar_rmul = _eval_scalar_mul
+
+    def _eval_add(self, other: Matrix) -> ImmutableMatrix:
+        return _together(self, other, "add")
+
+    def _eval_matrix_mul(self, other: Matrix) -> ImmutableMatrix:
+        return _together(self, other, "multiply")
+
+    def _eval_row_join(self, other: Matrix) -> ImmutableMatrix:
+        return _together(self, other, "beside")
+
+    def _eval_col_join(self, other: Matrix) -> ImmutableMatrix:
+        return _together(self, other, "below")
+
+    def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
+        return _together(left, self, operation)
+
+
+def _together(left: Matrix, right: Matrix, operation: str) -> ImmutableMatrix:
+    """Do what SymPy calls by this name, in python-flint where it can be."""
+    if (read := kept_with_symbols(left, right)) is None:
+        return OF_SYMPY[operation](left, right)
+    work, (one, two) = read
+    if operation == "multiply":
+        return _product(work, [one, two])
+    (first, second), below = over_one(work, (one, two))
+    if operation == "add":
+        total = [x + y for x, y in zip(first, second, strict=True)]
+        return of_numerators(work, total, below, left.shape)
+    if operation == "below":
+        return of_numerators(work, [*first, *second], below, (one.rows + two.rows, one.columns))
+    m, k = one.columns, two.columns
+    rows = [[*first[i * m : (i + 1) * m], *second[i * k : (i + 1) * k]] for i in range(one.rows)]
+    return of_numerators(work, [x for row in rows for x in row], below, (one.rows, m + k))
+
+
+def of_numerators(
+    work: RationalFunctions,
+    flat: Sequence[flint.fmpz_mpoly],
+    below: flint.fmpz_mpoly,
+    shape: tuple[int, int],
+) -> RationalMatrix | SymbolicMatrix:
+    """Return the matrix of numerators over a denominator, rational where no symbol is left.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices._rational_functions import in_symbols
+    >>> from compensator_theory.matrices._symbolic_matrices import of_numerators
+    >>> work = in_symbols(frozenset({a}))
+    >>> x = work.variables[a]
+    >>> of_numerators(work, [x * 2, x * x], x * 2, (1, 2)), of_numerators(work, [x], x, (1, 1)).kept
+    (Matrix([[1, a/2]]), [1])
+    """
+    if not below.is_one():
+        shared = common_factor(below, flat)
+        if below.leading_coefficient() < 0:
+            shared = -shared
+        if not shared.is_one():
+            flat, below = [x / shared for x in flat], below / shared
+    if below.is_constant() and all(x.is_constant() for x in flat):
+        bottom = int(below.leading_coefficient())
+        tops = [0 if x.is_zero() else int(x.leading_coefficient()) for x in flat]
+        return from_flint(flint.fmpq_mat(*shape, [flint.fmpq(top, bottom) for top in tops]))
+    return SymbolicMatrix._kept_as(work, Numerators(flat, below, int(shape[0]), int(shape[1])))
+
+
+def common_factor(
+    below: flint.fmpz_mpoly, numerators: Iterable[flint.fmpz_mpoly]
+) -> flint.fmpz_mpoly:
+    """Return a greatest common divisor of a denominator and of numerators.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices._rational_functions import in_symbols
+    >>> from compensator_theory.matrices._symbolic_matrices import common_factor
+    >>> x = in_symbols(frozenset({a})).variables[a]
+    >>> common_factor(4 * x, [2 * x, 6 * x])
+    2*x0
+    """
+    for above in numerators:
+        if below.is_one():
+            break
+        if not above.is_zero():
+            below = below.gcd(above)
+    return below
+
+
+def symbolic_matrix(matrix: Matrix) -> RationalMatrix | SymbolicMatrix | None:
+    """Read a matrix of rational functions into python-flint; None where it holds something else.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._symbolic_matrices import symbolic_matrix
+    >>> symbolic_matrix(Matrix([["(a**2 - a)/a", 2]]))
+    Matrix([[a - 1, 2]])
+    >>> symbolic_matrix(Matrix([["sqrt(a)"]])) is None
+    True
+    """
+    if isinstance(matrix, KeptMatrix):
+        return matrix
+    if is_rational_matrix(matrix):
+        return from_flint(to_flint(matrix))
+    symbols = symbols_in(matrix)
+    if not symbols or not all(isinstance(symbol, Symbol) for symbol in symbols):
+        return None
+    work = in_symbols(frozenset(symbols))
+    try:
+        flat, below = work.over_one(list(matrix))
+    except NotRationalError:
+        return None
+    return of_numerators(work, flat, below, matrix.shape)
+
+
+def kept_with_symbols(*matrices: Matrix) -> tuple[RationalFunctions, list[Numerators]] | None:
+    """Return matrices as python-flint keeps them, with the symbols of all.
+
+    Returns
+    -------
+    tuple or None
+        None where no matrix has symbols, and where one holds other than rational functions.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._symbolic_matrices import kept_with_symbols
+    >>> work, parts = kept_with_symbols(Matrix([["a"]]), Matrix([["1/b"]]))
+    >>> [(part.flat, part.below) for part in parts]
+    [([x0], 1), ([1], x1)]
+    """
+    kept = []
+    for matrix in matrices:
+        if (read := symbolic_matrix(matrix)) is None:
+            return None
+        kept.append(read)
+    works = [part.work for part in kept if isinstance(part, SymbolicMatrix)]
+    if not works:
+        return None
+    work = works[0]
+    if any(other.symbols != work.symbols for other in works):
+        work = in_symbols(frozenset().union(*(other.symbols for other in works)))
+    return work, [_taken_to(work, part) for part in kept]
+
+
+def _taken_to(work: RationalFunctions, matrix: RationalMatrix | SymbolicMatrix) -> Numerators:
+    if isinstance(matrix, RationalMatrix):
+        above, below = matrix.kept.numer_denom()
+        flat = [work.context.constant(int(x)) for x in above.entries()]
+        return Numerators(flat, work.context.constant(int(below)), *map(int, matrix.shape))
+    given = matrix.kept
+    if matrix.work.symbols == work.symbols:
+        return given
+    moves = {f"x{i}": f"x{work.symbols.index(x)}" for i, x in enumerate(matrix.work.symbols)}
+    flat = [x.project_to_context(work.context, moves) for x in given.flat]
+    below = given.below.project_to_context(work.context, moves)
+    return Numerators(flat, below, given.rows, given.columns)
+
+
+def over_one(
+    work: RationalFunctions, parts: Iterable[Numerators]
+) -> tuple[list[Sequence[flint.fmpz_mpoly]], flint.fmpz_mpoly]:
+    """Return the numerators of some matrices over one denominator, and that.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._symbolic_matrices import kept_with_symbols, over_one
+    >>> over_one(*kept_with_symbols(Matrix([["1/a"]]), Matrix([["b"]])))
+    ([[1], [x0*x1]], x0)
+    """
+    given = list(parts)
+    common = work.one
+    for part in given:
+        if part.below != common:
+            common = common * (part.below / common.gcd(part.below))
+    factors = [common / part.below for part in given]
+    return [
+        part.flat if factor.is_one() else [x * factor for x in part.flat]
+        for part, factor in zip(given, factors, strict=True)
+    ], common
+
+
+def product_with_symbols(*factors: Matrix) -> ImmutableMatrix | None:
+    """Multiply matrices of rational functions; None where `kept_with_symbols` has none.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices._symbolic_matrices import product_with_symbols
+    >>> product_with_symbols(Matrix([["1/a", "b"]]), Matrix(["a", 0]))
+    Matrix([[1]])
+    """
+    if (read := kept_with_symbols(*factors)) is None:
+        return None
+    return _product(*read)
+
+
+def _product(work: RationalFunctions, factors: Sequence[Numerators]) -> ImmutableMatrix:
+    first, *others = factors
+    found, below = first.grid(), first.below
+    for other in others:
+        found, below = multiplied_grids(work, found, other.grid()), below * other.below
+    flat = [x for row in found for x in row]
+    return of_numerators(work, flat, below, (len(found), len(found[0])))
+
+
+def multiplied_grids(work: RationalFunctions, left: Grid, right: Grid) -> Grid:
+    """Multiply numerators.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices._rational_functions import in_symbols
+    >>> from compensator_theory.matrices._symbolic_matrices import multiplied_grids
+    >>> work = in_symbols(frozenset({a}))
+    >>> x = work.variables[a]
+    >>> multiplied_grids(work, [[x, work.one]], [[x], [x]])
+    [[x0^2 + x0]]
+    """
+    columns = list(zip(*right, strict=True))
+    rows = [[(k, x) for k, x in enumerate(row) if not x.is_zero()] for row in left]
+    return [[sum((x * c[k] for k, x in row), start=work.zero) for c in columns] for row in rows]

@@ -1,0 +1,176 @@
+"""A regulator and an observer joined to an observer-based compensator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
+
+from compensator_theory._latex import displayed, latex
+from compensator_theory._printing import text
+from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
+from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
+from compensator_theory.observers._gains import observer_gain, regulator_gain, wanted_spectrum
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._from_roots import SpectrumLike
+from compensator_theory.polynomials._generic_answers import generic_answer_of
+from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._substitution import denominators_in
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.systems._canonical_forms import RealisationLike, realisation
+from compensator_theory.systems._controllability import controllability_matrix
+from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._transfer_functions import TransferFunction
+
+SIMILARITY = "S A~ = A' S, det(sI - A - B K) = p_R, det(sI - A + F C) = p_O"
+
+
+@dataclass(frozen=True)
+class ObserverBasedCompensator(ExactValue):
+    r"""An observer followed by state-estimate feedback, with the proof of its spectrum.
+
+    .. math:: \dot{\hat x} = (A + BK - FC)\hat x + F y, \qquad u = K\hat x
+
+    Attributes
+    ----------
+    plant : Realisation
+        (A, B, C), of order n.
+    K, F : sympy.ImmutableMatrix
+        Regulator gain 1 x n and observer gain n x 1.
+    regulator, observer : sympy.Poly
+        :math:`\det(sI - A - BK)` and :math:`\det(sI - A + FC)`.
+
+    Notes
+    -----
+    Source: (7.11)-(7.18).
+    """
+
+    plant: Realisation
+    K: ImmutableMatrix
+    F: ImmutableMatrix
+    regulator: Poly
+    observer: Poly
+
+    @property
+    def compensator(self) -> Realisation:
+        r"""The realisation (7.13), :math:`(A + BK - FC - F D_0 K,\ F,\ K)`, positive feedback."""
+        plant, K, F = self.plant, self.K, self.F
+        A_c = plant.A + plant.B * K - F * plant.C - F * plant.D * K
+        A_c, period = A_c.applyfunc(sympy.expand), plant.sample_time
+        return Realisation(A_c, F, K, None, plant.variable, sample_time=period)
+
+    @property
+    def transfer_function(self) -> TransferFunction:
+        r""":math:`K(sI - A - BK + FC)^{-1}F` over the unreduced denominator, u = G_c y.
+
+        Erratum: (7.31) is minus this; the negative feedback of (7.22) needs that sign.
+        """
+        return self.compensator.transfer_function()
+
+    @property
+    def characteristic_polynomial(self) -> Poly:
+        r"""The closed-loop polynomial :math:`\tilde D`, regulator times observer."""
+        return canonical(self.regulator * self.observer)
+
+    @property
+    def certificate(self) -> Certificate:
+        r"""That the loop is the regulator beside the observer, (7.18), with these polynomials.
+
+        :math:`\tilde S\tilde A - \tilde A'\tilde S`, computed anew from the loop of plant and
+        compensator, and what is left of both polynomials.
+        """
+        A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
+        identity, zero = identity_matrix(n), sympy.zeros(n)
+        S = sympy.Matrix.vstack(identity.row_join(zero), identity.row_join(-identity))
+        inner, outer = A + B * self.K, A - self.F * C
+        separated = sympy.Matrix.vstack(inner.row_join(-B * self.K), zero.row_join(outer))
+        joined = closed_loop_matrix(self.plant, self.compensator)
+        left = [
+            (characteristic_polynomial(matrix, self.plant.variable) - goal).all_coeffs()
+            for matrix, goal in ((inner, self.regulator), (outer, self.observer))
+        ]
+        return certificate_of(SIMILARITY, [S * joined - separated * S, *left], "compensator")
+
+    def __str__(self) -> str:
+        return (
+            f"K = {text(self.K.tolist())}: regulator {format_polynomial(self.regulator)}\n"
+            f"F = {text(self.F.T.tolist())}': observer {format_polynomial(self.observer)}\n"
+            f"u = G_c y, G_c = {self.transfer_function}"
+        )
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            f"K = {latex(self.K)}",
+            f"F = {latex(self.F)}",
+            f"G_c = {latex(self.transfer_function)}",
+        )
+
+
+def observer_based_compensator(
+    plant: RealisationLike,
+    regulator_poles: SpectrumLike,
+    observer_poles: SpectrumLike,
+    *,
+    variable: str | Symbol | None = None,
+) -> ObserverBasedCompensator:
+    r"""Design a regulator and an observer with the spectra asked for.
+
+    .. math:: \det(sI - A - BK) = p_R, \qquad \det(sI - A + FC) = p_O
+
+    Parameters
+    ----------
+    plant : realisation
+        SISO, of order n; anything :func:`realisation` reads; symbols allowed. With
+        :math:`D_0 \ne 0` the observer subtracts :math:`D_0 u` from the measurement.
+    regulator_poles, observer_poles : polynomial or list of roots
+        Of degree n; a list holds the *roots*.
+    variable : str or Symbol, optional
+        Of the plant; default: evident, bare matrices need it.
+
+    Returns
+    -------
+    ObserverBasedCompensator
+        By Proposition 1 its transfer function depends on :math:`p_R p_O` alone. The
+        text's proof says :math:`\deg N_c = n-1`; true is :math:`\deg N_c \le n-1`.
+
+    Raises
+    ------
+    NotControllableError, NotObservableError
+        If the plant has hidden modes; the message names their polynomial.
+    InputError
+        If the plant is not SISO, or the numbers of poles do not fit.
+
+    Notes
+    -----
+    Source: (7.11)-(7.18), (7.25)-(7.30), Proposition 1.
+
+    Examples
+    --------
+    >>> from compensator_theory import observer_based_compensator
+    >>> plant = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
+    >>> print(observer_based_compensator(plant, [-5, -4], [-2, -6], variable="s"))  # Example 7.1
+    K = [[-3, -5]]: regulator s**2 + 9*s + 20
+    F = [[4, -3/4]]': observer s**2 + 8*s + 12
+    u = G_c y, G_c = (-33*s/4 - 93/4)/(s**2 + 13*s + 49)
+    """
+    system = realisation(plant, variable)
+    s, n = system.variable, system.n
+    p_R, p_O = (wanted_spectrum(poles, n, s) for poles in (regulator_poles, observer_poles))
+    K = regulator_gain(system.A, system.B, p_R, variable=s)
+    F = observer_gain(system.A, system.C, p_O, variable=s)
+    return ObserverBasedCompensator(system, K, F, p_R, p_O)
+
+
+@generic_answer_of(observer_based_compensator)
+def _generic_compensator(
+    plant: RealisationLike, *arguments: Any, **options: Any
+) -> tuple[ObserverBasedCompensator, list[Expr]]:
+    """It exists where the plant is controllable and observable."""
+    found = observer_based_compensator(plant, *arguments, **options)
+    A, B, C, _ = found.plant.matrices
+    ranks = [determinant(controllability_matrix(*pair)) for pair in ((A, B), (A.T, C.T))]
+    return found, [*ranks, *denominators_in(found)]

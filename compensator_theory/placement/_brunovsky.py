@@ -1,0 +1,193 @@
+"""Controllability indices, and the chains of integrators that feedback makes of a pair (A, B)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import accumulate
+
+import sympy
+from sympy import Expr, ImmutableMatrix
+
+from compensator_theory._latex import displayed, latex, unless
+from compensator_theory.errors import NotControllableError
+from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, zero_matrix
+from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import as_symbol
+from compensator_theory.systems._controllability import (
+    controllability_matrix,
+    uncontrollable_polynomial,
+)
+
+IDENTITY = "(A + B F) T = T A_c, B W = T B_c"
+
+
+@dataclass(frozen=True)
+class BrunovskyForm(ExactValue):
+    r"""A controllable pair as chains of integrators, by feedback and changes of basis.
+
+    .. math:: (A + B F) T = T A_c, \qquad B W = T B_c, \qquad
+              \dot z_{i,k} = z_{i,k+1}, \quad \dot z_{i,\kappa_i} = v_i
+
+    Attributes
+    ----------
+    A, B : sympy.ImmutableMatrix
+        n x n and n x m, as given.
+    indices : tuple of int
+        The controllability index kappa_i of each input, in the order of the inputs: the length of
+        its chain; 0 for an input that depends on those before it. As a set they are unique.
+    T, F, W : sympy.ImmutableMatrix
+        Basis of the states, x = T z, feedback and basis of the inputs, u = F x + W v.
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; the form holds where none of them is zero.
+    certificate : Certificate
+        The identities, evaluated.
+    """
+
+    A: ImmutableMatrix
+    B: ImmutableMatrix
+    indices: tuple[int, ...]
+    T: ImmutableMatrix
+    F: ImmutableMatrix
+    W: ImmutableMatrix
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    @property
+    def A_c(self) -> ImmutableMatrix:
+        """Ones above the diagonal inside each chain, and zeros."""
+        return chains(self.indices)[0]
+
+    @property
+    def B_c(self) -> ImmutableMatrix:
+        """A one in the last state of each chain."""
+        return chains(self.indices)[1]
+
+    def __str__(self) -> str:
+        return f"controllability indices {self.indices}"
+
+    def _repr_latex_(self) -> str:
+        indices = ", ".join(map(str, self.indices))
+        return displayed(
+            rf"(A + B F) T = T A_c, \quad B W = T B_c, \quad \kappa = \left({indices}\right)",
+            f"T = {latex(self.T)}",
+            f"F = {latex(self.F)}",
+            f"W = {latex(self.W)}",
+            unless(self.exceptional),
+        )
+
+
+def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+    """Return (A_c, B_c) of chains of integrators of the given lengths.
+
+    Examples
+    --------
+    >>> from compensator_theory.placement._brunovsky import chains
+    >>> chains((2, 0))[1]
+    Matrix([
+    [0, 0],
+    [1, 0]])
+    """
+    n = sum(indices)
+    ends = list(accumulate(indices))
+    A = [[int(j == i + 1 and j not in ends) for j in range(n)] for i in range(n)]
+    B = [
+        [int(k + 1 == end and length > 0) for end, length in zip(ends, indices, strict=True)]
+        for k in range(n)
+    ]
+    return of_rows(A, (n, n)), of_rows(B, (n, len(indices)))
+
+
+def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
+    r"""Bring a controllable pair to Brunovsky's form.
+
+    Parameters
+    ----------
+    A, B : matrix
+        n x n and n x m; with symbols, for generic values of them.
+
+    Raises
+    ------
+    NotControllableError
+        If (A, B) is not controllable; the message names the fixed modes.
+    InputError
+        If the shapes do not fit.
+
+    Notes
+    -----
+    The first independent columns of [B AB ... A^(n-1)B], chain by chain, have an inverse whose last
+    rows h_i of the chains give the basis h_i A^k. Source: P. Brunovsky, Kybernetika 6 (1970); D. G.
+    Luenberger, IEEE Transactions on Automatic Control 12 (1967).
+
+    Examples
+    --------
+    >>> from compensator_theory import brunovsky_form
+    >>> A, B = [[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, 1]]
+    >>> found = brunovsky_form(A, B)
+    >>> found.indices, found.F
+    ((2, 1), Matrix([
+    [0, 0,  0],
+    [0, 1, -1]]))
+    """
+    a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+    kalman = controllability_matrix(a, b)
+    first = echelon(kalman)
+    n, m = a.rows, b.cols
+    if len(first.pivots) < n:
+        fixed = format_polynomial(uncontrollable_polynomial(a, b, variable=_variable(a, b)))
+        raise NotControllableError(
+            f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
+            "modes from the plant, or change B"
+        )
+    indices = tuple(sum(pivot % m == i for pivot in first.pivots) for i in range(m))
+    columns = [k * m + i for i in range(m) for k in range(indices[i])]
+    inverse = solve(kalman[:, columns], identity_matrix(n))
+    rows, tops, end = [], [], 0
+    for length in indices:
+        end += length
+        row = inverse[end - 1, :] if length else None
+        for _ in range(length):
+            rows.append(row)
+            row = multiplied(row, a)
+        if length:
+            tops.append(row)  # h A^kappa
+    basis_inverse = ImmutableMatrix.vstack(*rows)
+    T = solve(basis_inverse, identity_matrix(n))
+    moved = multiplied(basis_inverse, b)
+    ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
+    used = [i for i in range(m) if indices[i]]
+    gain = moved.extract(ends, used)
+    whole, others = identity_matrix(m), [i for i in range(m) if not indices[i]]
+    # One of the others does what a combination of those used does, which is taken from it.
+    alone = whole[:, others]
+    same = moved.extract(ends, others) * alone.T if others else zero_matrix(len(used), m)
+    right = (-ImmutableMatrix.vstack(*tops)).row_join(whole[used, :] - same)
+    solved = multiplied(whole[:, used], solve(gain, right))
+    F, W = solved[:, :n], solved[:, n:] + (alone * alone.T if others else zero_matrix(m, m))
+    divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
+    certificate = _certificate(a, b, indices, T, F, W)
+    return BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors), certificate)
+
+
+def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:
+    taken = {symbol.name for symbol in a.free_symbols | b.free_symbols}
+    return as_symbol(next(name for name in ("s", "z", "q", "lambda_") if name not in taken))
+
+
+def _certificate(
+    a: ImmutableMatrix,
+    b: ImmutableMatrix,
+    indices: tuple[int, ...],
+    T: ImmutableMatrix,
+    F: ImmutableMatrix,
+    W: ImmutableMatrix,
+) -> Certificate:
+    A_c, B_c = chains(indices)
+    moved = multiplied(a.row_join(b), T.col_join(multiplied(F, T)))  # (A + B F) T
+    left = [moved - multiplied(T, A_c), multiplied(b, W) - multiplied(T, B_c)]
+    return certificate_of(IDENTITY, left, "form")

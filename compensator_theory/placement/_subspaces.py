@@ -1,0 +1,84 @@
+"""Subspaces as columns of exact matrices: sums, intersections, preimages, divisors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sympy import Expr, ImmutableMatrix, Matrix
+
+from compensator_theory.matrices._echelon import echelon, independent_columns
+from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.matrices._linear_algebra import in_lowest_terms
+
+
+@dataclass
+class Subspaces:
+    """Operations on subspaces of one space, each a matrix of independent columns.
+
+    Attributes
+    ----------
+    divisors : list of sympy.Expr
+        The minors that the operations so far divided by: with symbols, all of them hold where none
+        is zero.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.placement._subspaces import Subspaces
+    >>> work = Subspaces()
+    >>> work.intersection(Matrix([[1, 0], [0, 1], [0, 0]]), Matrix([[0], [1], [0]])).T
+    Matrix([[0, 1, 0]])
+    """
+
+    divisors: list[Expr] = field(default_factory=list)
+
+    def span(self, matrix: Matrix) -> ImmutableMatrix:
+        """Return the first independent columns."""
+        basis, minor = independent_columns(ImmutableMatrix(matrix))
+        self.divisors.append(minor)
+        return basis
+
+    def sum(self, *spaces: Matrix) -> ImmutableMatrix:
+        """Return a basis of the sum, that of the first space first."""
+        return self.span(ImmutableMatrix.hstack(*spaces))
+
+    def kernel(self, matrix: Matrix) -> ImmutableMatrix:
+        """Return a basis of the null space."""
+        if not matrix.rows:
+            return identity_matrix(matrix.cols)
+        found = echelon(ImmutableMatrix(matrix))
+        self.divisors.append(found.divided_by)
+        return in_lowest_terms(found.kernel())
+
+    def intersection(self, left: Matrix, right: Matrix) -> ImmutableMatrix:
+        """Return a basis of what lies in both."""
+        meeting = self.kernel(left.row_join(-right))
+        return in_lowest_terms(ImmutableMatrix(left * meeting[: left.cols, :]))
+
+    def preimage(self, A: Matrix, space: Matrix) -> ImmutableMatrix:
+        """Return a basis of the vectors that A maps into a space."""
+        pairs = self.kernel(A.row_join(-space))
+        return self.span(pairs[: A.cols, :])
+
+    def contains(self, space: Matrix, vectors: Matrix) -> bool:
+        """Tell whether a space contains vectors, with symbols for generic values."""
+        return bool(self.sum(space, vectors).cols == space.cols)
+
+    def canonical(self, space: Matrix) -> ImmutableMatrix:
+        """Return the basis whose transpose is in reduced row echelon form: one for each space."""
+        if not space.cols:
+            return ImmutableMatrix(space)
+        found = echelon(ImmutableMatrix(space.T))
+        self.divisors.append(found.divided_by)
+        return in_lowest_terms(ImmutableMatrix(found.matrix.T))
+
+    def coordinates(self, basis: Matrix, vectors: Matrix) -> ImmutableMatrix | None:
+        """Return X with basis X = vectors, its free entries 0; None if there is none."""
+        found = echelon(ImmutableMatrix(basis.row_join(vectors)))
+        self.divisors.append(found.divided_by)
+        if any(pivot >= basis.cols for pivot in found.pivots):
+            return None
+        X = Matrix.zeros(basis.cols, vectors.cols)
+        for row, pivot in enumerate(found.pivots):
+            X[pivot, :] = found.matrix[row, basis.cols :]
+        return in_lowest_terms(ImmutableMatrix(X))

@@ -1,0 +1,268 @@
+"""How large a request may be: one budget, asked before the work begins."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, fields, replace
+from itertools import islice
+from typing import TypeGuard, TypeVar
+
+from sympy import Poly
+
+from compensator_theory._printing import text
+from compensator_theory.errors import BudgetError, InputError
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The largest requests that are begun; raise a limit with :func:`budget`.
+
+    Attributes
+    ----------
+    characters : int
+        Of a text.
+    nesting : int
+        Parentheses inside parentheses, roots inside roots.
+    terms : int
+        Of an expression when it is multiplied out.
+    degree : int
+        Of a polynomial, and order of a compensator.
+    digits : int
+        Of the numerator and denominator of a number in a text, an int, a Fraction or a Decimal.
+    field_degree : int
+        Of the number field that irrational numbers span together: sqrt(2) and sqrt(3) span 4.
+    entries : int
+        Of a matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory import Budget
+    >>> Budget().degree
+    1000
+    """
+
+    characters: int = 20_000
+    nesting: int = 60
+    terms: int = 2_000
+    degree: int = 1_000
+    digits: int = 4_000
+    field_degree: int = 16
+    entries: int = 500_000
+
+
+Item = TypeVar("Item")
+_USUAL = Budget()
+_current: ContextVar[Budget] = ContextVar("budget", default=_USUAL)
+_UNITS = {
+    "characters": "characters",
+    "nesting": "levels of nesting",
+    "terms": "terms",
+    "degree": "as degree",
+    "digits": "digits",
+    "field_degree": "as degree of a number field",
+    "entries": "entries",
+}
+
+
+@contextmanager
+def budget(**limits: int) -> Iterator[Budget]:
+    """Raise or lower limits of the :class:`Budget` for everything inside a ``with`` block.
+
+    Parameters
+    ----------
+    **limits : int
+        New limits by name, at least 1.
+
+    Raises
+    ------
+    InputError
+        If there is no such limit, or it is no positive integer.
+
+    Examples
+    --------
+    >>> from compensator_theory import budget, polynomial
+    >>> with budget(degree=2000):
+    ...     polynomial("s**1500 + 1").degree()
+    1500
+    """
+    names = [field.name for field in fields(Budget)]
+    for name, limit in limits.items():
+        if name not in names:
+            raise InputError(f"there is no limit {shown(name)}; choose among {', '.join(names)}")
+        integer(limit, f"the limit {name}", at_least=1)
+    changed = replace(_current.get(), **limits)
+    token = _current.set(changed)
+    try:
+        yield changed
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def unlimited() -> Iterator[None]:
+    """Ask nothing: for what was computed here and is only put into another form.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import ask, unlimited
+    >>> with unlimited():
+    ...     ask("degree", 10**9, "a result")
+    """
+    token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+def quoted(obj: object) -> str:
+    """Write what an error speaks of, whatever the length of its numbers, on at most two lines."""
+    return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
+
+
+def is_integer(value: object) -> TypeGuard[int]:
+    """Tell whether a value is an int, which True and False are not.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import is_integer
+    >>> is_integer(3), is_integer(True), is_integer(3.0)
+    (True, False, False)
+    """
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def integer(
+    value: object, name: str, *, at_least: int | None = None, at_most: int | None = None
+) -> int:
+    """Return an argument that must be an integer within bounds.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import integer
+    >>> integer(3, "n_c", at_least=0)
+    3
+    """
+    if is_integer(value):
+        low = at_least is not None and value < at_least
+        if not (low or (at_most is not None and value > at_most)):
+            return value
+    kind = "an integer"
+    if at_most is not None:
+        kind = f"an integer from {at_least} to {at_most}"
+    elif at_least is not None:
+        kind = "a positive integer" if at_least == 1 else f"an integer of at least {at_least}"
+    raise InputError(f"{name} = {shown(value)} must be {kind}")
+
+
+def shown(value: object, most: int = 60) -> str:
+    """Write anything that was given for an error message, however large or broken it is."""
+    return _shortened(value, repr, most)
+
+
+def _shortened(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
+    """Write a value and keep the beginning of the text, and its last characters."""
+    try:
+        written = _written(value, write)
+    except Exception:  # of a foreign object, or a number that fits nowhere
+        written = f"an object of type {type(value).__name__}"
+    if len(written) <= most:
+        return written
+    return f"{written[: most - 3 - last - (not last)]}...{written[len(written) - last :]}"
+
+
+def _written(value: object, write: Callable[[object], str]) -> str:
+    try:
+        return write(value)
+    except ValueError:  # an integer that is longer than Python writes
+        return text(value)
+
+
+def limit_of(name: str) -> int:
+    """Return a limit that holds now.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import limit_of
+    >>> limit_of("digits")
+    4000
+    """
+    return int(getattr(_current.get(), name))
+
+
+def ask(name: str, amount: int, what: str) -> None:
+    """Refuse a request above a limit, before any work is done for it.
+
+    Parameters
+    ----------
+    name : str
+        Which limit of the :class:`Budget`.
+    amount : int
+        What the request needs.
+    what : str
+        What needs it, for the message.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import ask
+    >>> ask("degree", 3, "the polynomial")
+    """
+    limit = limit_of(name)
+    if amount > limit:
+        wanted = str(amount) if amount < 10**15 else _order_of(amount)
+        raise BudgetError(
+            f"{what} needs {wanted} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
+            f"raise it: with compensator_theory.budget({name}=...)"
+        )
+
+
+def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[Item]:
+    """Return what an iterable holds, or refuse it as soon as it exceeds a limit by more.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import listed
+    >>> listed(range(3), "entries", "the matrix")
+    [0, 1, 2]
+    """
+    if hasattr(values, "toarray"):
+        raise InputError(f"{what} is a sparse array; write it out with .toarray()")
+    letters = isinstance(values, str | bytes | Mapping)  # or keys; in a text there is another list
+    if letters or not isinstance(values, Iterable) or getattr(values, "shape", None) == ():
+        raise InputError(f"{what} must be a list, not {shown(values)}")
+    if isinstance(values, Sized):
+        ask(name, len(values) - more, what)
+    found = list(islice(values, limit_of(name) + more + 1))
+    ask(name, len(found) - more, what)
+    return found
+
+
+def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:
+    """Refuse a rational number with too many digits.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import ask_for_number
+    >>> ask_for_number(1, 3)
+    """
+    ask("digits", decimal_digits(max(numerator.bit_length(), denominator.bit_length())), what)
+
+
+def decimal_digits(bits: int) -> int:
+    """Return a bound of the decimal digits of an integer with so many bits.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._budget import decimal_digits
+    >>> decimal_digits((10**9).bit_length())
+    10
+    """
+    return bits * 30103 // 100_000 + 1
+
+
+def _order_of(amount: int) -> str:
+    return f"about 10**{int(math.log10(2) * (amount.bit_length() - 1))}"

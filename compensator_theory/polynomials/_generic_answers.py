@@ -1,0 +1,79 @@
+"""Answers that are plain values: where those for generic values of the symbols fail to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias, TypeVar
+
+from sympy import Expr
+
+from compensator_theory.polynomials._poly import monic
+from compensator_theory.polynomials._substitution import denominators_in
+
+Generic: TypeAlias = Callable[..., tuple[Any, Iterable[Expr]]]
+"""Takes what a function takes; returns its generic answer, and expressions that must not vanish."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_GENERIC: dict[Callable[..., Any], Generic] = {}
+
+
+def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Generic]:
+    """Register what a function whose answer is a number, a bool or a polynomial gives generically.
+
+    Results that are classes have the attribute `exceptional` instead.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._generic_answers import generic_answer, generic_answer_of
+    >>> def double(x):
+    ...     return 2 * x
+    >>> @generic_answer_of(double)
+    ... def doubled(x):
+    ...     return 2 * x, ()
+    >>> generic_answer(double)(3)
+    (6, ())
+    """
+
+    def register(companion: Generic) -> Generic:
+        _GENERIC[function] = companion
+        return companion
+
+    return register
+
+
+def holds_where_defined(function: Function) -> Function:
+    """Mark a function whose answer is rational in the symbols and holds where it can be evaluated.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials._generic_answers import generic_answer
+    >>> generic_answer(transfer_function)("1/(a*s + 1)", "s")[1]
+    [a]
+    """
+
+    def companion(*arguments: Any, **options: Any) -> tuple[Any, list[Expr]]:
+        found = function(*arguments, **options)
+        return found, denominators_in(found)
+
+    _GENERIC[function] = companion
+    return function
+
+
+holds_where_defined(monic)  # which stands below this
+
+
+def generic_answer(function: Callable[..., Any]) -> Generic | None:
+    """Return what was registered for a function, or None.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._generic_answers import generic_answer
+    >>> generic_answer(len) is None
+    True
+    """
+    try:
+        return _GENERIC.get(function)
+    except TypeError:  # a callable object that cannot be hashed
+        return None

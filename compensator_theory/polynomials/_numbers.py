@@ -1,0 +1,146 @@
+"""Numbers of any kind to exact SymPy numbers."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import re
+from collections.abc import Iterable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import flint
+import sympy
+from sympy import Expr, Rational
+
+from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
+from compensator_theory.polynomials._budget import ask, ask_for_number, listed, shown
+from compensator_theory.polynomials._expressions import parse_expression
+from compensator_theory.polynomials._sympy_trees import rational_floats, require_readable
+
+NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
+"""What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
+
+PLAIN = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{1,18}|/[1-9][0-9]{0,17})?")
+"""Texts that need no parser; a matrix may hold 500 000 of them."""
+
+
+@roots_in_sympy()
+def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
+    r"""Turn a number of any kind into an exact SymPy number or expression.
+
+    A float means its shortest decimal, :math:`0.1 \mapsto 1/10`, unless ``binary=True`` asks for
+    the value that the machine stores, :math:`0.1 \mapsto 3602879701896397/2^{55}`.
+
+    Parameters
+    ----------
+    value : object
+        int, Fraction, Decimal, float, complex, NumPy scalar, SymPy number or expression, or a
+        string such as ``"0.1"``, ``"1/3"``, ``"-0.8j"``, ``"2*a + 1"``.
+    binary : bool
+        Read floats by their binary value. Strings and Decimals are decimals either way.
+
+    Returns
+    -------
+    sympy.Expr
+        A Rational wherever the value is a real number.
+
+    Raises
+    ------
+    InputError
+        If the value is NaN, infinite, a bool, or no number at all.
+    BudgetError
+        If it has too many digits; decided before they are written out.
+
+    Notes
+    -----
+    A SymPy expression was already rounded where it contains floats; each of these is read as its
+    shortest decimal.
+
+    Examples
+    --------
+    >>> from compensator_theory import exact_number
+    >>> exact_number(0.1), exact_number("1/3"), exact_number(0.5 - 0.8j)
+    (1/10, 1/3, 1/2 - 4*I/5)
+    >>> exact_number(0.1, binary=True)
+    3602879701896397/36028797018963968
+    """
+    if isinstance(value, str):
+        return _from_plain(value) if PLAIN.fullmatch(value) else parse_expression(value)
+    if isinstance(value, bool) or value is None:
+        raise InputError(f"{shown(value)} is not a number")
+    if isinstance(value, Expr):
+        require_readable(value)
+        return rational_floats(value, binary)
+    if isinstance(value, Decimal):
+        return _from_decimal(value)
+    if isinstance(value, numbers.Rational):
+        return _ratio(int(value.numerator), int(value.denominator))
+    if isinstance(value, numbers.Real):
+        return _from_float(value, binary)
+    if isinstance(value, numbers.Complex):
+        return _from_float(value.real, binary) + sympy.I * _from_float(value.imag, binary)
+    return _from_wrapped(value, binary)
+
+
+def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
+    """Read a list of coefficients in descending powers, no more of them than the budget allows.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._numbers import read_coefficients
+    >>> read_coefficients([0, "1/2"])
+    [0, 1/2]
+    """
+    if getattr(values, "shape", None) == ():
+        raise InputError(f"{shown(values)} is one number and no list; give the number itself")
+    given = listed(values, "degree", "the list of coefficients", more=1)
+    found = [sympy.sympify(exact_number(v)) for v in given]
+    if not found:
+        raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+    return found
+
+
+def _ratio(numerator: int, denominator: int) -> Rational:
+    ask_for_number(numerator, denominator)
+    return Rational(numerator, denominator)
+
+
+def _from_plain(text: str) -> Rational:
+    ask("characters", len(text), "the expression")
+    found = Fraction(text)
+    return _ratio(found.numerator, found.denominator)
+
+
+def _from_decimal(value: Decimal) -> Rational:
+    if not value.is_finite():
+        raise InputError(f"{value} is not a finite number; exact data must be finite")
+    _, digits, exponent = value.as_tuple()
+    ask("digits", len(digits) + abs(int(exponent)), "a number")
+    return _ratio(*value.as_integer_ratio())
+
+
+def _from_float(value: Any, binary: bool) -> Rational:
+    if not math.isfinite(value):
+        raise InputError(f"{value} is not a finite number; exact data must be finite")
+    if binary:
+        return _ratio(*map(int, value.as_integer_ratio()))
+    text = str(value)  # of a float32 the shortest for 24 bits
+    ask("digits", abs(int(text.lower().partition("e")[2] or 0)), "a number")
+    found = Fraction(text)
+    return _ratio(found.numerator, found.denominator)
+
+
+def _from_wrapped(value: Any, binary: bool) -> Expr:
+    if isinstance(value, flint.fmpz):
+        return _ratio(int(value), 1)
+    if isinstance(value, flint.fmpq):
+        return _ratio(int(value.p), int(value.q))
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
+        return exact_number(value.item(), binary=binary)
+    raise InputError(
+        f"{shown(value)} of type {type(value).__name__} is not a "
+        "number; give an int, Fraction, float, decimal string or SymPy expression"
+    )

@@ -1,0 +1,218 @@
+"""Reading polynomials: one, or several in one variable, from text, expressions and lists."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence, Set
+from numbers import Number
+from typing import Protocol, TypeAlias
+
+import sympy
+from sympy import Expr, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
+from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._expressions import read_text
+from compensator_theory.polynomials._generic_answers import holds_where_defined
+from compensator_theory.polynomials._numbers import NumberLike, exact_number, read_coefficients
+from compensator_theory.polynomials._poly import (
+    canonical,
+    from_coefficients,
+    from_expression,
+    from_quotient,
+)
+from compensator_theory.polynomials._quotients import multiplied_out
+from compensator_theory.polynomials._sympy_trees import tree_of
+from compensator_theory.polynomials._variables import (
+    Readable,
+    Time,
+    agreed_time,
+    as_symbol,
+    shared_variable,
+    variable_in,
+)
+
+PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
+"""What :func:`polynomial` reads."""
+
+
+@holds_where_defined
+@roots_in_sympy()
+def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
+    r"""Make an exact polynomial with coefficients in descending powers.
+
+    .. math:: a(s) = a_k s^k + a_{k-1} s^{k-1} + \cdots + a_0
+
+    Parameters
+    ----------
+    obj : Poly, Expr, str, number or sequence
+        A sequence lists :math:`a_k, \ldots, a_0`; leading zeros are dropped.
+    variable : str or Symbol, optional
+        Default: the only one of ``s``, ``z``, ``q`` that occurs, else the only symbol.
+
+    Returns
+    -------
+    sympy.Poly
+        Over QQ for rational coefficients, over QQ[a, b] for symbols. Symbols stand for real
+        numbers.
+
+    Raises
+    ------
+    InputError
+        If the variable is not evident, or `obj` is no polynomial with real coefficients in it.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> polynomial("(s + 1)*(s + 0.5)")
+    Poly(s**2 + 3/2*s + 1/2, s, domain='QQ')
+    >>> polynomial([1, "a", 0.25], "q")
+    Poly(q**2 + a*q + 1/4, q, domain='QQ[a]')
+    """
+    if isinstance(obj, Poly):
+        return _from_poly(obj, variable)
+    if isinstance(obj, str):
+        quotient = read_text(obj)
+        return from_quotient(quotient, shared_variable([quotient.value()], variable))
+    if isinstance(obj, Mapping | Set | bytes | bytearray):
+        raise InputError(
+            f"a {type(obj).__name__} has no first and last coefficient; list the coefficients from "
+            "the highest power down, as in [1, 3, 2]"
+        )
+    if not isinstance(obj, Iterable):
+        expression = exact_number(obj)
+        symbol = shared_variable([expression], variable)
+        return from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
+    coefficients = read_coefficients(obj)
+    if variable is None:
+        raise InputError(f"{len(coefficients)} coefficients need a variable, say variable='s'")
+    symbol = as_symbol(variable)
+    if any(symbol in value.free_symbols for value in coefficients):
+        raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
+    return from_coefficients(coefficients, symbol)
+
+
+class HasCharacteristicPolynomial(Protocol):
+    """A system of this package, asked where its poles are."""
+
+    @property
+    def characteristic_polynomial(self) -> Poly:
+        """Whose roots are the poles, hidden ones counted."""
+        ...
+
+
+PolynomialOrSystem: TypeAlias = PolynomialLike | HasCharacteristicPolynomial
+
+
+def polynomial_in_time(
+    obj: PolynomialOrSystem,
+    time: object,
+    variable: str | Symbol | None = None,
+) -> tuple[Poly, Time]:
+    """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._reading import polynomial_in_time
+    >>> polynomial_in_time([1, 2], "discrete"), polynomial_in_time("s + 2", None)[1]
+    ((Poly(q + 2, q, domain='QQ'), 'discrete'), 'continuous')
+    """
+    if (poles := getattr(obj, "characteristic_polynomial", None)) is not None:
+        obj = poles
+    elif hasattr(obj, "poles") or hasattr(obj, "to_control"):
+        raise InputError(
+            f"a {type(obj).__name__} is a system and no polynomial; give transfer_function(system) "
+            "or realisation(system), whose poles are asked for"
+        )
+    elif _holds_matrices(obj):
+        raise InputError(
+            f"{quoted(obj)} is no polynomial; of (A, B, C) give realisation((A, B, C), 's'), and "
+            "of a square matrix sympy.Matrix(A).charpoly('s')"
+        )
+    if variable is None and time is not None and is_list(obj):
+        variable = variable_in(time, None, "the polynomial")
+    poly = polynomial(obj, variable)
+    return poly, agreed_time(time, poly.gen)
+
+
+def in_one_variable(
+    *objects: PolynomialLike, variable: str | Symbol | None = None, default: str | None = None
+) -> tuple[Poly, ...]:
+    """Read polynomials that are to be compared, by the rule of :func:`shared_variable`.
+
+    Parameters
+    ----------
+    *objects : polynomial
+        Anything :func:`polynomial` reads; lists show no variable.
+    variable : str or Symbol, optional
+        The variable; default: evident from all of them together.
+    default : str, optional
+        What to take where none shows a symbol.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._reading import in_one_variable
+    >>> in_one_variable("s + 1", [2, "a"])
+    (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
+    """
+    if variable is None:
+        read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
+        if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
+            return tuple(map(canonical, read))  # what is read already costs next to nothing
+    parts = [_shown(obj) for obj in objects]
+    shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
+    if variable is None and default is not None and not shows:
+        variable = default
+    symbol = shared_variable(parts, variable)
+    return tuple(polynomial(obj, symbol) for obj in objects)
+
+
+def is_list(obj: object) -> bool:
+    """Tell whether something lists coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._reading import is_list
+    >>> is_list([1, 2]), is_list("s + 1")
+    (True, False)
+    """
+    return isinstance(obj, Iterable) and not isinstance(obj, str | Poly | Expr)
+
+
+def _holds_matrices(obj: object) -> bool:
+    nested = isinstance(obj, list | tuple) and any(isinstance(part, list | tuple) for part in obj)
+    return nested or len(getattr(obj, "shape", ())) == 2
+
+
+def _shows_variable(poly: Poly) -> bool:
+    return len(poly.gens) == 1 and bool(poly.gen.is_Symbol)
+
+
+def _shown(obj: PolynomialLike) -> Readable:
+    if isinstance(obj, Poly):
+        return canonical(obj) if len(obj.gens) == 1 else obj.as_expr()
+    return None if is_list(obj) else sympy.sympify(exact_number(obj))
+
+
+def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
+    if len(poly.gens) > 1 and variable is not None:
+        return from_expression(exact_number(poly.as_expr()), as_symbol(variable))
+    poly = canonical(poly)
+    if variable is None or poly.gen == (symbol := as_symbol(variable)):
+        return poly
+    if poly.degree() > 0:
+        raise InputError(f"{quoted(poly)} is a polynomial in {poly.gen}, not in {variable}")
+    return from_expression(poly.as_expr(), symbol)
+
+
+def is_one_of(setting: object, allowed: Container[object]) -> bool:
+    """Tell whether a setting is among a few words or numbers; a list or an array never is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._reading import is_one_of
+    >>> is_one_of(-1, (1, -1)), is_one_of([1], (1, -1)), is_one_of(True, (1, -1))
+    (True, False, False)
+    """
+    is_plain = isinstance(setting, str | Number) and not isinstance(setting, bool)
+    return is_plain and setting in allowed

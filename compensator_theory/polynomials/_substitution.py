@@ -1,0 +1,200 @@
+"""Values for symbols, put into a system or into whatever a construction takes as an argument."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
+import sympy
+from sympy import Basic, Expr, MatrixBase, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._expressions import read_text
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import from_expression
+from compensator_theory.polynomials._sympy_trees import settled
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import as_symbol, is_operator
+
+_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+
+_WORDS = {"sqrt", "CRootOf", "I", "j", "pi"}
+
+Value = TypeVar("Value", bound=ExactValue)
+
+
+def with_values(whole: Value, values: Mapping[str | Symbol, NumberLike], variable: Symbol) -> Value:
+    """Give values to symbols of a system or a matrix, but not to its variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials._substitution import with_values
+    >>> G = transfer_function("1/(s + a)", "s")
+    >>> print(with_values(G, {"a": 2}, G.variable))
+    (1)/(s + 2)
+    """
+    if not isinstance(values, Mapping):
+        raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
+    given = {as_symbol(name): exact_number(value) for name, value in values.items()}
+    names = {symbol.name for symbol in given}
+    if variable.name in names:
+        raise InputError(
+            f"{variable} is the variable of {whole}; a transfer function is called for a value, "
+            "as in G(1), and compose(...) puts another one in its place"
+        )
+    known = names_in(whole) - {variable.name}
+    if unknown := sorted(names - known):
+        raise InputError(
+            f"{whole} has no symbol {', '.join(unknown)}; its symbols: "
+            f"{', '.join(sorted(known)) or 'none'}"
+        )
+    if any(variable in value.free_symbols for value in given.values()):
+        raise InputError(f"a value contains {variable}, the variable of {whole}")
+    unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
+    return substituted(replace(whole, **unproven), given)  # type: ignore[type-var,no-any-return]
+
+
+def substituted(argument: Any, values: Mapping[Symbol, Expr]) -> Any:
+    """Put expressions in the place of symbols in texts, polynomials, matrices, systems or lists.
+
+    Parameters
+    ----------
+    argument : object
+        What a public function takes; what holds no symbols, an int for instance, comes back as it
+        is. Symbols are found by their names, as everywhere.
+    values : mapping of sympy.Symbol to sympy.Expr
+        All at once.
+    """
+    by_name = {symbol.name: value for symbol, value in values.items()}
+    return _replaced(argument, by_name) if by_name else argument
+
+
+def _replaced(value: Any, values: Mapping[str, Expr]) -> Any:
+    if isinstance(value, str):
+        return _NAME.sub(lambda m: f"({values[m[0]]})" if m[0] in values else m[0], value)
+    if isinstance(value, Poly):
+        return from_expression(_at(value.as_expr(), values), value.gen)
+    if isinstance(value, MatrixBase):
+        return value.applyfunc(lambda entry: _at(entry, values))
+    if isinstance(value, Expr):
+        return _at(value, values)
+    if isinstance(value, Basic):
+        return value.subs(_of_names(value, values), simultaneous=True)
+    if type(value) in (list, tuple):
+        return type(value)(_replaced(item, values) for item in value)
+    if isinstance(value, dict):
+        return {key: _replaced(item, values) for key, item in value.items()}
+    if isinstance(value, ExactValue):
+        own: Any = value
+        given = {name: getattr(own, name) for name in _fields(own)}
+        return replace(own, **{name: _replaced(part, values) for name, part in given.items()})
+    if str(getattr(value, "dtype", "")) == "object" and hasattr(value, "tolist"):
+        return _replaced(value.tolist(), values)  # an array of expressions
+    return value
+
+
+def _fields(value: Any) -> list[str]:
+    return [field.name for field in fields(value) if field.init]
+
+
+def _of_names(value: Basic, values: Mapping[str, Expr]) -> dict[Symbol, Expr]:
+    return {s: values[s.name] for s in value.free_symbols if s.name in values}
+
+
+def _at(expression: Expr, values: Mapping[str, Expr]) -> Expr:
+    own = _of_names(expression, values)
+    if not own:
+        return expression
+    top, bottom = (
+        settled(side.subs(own, simultaneous=True)) for side in expression.as_numer_denom()
+    )
+    if bottom == 0:
+        where = ", ".join(f"{symbol} = {value}" for symbol, value in own.items())
+        raise InputError(f"{expression} does not exist at {where}: it divides by zero there")
+    return settled(top / bottom)
+
+
+def names_in(argument: Any) -> set[str]:
+    """Return the names of all symbols in an argument, but of what is written as its variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials._substitution import names_in
+    >>> sorted(names_in([transfer_function("1/(s + a)", "s"), "sqrt(2)*b", 3]))
+    ['a', 'b']
+    """
+    if isinstance(argument, str):
+        return set(_NAME.findall(argument)) - _WORDS
+    if isinstance(argument, Poly):
+        return {s.name for c in argument.coeffs() for s in c.free_symbols}
+    if isinstance(argument, Basic | MatrixBase):
+        return {s.name for s in argument.free_symbols}
+    if isinstance(argument, dict):
+        return names_in(list(argument.values()))
+    if type(argument) in (list, tuple):
+        return set().union(*map(names_in, argument))
+    if isinstance(argument, ExactValue):
+        return names_in([getattr(argument, f) for f in _fields(argument) if f != "variable"])
+    return set()
+
+
+def denominators_in(value: Any) -> list[Expr]:
+    """Return what coefficients and entries are divided by, polynomials in the symbols.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.polynomials._substitution import denominators_in
+    >>> denominators_in(transfer_function("b/(a*s + 1)", "s"))
+    [a]
+    """
+    fractions = (sympy.fraction(sympy.cancel(c)) for c in _coefficients(value) if c.free_symbols)
+    return [bottom for bottom in dict.fromkeys(b for _, b in fractions) if bottom.free_symbols]
+
+
+def _coefficients(value: Any) -> Iterator[Expr]:
+    if isinstance(value, Poly):
+        yield from value.coeffs()
+    elif isinstance(value, MatrixBase):
+        yield from value
+    elif isinstance(value, Expr):
+        yield value
+    elif type(value) in (list, tuple):
+        for part in value:
+            yield from _coefficients(part)
+    elif isinstance(value, ExactValue):
+        for name in _fields(value):
+            if name not in ("variable", "certificate"):
+                yield from _coefficients(getattr(value, name))
+
+
+def require_variable(before: Any, after: Any) -> None:
+    """Refuse an argument whose variable dropped out with what was put in; it would be misread.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._substitution import require_variable
+    >>> require_variable("1/(a*s + b)", "1/((2)*s + b)")
+    """
+    had = {name for name in names_in(before) if is_operator(Symbol(name))}
+    if had and not had & _names_left(after):
+        raise InputError(
+            f"{', '.join(sorted(had))} drops out of {shown(before)}, so that the variable is not "
+            "evident; name it, or give a polynomial or transfer function that knows it"
+        )
+
+
+def _names_left(argument: Any) -> set[str]:
+    if isinstance(argument, str):
+        try:
+            return {s.name for side in read_text(argument).sides() for s in side.free_symbols}
+        except InputError:  # a list of roots, or what its reader refuses
+            return names_in(argument)
+    if type(argument) in (list, tuple):
+        return set().union(*map(_names_left, argument))
+    return names_in(argument)

@@ -1,0 +1,52 @@
+"""What every public data class of the exact half does alike: pickles, and words of any length."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from sympy import Poly
+
+from compensator_theory._printing import representation
+from compensator_theory.polynomials._poly import canonical
+
+
+class ExactValue:
+    """Base of the frozen data classes: a pickle holds the fields and nothing that was cached.
+
+    SymPy rebuilds the domain of a pickled polynomial from its coefficients, ZZ[a] for QQ[a], so
+    that it equals the original no more; it is put into canonical form again. What a result says of
+    itself may hold integers that are longer than Python prints without being told.
+
+    Examples
+    --------
+    >>> import pickle
+    >>> from compensator_theory import transfer_function
+    >>> G = transfer_function("1/(s + a)", "s")
+    >>> pickle.loads(pickle.dumps(G)) == G
+    True
+    """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = _representation  # type: ignore[method-assign]
+
+    def __getstate__(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, _restored(value))
+
+
+def _representation(value: Any) -> str:
+    """What a dataclass writes, with numbers of any length."""
+    parts = (f"{f.name}={representation(getattr(value, f.name))}" for f in fields(value) if f.repr)
+    return f"{type(value).__qualname__}({', '.join(parts)})"
+
+
+def _restored(value: Any) -> Any:
+    if isinstance(value, Poly):
+        return canonical(value)
+    return tuple(map(_restored, value)) if isinstance(value, tuple) else value

@@ -1,0 +1,292 @@
+"""Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence, Set
+from functools import lru_cache
+from typing import Literal, TypeAlias, cast
+
+from sympy import Expr, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._expressions import parse_expression
+
+CONTINUOUS, DISCRETE = ("s",), ("z", "q")
+OPERATORS = (*CONTINUOUS, *DISCRETE)
+"""Names that are taken for the variable when none is given."""
+
+Time: TypeAlias = Literal["continuous", "discrete"]
+"""The time domain: what is stable is the left half plane, or the inside of the unit circle."""
+
+Readable: TypeAlias = Poly | Expr | None
+"""A polynomial, an expression, or None for what shows no variable (a list of coefficients)."""
+
+
+def as_symbol(variable: str | Symbol) -> Symbol:
+    """Return the symbol of that name, as every function here names its variable.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._variables import as_symbol
+    >>> as_symbol("q")
+    q
+    """
+    if isinstance(variable, Symbol):
+        if not variable.is_commutative:
+            raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
+        return variable
+    found = _named(variable) if isinstance(variable, str) else None
+    if not isinstance(found, Symbol):
+        pair = "; names go one by one, coefficients as one pair, as in ([1], [1, 2])"
+        hint = pair if isinstance(variable, list | tuple) else ""
+        raise InputError(
+            f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
+        )
+    return found
+
+
+@lru_cache(maxsize=64)
+def _named(text: str) -> Expr:
+    """What a text means; names are asked for again and again."""
+    return parse_expression(text)
+
+
+def is_operator(variable: Symbol) -> bool:
+    """Tell whether a symbol is one of s, z and q.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, q
+    >>> from compensator_theory.polynomials._variables import is_operator
+    >>> is_operator(a), is_operator(q)
+    (False, True)
+    """
+    return variable.name in OPERATORS
+
+
+def is_discrete(variable: Symbol, what: str) -> bool:
+    """Tell whether a variable means discrete time: s is continuous, z and q are discrete.
+
+    Parameters
+    ----------
+    variable : Symbol
+    what : str
+        The question that depends on it, for the message.
+
+    Examples
+    --------
+    >>> from sympy.abc import s, z
+    >>> from compensator_theory.polynomials._variables import is_discrete
+    >>> is_discrete(s, "stability"), is_discrete(z, "stability")
+    (False, True)
+    """
+    if not is_operator(variable):
+        raise InputError(
+            f"{what} depends on what {variable} means; write s for continuous time, z or q for "
+            "discrete time"
+        )
+    return variable.name in DISCRETE
+
+
+def time_of(variable: Symbol, what: str) -> Time:
+    """Return the time domain that a variable stands for, as :func:`is_discrete` reads it.
+
+    Examples
+    --------
+    >>> from sympy.abc import z
+    >>> from compensator_theory.polynomials._variables import time_of
+    >>> time_of(z, "stability")
+    'discrete'
+    """
+    return "discrete" if is_discrete(variable, what) else "continuous"
+
+
+def require_time(time: object) -> Time:
+    """Return the time domain that was named.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._variables import require_time
+    >>> require_time("discrete")
+    'discrete'
+    """
+    if not (isinstance(time, str) and time in ("continuous", "discrete")):
+        raise InputError(
+            f"time = {shown(time)} is no time domain; write time='continuous' or time='discrete'"
+        )
+    return cast(Time, time)
+
+
+def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
+    """Return the variable of polynomials in a time domain: s or q where none is named.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._variables import variable_in
+    >>> variable_in("discrete", None, "LQG"), variable_in("discrete", "z", "LQG")
+    (q, z)
+    """
+    wanted = require_time(time)
+    if variable is None:
+        return Symbol("s" if wanted == "continuous" else "q")
+    symbol = as_symbol(variable)
+    if time_of(symbol, what) != wanted:
+        raise InputError(
+            f"{symbol} means {time_of(symbol, what)} time, and {what} is to be in {wanted} time; "
+            "change one of them"
+        )
+    return symbol
+
+
+def agreed_time(time: object, variable: Symbol) -> Time:
+    """Return the time domain that s, z and q show; of another variable it has to be named.
+
+    Examples
+    --------
+    >>> from sympy.abc import s, x
+    >>> from compensator_theory.polynomials._variables import agreed_time
+    >>> agreed_time(None, s), agreed_time("discrete", x)
+    ('continuous', 'discrete')
+    """
+    if time is None:
+        if not is_operator(variable):
+            raise InputError(
+                f"{variable} does not show the time domain, and what is stable depends on it; "
+                "write time='continuous' or time='discrete', or use s, z or q"
+            )
+        return time_of(variable, "stability")
+    wanted = require_time(time)
+    if is_operator(variable):
+        variable_in(wanted, variable, "the question")
+    return wanted
+
+
+def require_discrete(variable: Symbol, what: str) -> None:
+    """Refuse a variable other than z and q.
+
+    Examples
+    --------
+    >>> from sympy.abc import q
+    >>> from compensator_theory.polynomials._variables import require_discrete
+    >>> require_discrete(q, "LQG")
+    """
+    if variable.name not in DISCRETE:
+        meaning = " and means continuous time" if variable.name in CONTINUOUS else ""
+        raise InputError(
+            f"{what} is for discrete time, and the variable here is {variable}{meaning}; write the "
+            "plant in z or q (discretise a continuous one first)"
+        )
+
+
+def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = None) -> Symbol:
+    """Find the one variable of several polynomials, by the rule that holds everywhere.
+
+    It is the one that is named; else that of the arguments that are polynomials; else the only one
+    of s, z, q that occurs; else the only symbol. Each expression that has symbols must contain it,
+    because "s + 1" and "a" may mean a constant as well as a polynomial in a.
+
+    Parameters
+    ----------
+    parts : iterable of Poly, Expr or None
+        What was given; None shows no variable.
+    variable : str or Symbol, optional
+        The name that decides.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._expressions import parse_expression as read
+    >>> from compensator_theory.polynomials._variables import shared_variable
+    >>> shared_variable([read("a*s + 1"), read("2")])
+    s
+    """
+    if variable is not None:
+        return as_symbol(variable)
+    known = [part for part in parts if part is not None]
+    expressions = [part for part in known if not isinstance(part, Poly)]
+    fixed = {part.gen for part in known if isinstance(part, Poly)}
+    occurring = fixed.union(*(part.free_symbols for part in expressions))
+    what = _Names(known)
+    found = evident_variable(occurring, what, fixed)
+    for part in expressions:
+        if part.free_symbols and found not in part.free_symbols:
+            raise InputError(
+                f"the variable of {what} is not evident: {_written(part)} does not contain "
+                f"{found}, so that it may be a constant or a polynomial in another variable; name "
+                f"the variable, for instance variable='{found}'"
+            )
+    return found
+
+
+def evident_variable(
+    occurring: Set[Symbol], what: object, fixed: Set[Symbol] = frozenset()
+) -> Symbol:
+    """Return the only one of s, z, q that occurs, else the only symbol.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials._variables import evident_variable
+    >>> evident_variable({a, s}, "a*s")
+    s
+    """
+    operators = fixed | {symbol for symbol in occurring if is_operator(symbol)}
+    candidates = operators or occurring
+    if len(candidates) != 1:
+        names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
+        raise InputError(
+            f"the variable of {what} is not evident (symbols: {names}); name it, for instance "
+            "variable='s'"
+        )
+    (found,) = candidates
+    return found
+
+
+def require_no_other_operator(poly: Poly) -> None:
+    """Refuse a polynomial in one of s, z, q whose coefficients contain another of them.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials._variables import require_no_other_operator
+    >>> require_no_other_operator(polynomial("s + a"))
+    """
+    others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
+    if is_operator(poly.gen) and others - {poly.gen}:
+        raise InputError(
+            f"{quoted(poly)} is to be read in the variable {poly.gen} and contains "
+            f"{', '.join(sorted(map(str, others)))}; use one variable"
+        )
+
+
+def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
+    """Refuse two symbols with one name, which differ in their assumptions only.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.polynomials._variables import require_one_symbol_a_name
+    >>> require_one_symbol_a_name([a, b])
+    """
+    seen: dict[str, Symbol] = {}
+    for symbol in symbols:
+        if seen.setdefault(symbol.name, symbol) != symbol:
+            raise InputError(
+                f"two different symbols are called {symbol.name}: they were declared with "
+                "different assumptions, and a name in a text has none. Use one symbol in all places"
+            )
+
+
+class _Names:
+    """The arguments in words, written only where a message needs them: that takes a while."""
+
+    def __init__(self, parts: Sequence[Poly | Expr]) -> None:
+        self.parts = parts
+
+    def __str__(self) -> str:
+        return " and ".join(map(_written, self.parts)) or "a list of coefficients"
+
+
+def _written(part: Poly | Expr) -> str:
+    text = quoted(part)
+    return text if len(text) <= 60 else text[:57] + "..."

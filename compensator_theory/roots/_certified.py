@@ -1,0 +1,198 @@
+"""Roots with a certificate: balls that provably contain them, with exact multiplicities."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import flint
+from sympy import Poly, Symbol
+
+from compensator_theory._latex import displayed, words
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._reading import PolynomialLike, polynomial
+from compensator_theory.polynomials._values import ExactValue
+
+Decision = TypeVar("Decision")
+
+EASY = 20
+"""Degree from which rational roots are split off first: close ones cost flint seconds together."""
+
+
+@dataclass(frozen=True)
+class Root(ExactValue):
+    """A root of a rational polynomial, known to lie in a disk that contains no other root.
+
+    Attributes
+    ----------
+    value : complex
+        Centre of the disk.
+    radius : float
+        Upper bound of the distance between `value` and the root.
+    multiplicity : int
+        Exact.
+    is_real : bool
+        Exact: decided by the certificate and not by the size of the imaginary part.
+
+    Examples
+    --------
+    >>> from compensator_theory import certified_roots, polynomial
+    >>> print(certified_roots(polynomial("q**2 - q/2"))[1])
+    0.5
+    """
+
+    value: complex
+    radius: float
+    multiplicity: int
+    is_real: bool
+
+    def __str__(self) -> str:
+        text = f"{self.value.real:.6g}" if self.is_real else f"{self.value:.6g}"
+        return text if self.multiplicity == 1 else f"{text} (multiplicity {self.multiplicity})"
+
+    def _repr_latex_(self) -> str:
+        text = words("" if self.multiplicity == 1 else f" (multiplicity {self.multiplicity})")
+        value = f"{self.value.real:.6g}" if self.is_real else f"{self.value:.6g}".replace("j", "i")
+        return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
+
+
+def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> tuple[Root, ...]:
+    r"""Isolate the roots of a rational polynomial in certified disks.
+
+    .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i
+
+    Parameters
+    ----------
+    poly : polynomial
+        Rational coefficients, not zero.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
+
+    Returns
+    -------
+    tuple of Root
+        Distinct roots; real ones first in ascending order, then conjugate pairs by real part,
+        the root in the upper half plane first. Empty for a constant.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory import certified_roots, polynomial
+    >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
+    [(0j, 2), (1j, 1), (-1j, 1)]
+    """
+    source = polynomial(poly, variable)
+    with ball_precision(64):
+        found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
+    return tuple(sorted(found, key=_order))
+
+
+def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:
+    """Return (degree, multiplicity) of each distinct irreducible real factor, 1 or 2 in degree.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots._certified import real_multiplicities
+    >>> real_multiplicities(polynomial("(s + 1)**2*(s**2 + 1)**3"))
+    [(1, 2), (2, 3)]
+    """
+    roots = certified_roots(poly)
+    kept = [root for root in roots if root.is_real or root.value.imag > 0]
+    return [(1 if root.is_real else 2, root.multiplicity) for root in kept]
+
+
+def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
+    """Return the certified complex balls of python-flint with their multiplicities.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+    precision : int
+        Working precision in bits.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots._certified import root_balls
+    >>> len(root_balls(polynomial("q**3 - 2")))
+    3
+    """
+    rest = _integer_polynomial(poly)
+    rational = []
+    if rest.degree() > EASY:
+        for root, multiplicity in flint.fmpq_poly(rest).roots():
+            rational.append((root, int(multiplicity)))
+            rest //= flint.fmpz_poly([-root.p, root.q]) ** int(multiplicity)
+    with ball_precision(precision):
+        found = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
+        return found + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
+
+
+def decided_balls(
+    poly: Poly, decide: Callable[[flint.acb], Decision | None], precision: int = 64
+) -> list[tuple[flint.acb, int, Decision]]:
+    """Isolate the roots with growing precision until each ball answers a question.
+
+    The question is asked at the precision of the balls: at a lower one, python-flint would round
+    what it computes from them and lose the answer.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+    decide : callable
+        Of a python-flint complex ball; None where the ball is too large to tell. Must have an
+        answer for small enough balls around every root.
+    precision : int
+        Bits to begin with.
+
+    Returns
+    -------
+    list of (flint.acb, int, decision)
+        Balls, multiplicities and answers.
+    """
+    while True:
+        with ball_precision(precision):
+            answered = [(ball, m, decide(ball)) for ball, m in root_balls(poly, precision)]
+        if all(answer is not None for _, _, answer in answered):
+            return answered  # type: ignore[return-value]
+        precision *= 2
+
+
+def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
+    if not is_rational(poly):
+        raise InputError(
+            f"the roots of {quoted(poly)} cannot be certified: its coefficients are not all "
+            "rational numbers; substitute numbers for the symbols"
+        )
+    if poly.is_zero:
+        raise InputError("every number is a root of the zero polynomial")
+    _, cleared = canonical(poly).clear_denoms(convert=True)
+    return flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
+
+
+def _rounded(ball: flint.acb, multiplicity: int) -> Root:
+    is_real = bool(ball.imag == 0)
+    real = 0.0 if ball.real.contains(0) else float(ball.real.mid())  # +-j prints as +-j
+    value = complex(real, 0.0 if is_real else float(ball.imag.mid()))
+    error = abs(ball - flint.acb(value.real, value.imag)).abs_upper()
+    radius = float(error)
+    if flint.arb(radius) < error:
+        radius = math.nextafter(radius, math.inf)
+    return Root(value, radius, multiplicity, is_real)
+
+
+def _order(root: Root) -> tuple[bool, float, float, float]:
+    value = root.value
+    return (not root.is_real, value.real, abs(value.imag), -value.imag)

@@ -1,0 +1,465 @@
+"""Gain and phase crossovers of a loop, exact, with all margins that follow from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+import sympy
+from sympy import QQ, Expr, Poly, Rational, Symbol
+
+from compensator_theory import figures
+from compensator_theory._latex import displayed, latex, words
+from compensator_theory._showing import picture_of
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.loops._siso import LoopPart, closed_loop_of_pair, read_loop
+from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import Time, time_of
+from compensator_theory.roots._certified import root_balls
+from compensator_theory.roots._counts import RootCount, count_roots, half_plane_image
+from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.stability._critical_values import (
+    even_and_odd,
+    real_roots,
+    signs_at_real_roots,
+)
+from compensator_theory.stability._stabilising_gains import intervals_of_gains
+from compensator_theory.stability._stability_intervals import StabilityCell
+
+SQUARE = Symbol("x")
+
+
+@dataclass(frozen=True)
+class GainCrossover(ExactValue):
+    r"""A frequency at which the loop has the gain 1.
+
+    Attributes
+    ----------
+    square : sympy.Expr
+        :math:`\omega^2`, exact; in discrete time :math:`\tan^2(\theta/2)` of the angle
+        :math:`\theta` in rad/sample.
+    frequency : Enclosure
+        In rad/s, in discrete time rad/sample.
+    phase_margin : Enclosure
+        :math:`\arg(-L)` in rad, between :math:`-\pi` and :math:`\pi`: the lag that brings L to -1,
+        or, where negative, the lead.
+    delay : Enclosure
+        The least positive delay that does so, in s, in discrete time in samples.
+    """
+
+    square: Expr
+    frequency: Enclosure
+    phase_margin: Enclosure
+    delay: Enclosure
+
+    @property
+    def degrees(self) -> float:
+        """The phase margin in degrees, rounded."""
+        return float(self.phase_margin) * 180 / float(sympy.pi)
+
+    def __str__(self) -> str:
+        return f"|L| = 1 at {float(self.frequency):.6g}: phase margin {self.degrees:.4g} degrees"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"|L| = 1, \; \omega^2 = {latex(self.square)}",
+            rf"\varphi \approx {self.degrees:.4g}^\circ",
+        )
+
+
+@dataclass(frozen=True)
+class PhaseCrossover(ExactValue):
+    r"""A frequency at which L is real and negative.
+
+    Attributes
+    ----------
+    square : sympy.Expr
+        :math:`\omega^2`, exact, 0 and oo included; in discrete time :math:`\tan^2(\theta/2)`.
+    frequency : Enclosure or None
+        In rad/s, in discrete time rad/sample; None at infinity in continuous time.
+    gain : sympy.Expr
+        :math:`-1/L`, exact: the factor of the gain at which a root is on the boundary of stability.
+    gain_enclosure : Enclosure
+        The same, certified.
+    """
+
+    square: Expr
+    frequency: Enclosure | None
+    gain: Expr
+    gain_enclosure: Enclosure
+
+    def __str__(self) -> str:
+        place = "infinity" if self.frequency is None else f"{float(self.frequency):.6g}"
+        return f"L < 0 at {place}: gain factor {float(self.gain_enclosure):.6g}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"L < 0, \; \omega^2 = {latex(self.square)}", f"-1/L = {latex(self.gain)}"
+        )
+
+
+@dataclass(frozen=True)
+class StabilityMargins(ExactValue):
+    r"""All crossovers of a loop :math:`1 + L`, and whether it is stable as it is.
+
+    Attributes
+    ----------
+    numerator, denominator : sympy.Poly
+        Of :math:`L = -f\,G G_c`.
+    time : {"continuous", "discrete"}
+    open_loop, closed_loop : RootCount
+        Roots of D, and of D + N. Nyquist's count of encirclements of -1, clockwise, is the
+        difference of the unstable ones.
+    gain_crossovers : tuple of GainCrossover
+        By ascending frequency.
+    phase_crossovers : tuple of PhaseCrossover
+        By ascending frequency.
+    gains : StabilityCell or None
+        The interval of gain factors around 1 with which the loop is stable; None if it is not.
+    """
+
+    numerator: Poly
+    denominator: Poly
+    time: Time
+    open_loop: RootCount
+    closed_loop: RootCount
+    gain_crossovers: tuple[GainCrossover, ...]
+    phase_crossovers: tuple[PhaseCrossover, ...]
+    gains: StabilityCell | None
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every closed-loop root is stable."""
+        return self.closed_loop.stable == self.closed_loop.total
+
+    @property
+    def is_real(self) -> bool:
+        """Whether L is real at all frequencies, so that none of them is a crossover by itself."""
+        size = int(self.denominator.degree())
+        N, D = self.numerator, self.denominator
+        if self.time == "discrete":
+            N, D = half_plane_image(N, size), half_plane_image(D, size)
+        return bool(squared(N, D)[1].is_zero)
+
+    @property
+    def encirclements(self) -> int:
+        """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
+        return self.closed_loop.unstable - self.open_loop.unstable
+
+    @property
+    def delay_margin(self) -> Enclosure | None:
+        r"""The least delay in s that makes the loop unstable, in continuous time.
+
+        None if none does, if the loop is unstable already, and in discrete time. Where
+        :math:`|L| \ge 1` at infinity every delay does.
+        """
+        if not self.is_stable or self.time == "discrete":
+            return None
+        if self.numerator.degree() == self.denominator.degree() and abs(self.numerator.LC()) >= abs(
+            self.denominator.LC()
+        ):
+            return Enclosure(Rational(0), Rational(0))
+        if not self.gain_crossovers:
+            return None
+        return min((c.delay for c in self.gain_crossovers), key=lambda delay: delay.centre)
+
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Draw Nyquist's curve and Bode's plot of L, the margins marked.
+
+        Parameters
+        ----------
+        view : {"all", "nyquist", "bode"}
+            One of them, or both.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: one pair of axes for Nyquist's curve, two
+            for Bode's plot, three for both.
+        width : float
+            Of the figure in inches; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            If the view is none of these, `ax` has not as many axes, or the figure is narrower than
+            3 inches.
+
+        Examples
+        --------
+        >>> from compensator_theory import stability_margins
+        >>> figure = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1).plot("bode")
+        >>> [axis.get_title() for axis in figure.axes]
+        ['gain margin 3 at 2.24', 'phase margin 25.4 degrees at 1.23']
+        """
+        return picture_of(self, view=view, **options)
+
+    def __str__(self) -> str:
+        verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"
+        lines = [f"the loop is {verdict}"]
+        if self.is_real:
+            pairs = "a pole s comes with -s" if self.time == "continuous" else "a pole z with 1/z"
+            poles = f", and {pairs}" if self.closed_loop.total else ""
+            lines.append(f"L is real at all frequencies{poles}")
+        if self.gains is not None:
+            lines.append(f"stable for gain factors in {self.gains}")
+        return "\n".join(
+            [*lines, *map(str, self.gain_crossovers), *map(str, self.phase_crossovers)]
+        )
+
+    def _repr_latex_(self) -> str:
+        rows = [latex(c) for c in (*self.gain_crossovers, *self.phase_crossovers)]
+        return displayed(words("stable" if self.is_stable else "not stable"), *rows)
+
+
+def stability_margins(
+    plant: LoopPart,
+    compensator: LoopPart = 1,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
+) -> StabilityMargins:
+    r"""Find every gain and phase crossover of a loop exactly, and its margins.
+
+    .. math:: |N|^2 = |D|^2, \qquad \mathrm{Im}\, N(\mathrm{j}\omega) D(-\mathrm{j}\omega) = 0, \;
+              \mathrm{Re} < 0, \qquad L = -f\, G G_c = N/D
+
+    Parameters
+    ----------
+    plant, compensator : transfer function
+        Proper, rational, in s, or in z or q, where :math:`z = (1 + w)/(1 - w)` makes an axis of the
+        circle; by default the compensator is 1.
+    feedback : {+1, -1}
+        The sign f; for the usual loop :math:`1 + G G_c` it is -1.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
+
+    Returns
+    -------
+    StabilityMargins
+        Squares of frequencies and gain factors are exact, angles are certified balls of 30 digits.
+
+    Raises
+    ------
+    InputError, ImproperError
+        If a coefficient is symbolic, the variable says nothing about time, :math:`|L|` is 1 at all
+        frequencies, or L is improper.
+
+    Notes
+    -----
+    A margin says how far a *stable* loop is from the boundary; the crossovers of an unstable one
+    are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
+    way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
+    itself: `phase_crossovers` is empty and `is_real` true, and a root s comes with -s, in discrete
+    time with 1/s, so that no gain makes a loop with poles stable.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_margins
+    >>> print(stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1))
+    the loop is stable
+    stable for gain factors in (0, 3)
+    |L| = 1 at 1.22706: phase margin 25.39 degrees
+    L < 0 at 2.23607: gain factor 3
+    >>> found = stability_margins("1/(s*(s + 1))", feedback=-1)
+    >>> found.gain_crossovers[0].square, found.delay_margin
+    (-1/2 + sqrt(5)/2, 1.15061414365604986842 ± 5.0e-21)
+    """
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
+    N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
+    if not (is_rational(N) and is_rational(D)):
+        raise InputError("margins need rational coefficients; substitute numbers for the symbols")
+    time = time_of(G.variable, "a margin")
+    if N.degree() > D.degree():
+        raise ImproperError(f"the loop {N.as_expr()} over {D.as_expr()} is improper")
+    size = int(D.degree())
+    closed = count_roots(closed_loop_of_pair(G, G_c, feedback), time=time)
+    opened = count_roots(D, time=time)
+    top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
+    through = squared(top, top)[0], squared(bottom, bottom)[0]
+    real, imaginary = squared(top, bottom)
+    if through[0] == through[1]:
+        raise InputError("|L| is 1 at all frequencies; a gain margin is not defined")
+    gain_crossovers = [
+        _gain_crossover(factor, index, value, top, bottom, time)
+        for factor, index, value in positive_roots(through[0] - through[1])
+    ]
+    phase_crossovers = []
+    if not imaginary.is_zero:
+        phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
+    cells = intervals_of_gains(G, G_c, feedback=feedback).intervals
+    around = next((cell for cell in cells if 1 in cell), None)
+    return StabilityMargins(
+        N, D, time, opened, closed, tuple(gain_crossovers), tuple(phase_crossovers), around
+    )
+
+
+def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
+    """Return real and imaginary part of N(jw) D(-jw), the latter over w, in x = w**2.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._margins import squared
+    >>> [p.as_expr() for p in squared(polynomial("s + 1"), polynomial("s + 2"))]
+    [x + 2, 1]
+    """
+    s = first.gen
+    even, odd = even_and_odd(first * second.compose(Poly(-s, s, domain=QQ)))
+
+    def at_minus_x(poly: Poly) -> Poly:
+        terms = {k: c * (-1) ** int(k[0]) for k, c in poly.terms()}
+        return Poly(terms, SQUARE, domain=QQ)
+
+    return at_minus_x(even), at_minus_x(odd)
+
+
+def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
+    """Return (irreducible factor, index among its real roots, value) of the positive roots.
+
+    Examples
+    --------
+    >>> from sympy import Poly
+    >>> from sympy.abc import x
+    >>> from compensator_theory.stability._margins import positive_roots
+    >>> [value for _, _, value in positive_roots(Poly(x**2 - 2, x, domain="QQ"))]
+    [sqrt(2)]
+    """
+    factors = [factor for factor, _ in poly.factor_list()[1]]
+    found = []
+    for factor in factors:
+        signs = signs_at_real_roots(Poly(factor.gen, factor.gen, domain=QQ), factor)
+        for index, root in enumerate(real_roots([factor])):
+            if signs[index] > 0:
+                found.append((root.enclosure.centre, factor, index, root.value))
+    return [(factor, index, value) for _, factor, index, value in sorted(found, key=lambda r: r[0])]
+
+
+def real_root_ball(factor: Poly, index: int, bits: int) -> flint.arb:
+    """Return a ball around a real root; inside of a block of that precision.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._margins import real_root_ball
+    >>> bool(real_root_ball(polynomial("x**2 - 2"), 1, 53) > 1)
+    True
+    """
+    real = [ball.real for ball, _ in root_balls(factor, bits) if ball.imag == 0]
+    return sorted(real, key=lambda ball: ball.mid())[index]
+
+
+def _value_at(poly: Poly, point: flint.acb) -> flint.acb:
+    return flint.acb_poly(to_flint_polynomial(poly))(point)
+
+
+def frequency_of(square: flint.arb, time: Time) -> flint.arb:
+    """Return the frequency whose square, or that of its tangent's half, is given.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.stability._margins import frequency_of
+    >>> frequency_of(flint.arb(4), "continuous")
+    2.00000000000000
+    """
+    root = square.sqrt()
+    return root if time == "continuous" else 2 * root.atan()
+
+
+GOAL = Rational(1, 10**30)
+
+
+def _gain_crossover(
+    factor: Poly, index: int, value: Expr, top: Poly, bottom: Poly, time: Time
+) -> GainCrossover:
+    bits = 160
+    while True:
+        with ball_precision(bits):
+            square = real_root_ball(factor, index, bits)
+            s = flint.acb(0, square.sqrt())
+            turned = -_value_at(top, s) / _value_at(bottom, s)
+            # the ball of an angle on the branch cut, where L = 1, would be the whole circle
+            margin = turned.arg() if turned.real > 0 or not turned.imag.contains(0) else None
+            if margin is None and turned.real < 0 and bits > 2000:
+                margin = flint.arb.pi()
+            if margin is not None and not margin.contains(0):
+                omega = frequency_of(square, time)
+                lag = margin if margin > 0 else margin + 2 * flint.arb.pi()
+                found = [enclosure_of_ball(x) for x in (omega, margin, lag / omega)]
+                if all(x.radius <= GOAL for x in found):
+                    return GainCrossover(value, *found)
+            elif margin is not None and bits > 2000:  # L = -1: a root on the boundary
+                omega = frequency_of(square, time)
+                zero = Enclosure(Rational(0), Rational(0))
+                return GainCrossover(value, enclosure_of_ball(omega), zero, zero)
+        bits *= 2
+
+
+def _phase_crossovers(
+    real: Poly, imaginary: Poly, below: Poly, size: int, time: Time
+) -> list[PhaseCrossover]:
+    zero = Enclosure(Rational(0), Rational(0))
+    found = []
+    at_zero, under = real.eval(0), below.eval(0)
+    if under != 0 and at_zero < 0:
+        factor = -under / at_zero
+        found.append(PhaseCrossover(Rational(0), zero, factor, Enclosure(factor, Rational(0))))
+    for factor, index, value in positive_roots(imaginary):
+        if below.rem(factor).is_zero:
+            continue  # a pole of L on the boundary
+        if real.rem(factor).is_zero:
+            continue  # a zero of L
+        if (crossover := _phase_crossover(factor, index, value, real, below, time)) is not None:
+            found.append(crossover)
+    last, least = (p.coeff_monomial(SQUARE**size) for p in (real, below))
+    if least != 0 and last < 0:
+        factor, edge = -least / last, None
+        if time == "discrete":
+            with ball_precision(160):
+                edge = enclosure_of_ball(flint.arb.pi())
+        found.append(PhaseCrossover(sympy.oo, edge, factor, Enclosure(factor, Rational(0))))
+    return found
+
+
+def _phase_crossover(
+    factor: Poly, index: int, value: Expr, real: Poly, below: Poly, time: Time
+) -> PhaseCrossover | None:
+    bits = 160
+    while True:
+        with ball_precision(bits):
+            square = real_root_ball(factor, index, bits)
+            above, under = (
+                flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
+            )
+            if above > 0:
+                return None
+            if above < 0:
+                gain = -under / above
+                found = [enclosure_of_ball(x) for x in (frequency_of(square, time), gain)]
+                if all(x.radius <= GOAL for x in found):
+                    return PhaseCrossover(
+                        value, found[0], -real_root_quotient(factor, value, below, real), found[1]
+                    )
+        bits *= 2
+
+
+def real_root_quotient(factor: Poly, value: Expr, top: Poly, bottom: Poly) -> Expr:
+    """Return a quotient at a root, as a polynomial in the root.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._margins import real_root_quotient
+    >>> real_root_quotient(polynomial("x**2 - 2"), sqrt(2), polynomial("x"), polynomial("x + 1"))
+    2 - sqrt(2)
+    """
+    quotient = (top * bottom.invert(factor)).rem(factor)
+    return sympy.expand(quotient.as_expr().subs(quotient.gen, value))

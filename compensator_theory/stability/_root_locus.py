@@ -1,0 +1,483 @@
+"""The root locus of a loop, exact: breaks, crossings, angles and asymptotes with their gains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+import sympy
+from sympy import QQ, Expr, Poly, Rational, Symbol
+
+from compensator_theory import figures
+from compensator_theory._latex import displayed, latex, words
+from compensator_theory._printing import text
+from compensator_theory._showing import picture_of
+from compensator_theory.errors import InputError
+from compensator_theory.loops._siso import LoopPart, read_loop
+from compensator_theory.matrices._certificates import Certified
+from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import Time, time_of
+from compensator_theory.roots._certified import Root, certified_roots, root_balls
+from compensator_theory.roots._counts import half_plane_image
+from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.stability._critical_values import real_roots
+from compensator_theory.stability._margins import (
+    frequency_of,
+    positive_roots,
+    real_root_ball,
+    real_root_quotient,
+    squared,
+)
+from compensator_theory.stability._stability_intervals import (
+    StabilityIntervals,
+    stability_intervals,
+)
+
+GAIN = Symbol("k")
+BITS = (128, 256, 512, 1024, 2048, 4096)
+
+
+@dataclass(frozen=True)
+class LocusBreak(ExactValue):
+    """A point at which branches meet: a multiple root of D + k N for a real gain.
+
+    Attributes
+    ----------
+    factor : sympy.Poly
+        Irreducible; the point is a root of it.
+    value : complex
+        The point, rounded; of two that are conjugate the one above the axis.
+    radius : float
+        Bound of its error.
+    order : int
+        How many branches meet.
+    gain : sympy.Expr
+        Real, exact: rational, in square roots, or a CRootOf.
+    """
+
+    factor: Poly
+    value: complex
+    radius: float
+    order: int
+    gain: Expr
+
+    def __str__(self) -> str:
+        place = f"{self.value.real:.6g}" if self.value.imag == 0 else f"{self.value:.6g}"
+        gain = text(self.gain)
+        if isinstance(self.gain, sympy.CRootOf):  # its own value sets mpmath's precision
+            gain = f"{float(self.gain.eval_rational(n=20)):.6g}"
+        return f"{self.order} branches meet at {place} for k = {gain}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(f"{latex(self.factor)} = 0", f"k = {latex(self.gain)}")
+
+
+@dataclass(frozen=True)
+class LocusCrossing(ExactValue):
+    r"""A point at which branches are on the boundary of stability.
+
+    Attributes
+    ----------
+    square : sympy.Expr
+        :math:`\omega^2`, exact, in discrete time :math:`\tan^2(\theta/2)`; 0 and oo included.
+    frequency : Enclosure or None
+        In rad/s, in discrete time rad/sample; None at infinity in continuous time.
+    gain : sympy.Expr
+        Exact.
+    gain_enclosure : Enclosure
+    """
+
+    square: Expr
+    frequency: Enclosure | None
+    gain: Expr
+    gain_enclosure: Enclosure
+
+    def __str__(self) -> str:
+        place = "infinity" if self.frequency is None else f"{float(self.frequency):.6g}"
+        return f"on the boundary at {place} for k = {float(self.gain_enclosure):.6g}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(rf"\omega^2 = {latex(self.square)}", f"k = {latex(self.gain)}")
+
+
+@dataclass(frozen=True)
+class LocusAngles(ExactValue):
+    """The directions of the branches at a pole or a zero, for small or large positive gains.
+
+    Attributes
+    ----------
+    at : Root
+        The pole that they leave, or the zero that they reach; of a pair the one above the axis.
+    angles : tuple of Enclosure
+        In rad, as many as the multiplicity.
+    """
+
+    at: Root
+    angles: tuple[Enclosure, ...]
+
+    def __str__(self) -> str:
+        degrees = ", ".join(f"{float(a) * 180 / float(sympy.pi):.6g}" for a in self.angles)
+        return f"at {self.at}: {degrees} degrees"
+
+    def _repr_latex_(self) -> str:
+        angles = [f"{float(a) * 180 / float(sympy.pi):.6g}^\\circ" for a in self.angles]
+        return displayed(latex(self.at), *angles)
+
+
+@dataclass(frozen=True)
+class RootLocus(Certified, ExactValue):
+    r"""The closed-loop roots of :math:`D + kN` as k goes through the real numbers.
+
+    Attributes
+    ----------
+    numerator, denominator : sympy.Poly
+        N and D without common factors; N has the sign of the feedback in it.
+    hidden : sympy.Poly
+        The common factor: roots that no gain moves.
+    breaks : tuple of LocusBreak
+        By ascending real part.
+    crossings : tuple of LocusCrossing, or None
+        By ascending frequency; None where D/N is real on the whole boundary of stability, as for
+        1/s**2, so that branches run along it and cross nowhere alone.
+    centroid : sympy.Expr or None
+        Where the asymptotes meet; None where no branch goes to infinity.
+    asymptotes, asymptotes_negative : tuple of sympy.Expr
+        Their angles in rad, for positive and for negative gains.
+    departures, arrivals : tuple of LocusAngles
+        At the poles and at the zeros, for positive gains.
+    """
+
+    identity = "N D' - N' D = 0 where branches meet, D + k N = 0 there if k is rational"
+
+    numerator: Poly
+    denominator: Poly
+    hidden: Poly
+    breaks: tuple[LocusBreak, ...]
+    crossings: tuple[LocusCrossing, ...] | None
+    centroid: Expr | None
+    asymptotes: tuple[Expr, ...]
+    asymptotes_negative: tuple[Expr, ...]
+    departures: tuple[LocusAngles, ...]
+    arrivals: tuple[LocusAngles, ...]
+
+    def _left_over(self) -> list[Poly]:
+        N, D = self.numerator, self.denominator
+        slope = N * D.diff() - N.diff() * D
+        rational = [point for point in self.breaks if point.gain.is_Rational]
+        return [
+            *(slope.rem(point.factor) for point in self.breaks),
+            *((D + N * point.gain).rem(point.factor) for point in rational),
+        ]
+
+    @property
+    def time(self) -> Time:
+        """The time domain that the variable s, z or q stands for."""
+        return time_of(self.denominator.gen, "the boundary of stability")
+
+    def at(self, gain: NumberLike) -> tuple[Root, ...]:
+        """Return the certified roots for one rational gain."""
+        value = exact_number(gain)
+        if not value.is_Rational:
+            raise InputError(f"the gain {value} must be a rational number")
+        return certified_roots(canonical(self.denominator + self.numerator * value))
+
+    @property
+    def stable(self) -> StabilityIntervals:
+        """The gains for which every root, the hidden ones counted, is stable."""
+        s = self.denominator.gen
+        both = self.denominator.as_expr() + GAIN * self.numerator.as_expr()
+        whole = sympy.expand(both * self.hidden.as_expr())
+        return stability_intervals(Poly(whole, s, domain=QQ[GAIN]), GAIN)
+
+    def plot(self, **options: Any) -> figures.Figure:
+        """Draw the branches for k > 0, the breaks and crossings with their gains, the asymptotes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where it is drawn instead of in a new figure.
+        width : float
+            Of the figure in inches, 6 by default; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window. The branches are those of python-control.
+
+        Raises
+        ------
+        InputError
+            If the figure is narrower than 3 inches, or `ax` is not one pair of axes.
+
+        Examples
+        --------
+        >>> from compensator_theory import root_locus
+        >>> locus = root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1)
+        >>> [note.get_text() for note in locus.plot().axes[0].texts]
+        ['k = 100', 'k = 64', 'k = 260']
+        """
+        return picture_of(self, **options)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{format_polynomial(self.denominator)} + k*({format_polynomial(self.numerator)})",
+            *map(str, self.breaks),
+            *map(str, self.crossings or ()),
+        ]
+        if self.crossings is None:
+            lines.append("branches run along the boundary of stability")
+        if self.centroid is not None:
+            angles = ", ".join(map(text, self.asymptotes))
+            lines.append(f"asymptotes from {text(self.centroid)} at the angles {angles}")
+        lines += [f"departure {angles}" for angles in self.departures if angles.at.value.imag]
+        lines += [f"arrival {angles}" for angles in self.arrivals if angles.at.value.imag]
+        return "\n".join(lines)
+
+    def _repr_latex_(self) -> str:
+        gain = "k" if self.numerator.is_one else f"k \\left({latex(self.numerator)}\\right)"
+        return displayed(
+            f"{latex(self.denominator)} + {gain}",
+            *(f"{words('break: ')} {latex(part)}" for part in self.breaks),
+            *(f"{words('crossing: ')} {latex(part)}" for part in self.crossings or ()),
+        )
+
+
+def root_locus(
+    plant: LoopPart,
+    compensator: LoopPart = 1,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
+) -> RootLocus:
+    r"""Find what characterises a root locus, exactly.
+
+    .. math:: D + kN = 0, \qquad \text{breaks: } N D' - N' D = 0, \; k = -D/N \in \mathbb{R}
+
+    Parameters
+    ----------
+    plant, compensator : transfer function
+        Proper, rational, in s, z or q; the locus is that of their product times a gain k.
+    feedback : {+1, -1}
+        The sign f: :math:`D D_c - f k N N_c`.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
+
+    Returns
+    -------
+    RootLocus
+
+    Raises
+    ------
+    InputError
+        If a coefficient is symbolic, the loop is improper or constant, or the variable says nothing
+        about time.
+
+    Notes
+    -----
+    The gain of a break is an algebraic number: its minimal polynomial is that of the matrix of
+    -D/N on the field of the point. Whether the gain of a complex point is real is decided by
+    comparison with the roots of that polynomial, which are isolated, and by no tolerance. Source:
+    W. R. Evans, Trans. AIEE 67 (1948) 547-551.
+
+    Examples
+    --------
+    >>> from compensator_theory import root_locus
+    >>> print(root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1))
+    s**4 + 8*s**3 + 36*s**2 + 80*s + k*(1)
+    2 branches meet at -2+2.44949j for k = 100
+    2 branches meet at -2 for k = 64
+    on the boundary at 0 for k = 0
+    on the boundary at 3.16228 for k = 260
+    asymptotes from -2 at the angles pi/4, 3*pi/4, 5*pi/4, 7*pi/4
+    departure at -2+4j: -90 degrees
+    """
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
+    N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
+    if not (is_rational(N) and is_rational(D)):
+        raise InputError("a locus needs rational coefficients; substitute numbers for the symbols")
+    if N.degree() > D.degree() or D.degree() == 0 or N.is_zero:
+        raise InputError(f"the loop {N.as_expr()} over {D.as_expr()} is improper or constant")
+    time = time_of(G.variable, "the boundary of stability")
+    ask("degree", 8 * int(D.degree()), "the root locus")
+    hidden = canonical(N.gcd(D))
+    N, D = canonical(N.exquo(hidden)), canonical(D.exquo(hidden))
+    if D.degree() == 0:
+        raise InputError("every pole of the loop is hidden, so that no root moves")
+    s = D.gen
+    crossings = _crossings(N, D, time)
+    excess = int(D.degree() - N.degree())
+    centroid, plus, minus = None, (), ()
+    if excess:
+        (n_1, n_0), (d_1, d_0) = (
+            (p.LC(), p.coeff_monomial(s ** (int(p.degree()) - 1)) if p.degree() else 0)
+            for p in (N, D)
+        )
+        centroid = sympy.cancel((n_0 / n_1 - d_0 / d_1) / excess)
+        odd = tuple((2 * i + 1) * sympy.pi / excess for i in range(excess))
+        even = tuple(2 * i * sympy.pi / excess for i in range(excess))
+        plus, minus = (odd, even) if n_1 / d_1 > 0 else (even, odd)
+    return RootLocus(
+        N, D, hidden, _breaks(N, D), crossings, centroid, plus, minus, _angles(D, N), _angles(N, D)
+    )
+
+
+def _breaks(N: Poly, D: Poly) -> tuple[LocusBreak, ...]:
+    W = N * D.diff() - N.diff() * D
+    found = []
+    for factor, power in W.factor_list()[1] if not W.is_zero else []:
+        if N.rem(factor).is_zero:
+            continue  # a multiple zero, where k is infinite
+        gain = (-D * N.invert(factor)).rem(factor)
+        minimal = _minimal_polynomial(gain, factor)
+        real = real_roots([minimal])
+        for bits in BITS:
+            with ball_precision(bits):
+                balls = [b for b, _ in root_balls(factor, bits) if not b.imag < 0]
+                values = root_balls(minimal, bits)
+                matched = [_matched(gain, ball, [v for v, _ in values]) for ball in balls]
+                if all(len(m) == 1 for m in matched):
+                    ascending = sorted((v for v, _ in values if v.imag == 0), key=_middle)
+                    for ball, (value,) in zip(balls, matched, strict=True):
+                        if value.imag == 0:
+                            index = next(
+                                i for i, v in enumerate(ascending) if v.real.overlaps(value.real)
+                            )
+                            found.append(_break(factor, ball, int(power) + 1, real[index].value))
+                    break
+        else:
+            raise InputError(f"the gains at the roots of {factor.as_expr()} lie too close together")
+    return tuple(sorted(found, key=lambda b: (b.value.real, -b.value.imag)))
+
+
+def _middle(ball: flint.acb) -> flint.arb:
+    return ball.real.mid()
+
+
+def _break(factor: Poly, ball: flint.acb, order: int, gain: Expr) -> LocusBreak:
+    imaginary = 0.0 if ball.imag == 0 else float(ball.imag.mid())
+    value = complex(float(ball.real.mid()), imaginary)
+    error = abs(ball - flint.acb(value.real, value.imag)).abs_upper()
+    return LocusBreak(canonical(factor), value, float(error) * (1 + 2**-50), order, gain)
+
+
+def _matched(gain: Poly, ball: flint.acb, values: list[flint.acb]) -> list[flint.acb]:
+    there = flint.acb_poly(to_flint_polynomial(gain))(ball)
+    return [value for value in values if value.overlaps(there)]
+
+
+def _minimal_polynomial(value: Poly, factor: Poly) -> Poly:
+    """Return that of an element of Q[s]/w: the irreducible factor of its norm."""
+    n = int(factor.degree())
+    modulus, entry = to_flint_polynomial(factor), to_flint_polynomial(value)
+    column, rows = entry % modulus, []
+    for _ in range(n):
+        rows.append([*column.coeffs(), *[0] * (n - column.length())])
+        column = column.left_shift(1) % modulus
+    found = flint.fmpq_mat(rows).charpoly()
+    whole = Poly([QQ(int(c.p), int(c.q)) for c in reversed(found.coeffs())], GAIN, domain=QQ)
+    ((irreducible, _),) = whole.factor_list()[1]
+    return irreducible
+
+
+def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None:
+    size = int(D.degree())
+    top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
+    real, imaginary = squared(bottom, top)
+    below = squared(top, top)[0]
+    if imaginary.is_zero:
+        return None
+    zero = Enclosure(Rational(0), Rational(0))
+    found = []
+    if below.eval(0) != 0:
+        gain = -real.eval(0) / below.eval(0)
+        found.append(LocusCrossing(Rational(0), zero, gain, Enclosure(gain, Rational(0))))
+    for factor, index, value in positive_roots(imaginary):
+        if below.rem(factor).is_zero:
+            continue  # a zero of the loop: an infinite gain
+        bits = 160
+        while True:
+            with ball_precision(bits):
+                square = real_root_ball(factor, index, bits)
+                above, under = (
+                    flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square)
+                    for p in (real, below)
+                )
+                if not under.contains(0):
+                    balls = [
+                        enclosure_of_ball(x) for x in (frequency_of(square, time), -above / under)
+                    ]
+                    if all(x.radius <= Rational(1, 10**30) for x in balls):
+                        break
+            bits *= 2
+        gain = -real_root_quotient(factor, value, real, below)
+        found.append(LocusCrossing(value, balls[0], gain, balls[1]))
+    last, least = (p.coeff_monomial(p.gen**size) for p in (real, below))
+    if least != 0:
+        gain, edge = -last / least, None
+        if time == "discrete":
+            with ball_precision(160):
+                edge = enclosure_of_ball(flint.arb.pi())
+        found.append(LocusCrossing(sympy.oo, edge, gain, Enclosure(gain, Rational(0))))
+    return tuple(found)
+
+
+def _angles(here: Poly, other: Poly) -> tuple[LocusAngles, ...]:
+    """Return the directions at the roots of one polynomial, for positive gains."""
+    found = []
+    for factor, multiplicity in here.factor_list()[1]:
+        m = int(multiplicity)
+        derivative = here
+        for _ in range(m):
+            derivative = derivative.diff()
+        for root in certified_roots(canonical(factor)):
+            if root.value.imag < 0:
+                continue
+            found.append(
+                LocusAngles(replaced(root, m), _directions(factor, root, derivative, other, m))
+            )
+    return tuple(sorted(found, key=lambda a: (a.at.value.real, a.at.value.imag)))
+
+
+def replaced(root: Root, multiplicity: int) -> Root:
+    """Return a root with another multiplicity.
+
+    Examples
+    --------
+    >>> from compensator_theory import certified_roots
+    >>> from compensator_theory.stability._root_locus import replaced
+    >>> print(replaced(certified_roots("s + 1")[0], 2))
+    -1 (multiplicity 2)
+    """
+    return Root(root.value, root.radius, multiplicity, root.is_real)
+
+
+def _directions(
+    factor: Poly, root: Root, derivative: Poly, other: Poly, m: int
+) -> tuple[Enclosure, ...]:
+    for bits in BITS:
+        with ball_precision(bits):
+            near = flint.acb(root.value.real, root.value.imag)
+            reach = flint.arb(root.radius) * 2 + flint.arb(2) ** -1000
+            (ball,) = (b for b, _ in root_balls(factor, bits) if not abs(b - near) > reach)
+            slope, value = (
+                flint.acb_poly(to_flint_polynomial(p))(ball) for p in (derivative, other)
+            )
+            step = -value / slope
+            if step.real < 0 and step.imag.contains(0):
+                if not (root.is_real or bits >= BITS[-1]):
+                    continue
+                angle = flint.arb.pi() if root.is_real else flint.arb.pi() + (-step).arg()
+            else:
+                angle = step.arg()
+            turns = [(angle + 2 * flint.arb.pi() * i) / m for i in range(m)]
+            balls = [enclosure_of_ball(turn) for turn in turns]
+            if all(b.radius <= Rational(1, 10**15) for b in balls):
+                return tuple(balls)
+    raise InputError(f"the direction at {root} lies too close to the negative axis to tell")

@@ -1,0 +1,154 @@
+"""Everything that describes a plant or a compensator, to an exact realisation."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from sympy import Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._exact_matrices import MatrixLike
+from compensator_theory.matrices._flint_matrices import of_rows
+from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._generic_answers import holds_where_defined
+from compensator_theory.polynomials._numbers import NumberLike
+from compensator_theory.polynomials._reading import is_one_of
+from compensator_theory.polynomials._variables import as_symbol, time_of
+from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems._descriptor_systems import DescriptorSystem
+from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
+from compensator_theory.systems._realisations import Realisation, of_bare_matrices
+from compensator_theory.systems._sample_times import sampled_every
+from compensator_theory.systems._state_space import controllable_canonical_form
+from compensator_theory.systems._transfer_functions import TransferFunction
+
+RealisationLike: TypeAlias = Realisation | TransferFunctionLike
+"""What :func:`realisation` reads."""
+
+
+@holds_where_defined
+def realisation(
+    obj: RealisationLike,
+    variable: str | Symbol | None = None,
+    *,
+    form: Literal["controllable", "observable"] = "controllable",
+    sample_time: NumberLike | None = None,
+) -> Realisation:
+    r"""Make an exact realisation out of matrices, a transfer function or a python-control system.
+
+    .. math:: G = C(sI - A)^{-1}B + D
+
+    Parameters
+    ----------
+    obj : Realisation, (A, B, C), (A, B, C, D), python-control system or transfer function
+        A transfer function, anything :func:`transfer_function` reads, is realised in canonical
+        form with its common factors; a state-space system keeps its basis.
+    variable : str or Symbol, optional
+        Default: that of the transfer function; bare matrices need it, since they do not show the
+        time domain.
+    form : {"controllable", "observable"}
+        Which canonical form: a common factor is unobservable in the first, uncontrollable in the
+        second.
+    sample_time : number, optional
+        As for :func:`transfer_function`.
+
+    Returns
+    -------
+    Realisation
+
+    Raises
+    ------
+    InputError, ImproperError
+        If the description cannot be read, or the transfer function is improper.
+
+    Notes
+    -----
+    Source: (7.26), (7.29).
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> realisation("4/(s**2 + 4*s + 3)", form="observable").A
+    Matrix([
+    [0, -3],
+    [1, -4]])
+    """
+    if not is_one_of(form, ("controllable", "observable")):
+        raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
+    found = _read(obj, variable, form)
+    return found if sample_time is None else sampled_every(found, sample_time)
+
+
+def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Realisation:
+    if isinstance(obj, Realisation):
+        if variable is not None and as_symbol(variable) != obj.variable:
+            raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
+        return obj
+    if isinstance(obj, DescriptorSystem):
+        return _read(obj.realisation(), variable, form)
+    if isinstance(obj, tuple | list) and len(obj) in (3, 4):
+        return of_bare_matrices(obj, variable)
+    if is_foreign(obj):
+        found = contents_of(obj, variable)
+        if isinstance(found, Matrices):
+            return Realisation(
+                found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
+            )
+    return _canonical(obj, variable, form)
+
+
+def timed_realisation(
+    obj: RealisationLike, variable: str | Symbol | None, what: str
+) -> Realisation:
+    """Read a realisation for a question whose answer depends on time, which is never guessed.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._canonical_forms import timed_realisation
+    >>> timed_realisation(([[0]], [[1]], [[1]]), "z", "a Gramian").variable
+    z
+    """
+    bare = isinstance(obj, tuple | list) and len(obj) in (3, 4)
+    if bare and variable is None:
+        raise InputError(
+            f"{what} depends on the time domain, which matrices do not show; write variable='s' "
+            "for continuous time, 'z' or 'q' for discrete time"
+        )
+    found = realisation(obj, variable)
+    time_of(found.variable, what)
+    return found
+
+
+def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:
+    G = transfer_function(obj, variable)
+    A, B, C, D = controllable_canonical_form(G)
+    if form == "observable":
+        A, B, C = A.T, C.T, B.T
+    return verified_realisation(A, B, C, D, G)
+
+
+def verified_realisation(
+    A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike, G: TransferFunction
+) -> Realisation:
+    """Return the realisation of a transfer function, whose transfer function was compared with it.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems._canonical_forms import verified_realisation
+    >>> found = verified_realisation([[0]], [[1]], [[2]], [[0]], transfer_function("2/s"))
+    >>> print(found.certificate)
+    C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
+    """
+    s = G.variable
+    found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
+    back = found.transfer_function()
+    left = back.numerator - G.numerator, back.denominator - G.denominator
+    residual = of_rows([[p.as_expr() if p else 0 for p in left]], (1, 2))
+    identity = f"C adj({s.name}I - A) B + D det({s.name}I - A) = N, det({s.name}I - A) = D"
+    certificate = Certificate(identity, residual)
+    if not certificate.holds:
+        raise InputError(f"{certificate}: these matrices do not realise {G}")
+    object.__setattr__(found, "certificate", certificate)  # reading the matrices again is slow
+    return found

@@ -1,0 +1,215 @@
+"""Systems of python-control, SciPy and SymPy: what they hold, or why they cannot be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeAlias
+
+from sympy import Rational, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._numbers import exact_number
+from compensator_theory.polynomials._variables import CONTINUOUS, DISCRETE, as_symbol
+
+
+class HasFraction(Protocol):
+    """A transfer function of python-control, SciPy or SymPy."""
+
+    num: Any
+    den: Any
+
+
+class HasMatrices(Protocol):
+    """A state space of python-control, SciPy or SymPy."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any
+
+
+ForeignSystem: TypeAlias = HasFraction | HasMatrices
+"""What these packages call a system; others of their classes are refused by name."""
+
+_PACKAGES = ("control", "scipy", "sympy.physics.control")
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """Numerator and denominator, anything :func:`polynomial` reads."""
+
+    numerator: Any
+    denominator: Any
+    variable: Symbol
+    sample_time: Rational | None = None
+
+
+@dataclass(frozen=True)
+class ZerosAndPoles:
+    """Roots and the leading coefficient."""
+
+    zeros: Iterable[Any]
+    poles: Iterable[Any]
+    gain: Any
+    variable: Symbol
+    sample_time: Rational | None = None
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """A realisation, entries anything :func:`exact_number` reads."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any
+    variable: Symbol
+    sample_time: Rational | None = None
+
+
+Contents: TypeAlias = Fraction | ZerosAndPoles | Matrices
+
+
+def is_foreign(obj: object) -> bool:
+    """Tell whether an object comes from a package that describes systems.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems._foreign import is_foreign
+    >>> is_foreign(control.tf([1], [1, 2])), is_foreign("1/s")
+    (True, False)
+    """
+    module = type(obj).__module__ or ""  # classes that SymPy makes at run time have none
+    return any(module == name or module.startswith(f"{name}.") for name in _PACKAGES)
+
+
+def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
+    """Return what a foreign system holds.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems._foreign import contents_of
+    >>> contents_of(control.tf([1], [1, 2]), None).variable
+    s
+    """
+    if type(system).__module__.startswith("sympy"):
+        try:
+            return _of_sympy(system, variable)
+        except InputError:
+            raise
+        except (AttributeError, TypeError, ValueError) as error:  # SymPy joins not all it can write
+            raise InputError(
+                f"SymPy cannot join the parts of this {type(system).__name__}: {error}; join "
+                "transfer functions only"
+            ) from error
+    return replace(_of_numbers(system, variable), sample_time=sample_time_of(system))
+
+
+def sample_time_of(system: Any) -> Rational | None:
+    """Return the sample time of a foreign system in seconds; None where it has none.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems._foreign import sample_time_of
+    >>> sample_time_of(control.tf([1], [1, 2], 0.01)), sample_time_of(control.tf([1], [1, 2], True))
+    (1/100, None)
+    """
+    period = getattr(system, "dt", None)
+    if period is None or isinstance(period, bool) or not period > 0:
+        return None
+    found: Rational = exact_number(float(period))
+    return found
+
+
+def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:
+    if all(hasattr(system, name) for name in "ABCD"):
+        return Matrices(system.A, system.B, system.C, system.D, _variable(system, variable))
+    if hasattr(system, "gain") and hasattr(system, "zeros"):
+        symbol = _variable(system, variable)
+        return ZerosAndPoles(list(system.zeros), list(system.poles), system.gain, symbol)
+    if not (hasattr(system, "num") and hasattr(system, "den")):
+        raise InputError(
+            f"a {type(system).__name__} has no rational transfer function; give a transfer "
+            "function or a linear state space"
+        )
+    symbol = _variable(system, variable)
+    if type(system).__module__.startswith("scipy"):
+        numerator = system.num
+        if getattr(numerator, "ndim", 1) > 1 and len(numerator) != 1:
+            _refuse_several(system, len(numerator), 1)
+        return Fraction([float(c) for c in numerator.flat], [float(c) for c in system.den], symbol)
+    if (system.ninputs, system.noutputs) != (1, 1):
+        _refuse_several(system, system.noutputs, system.ninputs)
+    return Fraction(list(system.num[0][0]), list(system.den[0][0]), symbol)
+
+
+def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
+    name = type(system).__name__
+    if name == "StateSpace":
+        symbol = as_symbol("s" if variable is None else variable)
+        return Matrices(system.A, system.B, system.C, system.D, symbol)
+    if (system.num_inputs, system.num_outputs) != (1, 1):
+        _refuse_several(system, system.num_outputs, system.num_inputs)
+    joined = joined_of(system)
+    if type(joined).__name__ == "TransferFunctionMatrix":
+        joined = joined[0, 0]
+        joined = joined if type(joined).__name__ == "TransferFunction" else joined.doit()
+    if type(joined).__name__ == "StateSpace":
+        return _of_sympy(joined, variable)
+    if not (hasattr(joined, "num") and hasattr(joined, "den")):
+        raise InputError(f"a {name} of SymPy has no rational transfer function that is read here")
+    own = joined.var
+    if variable is not None and as_symbol(variable) != own:
+        raise InputError(f"the system is written in {own}, not in {variable}")
+    return Fraction(joined.num, joined.den, own)
+
+
+def joined_of(system: Any) -> Any:
+    """Return what a Series, Parallel or Feedback of SymPy amounts to.
+
+    SymPy 1.14 keeps in the class whether a connection holds a StateSpace, so that one answers for
+    the connection that was made last: each is made again just before it is asked.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from sympy.physics.control import Series, TransferFunction
+    >>> from compensator_theory.systems._foreign import joined_of
+    >>> joined_of(Series(TransferFunction(1, s, s), TransferFunction(2, s + 1, s)))
+    TransferFunction(2, s*(s + 1), s)
+    """
+    name = type(system).__name__
+    if name in ("TransferFunction", "StateSpace", "TransferFunctionMatrix"):
+        return system
+    parts = [joined_of(p) if hasattr(p, "num_inputs") else p for p in system.args]
+    return system.func(*parts).doit()
+
+
+def _variable(system: Any, variable: str | Symbol | None) -> Symbol:
+    """The variable that was named, or evident; the time base of the system has to agree."""
+    of_scipy, dt = type(system).__module__.startswith("scipy"), system.dt
+    if dt is None and not of_scipy:
+        if variable is None:
+            raise InputError("the system's time base is unspecified; name the variable, 's' or 'z'")
+        return as_symbol(variable)
+    continuous = dt is None or (dt == 0 and dt is not False)
+    if variable is None:
+        return Symbol("s" if continuous else "z")
+    symbol, letters = as_symbol(variable), CONTINUOUS if continuous else DISCRETE
+    if symbol.name not in letters:
+        raise InputError(
+            f"the system is in {'continuous' if continuous else 'discrete'} time (dt = {dt}), so "
+            f"that its variable is {' or '.join(letters)}, not {symbol}; leave variable out"
+        )
+    return symbol
+
+
+def _refuse_several(system: Any, outputs: int, inputs: int) -> None:
+    raise InputError(
+        f"this {type(system).__name__} has {inputs} inputs and {outputs} outputs; pick one of "
+        "each, as in system[0, 0]"
+    )

@@ -1,0 +1,208 @@
+"""The time domain that a system carries, with its sample time, and what may be joined."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Self, TypeVar
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Rational, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._substitution import with_values
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import DISCRETE, Time, is_operator, time_of
+
+if TYPE_CHECKING:
+    import control
+
+
+class System(ExactValue):
+    """What every system carries into whatever is made of it: variable, time, sample time.
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> G = realisation("1/(z - 1)", sample_time=0.1)
+    >>> G.time, G.sample_time, (G @ G).transfer_function().sample_time
+    ('discrete', 1/10, 1/10)
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def variable(self) -> Symbol:
+            """Of its transfer functions."""
+
+        @property
+        def sample_time(self) -> Rational | None:
+            """In seconds; None where it is not known, and in continuous time."""
+
+    @classmethod
+    def _of_canonical(cls, **fields: Any) -> Self:
+        """Return one of fields in canonical form, denominators monic: none is looked at again."""
+        found = object.__new__(cls)
+        vars(found).update(fields)
+        return found
+
+    @property
+    def time(self) -> Time | None:
+        """The time domain: continuous in s, discrete in z and q; None in other variables."""
+        return time_of(self.variable, "time") if is_operator(self.variable) else None
+
+    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> Self:
+        """Give values, numbers or expressions, to symbols of the coefficients, all at once.
+
+        Raises
+        ------
+        InputError
+            If a coefficient has no value there, a name is that of the variable, or a symbol does
+            not occur.
+        """
+        return with_values(self, values, self.variable)
+
+
+Timed = TypeVar("Timed", bound=System)
+
+
+def period_in(variable: Symbol, sample_time: NumberLike | None) -> Rational | None:
+    """The sample time of a system, read; only discrete time has one.
+
+    Examples
+    --------
+    >>> from sympy.abc import z
+    >>> from compensator_theory.systems._sample_times import period_in
+    >>> period_in(z, 0.1)
+    1/10
+    """
+    if sample_time is None:
+        return None
+    period = exact_number(sample_time)
+    if not (isinstance(period, Rational) and period > 0):
+        raise InputError(f"sample_time = {shown(sample_time)} is no positive number of seconds")
+    if variable.name not in DISCRETE:
+        raise InputError(
+            f"a system in {variable} has no sample time, and {period} s was given; write it in z "
+            "or q, or leave sample_time out"
+        )
+    return period
+
+
+def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
+    """The system with the sample time that was named; one that it has already has to agree.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems._sample_times import sampled_every
+    >>> sampled_every(transfer_function("1/z"), 0.1).sample_time
+    1/10
+    """
+    period = period_in(system.variable, sample_time)
+    if period is None or system.sample_time == period:
+        return system
+    if system.sample_time is not None:
+        raise InputError(
+            f"the system is sampled every {system.sample_time} s, not every {period} s; resample it"
+        )
+    return replace(system, sample_time=period)  # type: ignore[type-var]
+
+
+def shared_sample_time(*systems: Any) -> Rational | None:
+    """The sample time of what is joined, in seconds; None where none of them has one.
+
+    What has no sample time, a number or a transfer function that was written down, takes on that of
+    the others.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems._sample_times import shared_sample_time
+    >>> shared_sample_time(transfer_function(control.tf([1], [1, -1], 0.01)), "1/(z - 2)")
+    1/100
+    """
+    found = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}
+    if len(found) > 1:
+        raise InputError(
+            f"systems sampled every {' and '.join(f'{t} s' for t in sorted(found))} cannot be "
+            "joined; resample one of them"
+        )
+    return found.pop() if found else None
+
+
+def time_base(
+    variable: Symbol, sample_time: Rational | None, dt: float | bool | None = None
+) -> float | bool:
+    """What python-control calls dt: seconds, 0 in continuous time, True where no one knows.
+
+    Examples
+    --------
+    >>> from sympy import Rational
+    >>> from sympy.abc import s, z
+    >>> from compensator_theory.systems._sample_times import time_base
+    >>> time_base(s, None), time_base(z, None), time_base(z, Rational(1, 100))
+    (0, True, 0.01)
+    """
+    if dt is not None:
+        return dt
+    if sample_time is not None:
+        return to_float(sample_time)
+    known: dict[str, float | bool] = {"s": 0, "z": True, "q": True}
+    if variable.name not in known:
+        raise InputError(f"say what {variable} means: dt=0 or a sample time")
+    return known[variable.name]
+
+
+def control_state_space(
+    A: ImmutableMatrix, B: ImmutableMatrix, C: ImmutableMatrix, D: ImmutableMatrix,
+    dt: float | bool,
+) -> control.StateSpace:  # fmt: skip
+    """The state space of python-control, every entry rounded once to float64.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix as M
+    >>> from compensator_theory.systems._sample_times import control_state_space
+    >>> control_state_space(*(M([[k]]) for k in range(4)), 0.01).dt
+    0.01
+    """
+    import control  # slow to import, and only needed here
+
+    symbols = set().union(*(m.free_symbols for m in (A, B, C, D)))
+    if symbols:
+        raise InputError(f"substitute numbers for {sorted(map(str, symbols))} first")
+    matrices = (A, B, C, D)
+    rounded = [[[_entry(e) for e in row] for row in m.tolist()] if m else [] for m in matrices]
+    return control.StateSpace(*rounded, dt)
+
+
+def to_float(value: Expr) -> float:
+    """A rational number, rounded once to float64.
+
+    Examples
+    --------
+    >>> from sympy import Rational
+    >>> from compensator_theory.systems._sample_times import to_float
+    >>> to_float(Rational(1, 10))
+    0.1
+    """
+    number = sympy.sympify(value)
+    if not isinstance(number, Rational):
+        raise InputError(
+            f"the coefficient {quoted(number)} is not a rational number; substitute numbers"
+        )
+    try:
+        return int(number.p) / int(number.q)
+    except OverflowError as error:
+        raise InputError(
+            f"the coefficient {quoted(number)} exceeds the range of float64"
+        ) from error
+
+
+def _entry(value: Expr) -> float:
+    """A number of a matrix, which may be irrational."""
+    return to_float(value) if isinstance(value, Rational) else float(value)

@@ -1,0 +1,191 @@
+"""Exact realisations and the transfer matrices they realise."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import flint
+import sympy
+from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.matrices._certificates import Certificate, proven
+from compensator_theory.matrices._flint_matrices import (
+    from_flint,
+    of_rows,
+    rational_in_flint,
+    zero_matrix,
+)
+from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials._poly import canonical, from_coefficients, scaled
+from compensator_theory.systems._transfer_functions import (
+    TransferFunction,
+    require_proper,
+)
+from compensator_theory.systems._transfer_matrices import TransferMatrix
+
+IDENTITY = "adj({0}I - A) B by ({0}I - A) adj({0}I - A) B = det({0}I - A) B"
+
+
+def transfer_matrix_of_realisation(
+    A: Matrix,
+    B: Matrix,
+    C: Matrix,
+    D: Matrix,
+    variable: Symbol,
+    sample_time: Rational | None = None,
+) -> TransferMatrix:
+    r"""Return the transfer matrix over the unreduced characteristic polynomial.
+
+    .. math:: G = \frac{C\,\mathrm{adj}(qI - A)\,B + D\det(qI - A)}{\det(qI - A)}
+
+    Parameters
+    ----------
+    A, B, C, D : sympy.Matrix
+        Exact, of shapes n x n, n x m, p x n, p x m; n may be 0.
+    variable : Symbol
+        The operator or transform variable.
+    sample_time : Rational, optional
+        In seconds.
+
+    Returns
+    -------
+    TransferMatrix
+        p x m, of order n, with its certificate.
+
+    Notes
+    -----
+    The adjugate is never formed: with :math:`\det(qI-A) = \sum_k c_k q^k` the coefficients of
+    :math:`\mathrm{adj}(qI-A)B` are :math:`V_1 = B`, :math:`V_{j+1} = A V_j + c_{n-j} B`
+    (Faddeev and LeVerrier), and :math:`V_{n+1} = 0` proves
+    :math:`(qI - A)\,\mathrm{adj}(qI-A)B = \det(qI-A)B` for all q. That is the certificate of the
+    result. Source: (2.6), (2.7).
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, q
+    >>> from compensator_theory.systems._state_space import transfer_matrix_of_realisation
+    >>> G = transfer_matrix_of_realisation(Matrix([[a]]), Matrix([1]), Matrix([2]), Matrix([0]), q)
+    >>> print(G.scalar())
+    (2)/(q - a)
+    """
+    found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
+    entries, denominator, residual = found
+    certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
+    return TransferMatrix._of_canonical(
+        numerators=entries,
+        denominator=denominator,
+        certificate=certificate,
+        sample_time=sample_time,
+    )
+
+
+Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
+"""Numerators, denominator, and what is left of the identity."""
+
+
+def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
+    """Rational matrices: nothing is written in SymPy before the end."""
+    a, b, c, d = map(rational_in_flint, (A, B, C, D))
+    if a is None or b is None or c is None or d is None or not A.rows:
+        return None
+    (whole, below), (into, below_b), (out, below_c) = (m.numer_denom() for m in (a, b, c))
+    n, characteristic = A.rows, whole.charpoly()  # of below A, so that all numbers are integers
+    v, responses = into, []
+    for power in range(1, n + 1):
+        responses.append((out * v).entries())
+        v = whole * v + into * characteristic[n - power]
+    denominator = _spread(characteristic.coeffs(), below, n)
+    scale = flint.fmpq(1, below_b * below_c * below ** (n - 1))
+    rows = tuple(
+        tuple(
+            from_flint_polynomial(
+                _spread([m[k] for m in reversed(responses)], below, 0) * scale
+                + (denominator * direct if (direct := d[i, j]) else 0),
+                variable,
+            )
+            for j, k in enumerate(range(i * D.cols, (i + 1) * D.cols))
+        )
+        for i in range(D.rows)
+    )
+    return rows, from_flint_polynomial(denominator, variable), from_flint(flint.fmpq_mat(v))
+
+
+def _spread(ascending: list[flint.fmpz], below: flint.fmpz, power: int) -> flint.fmpq_poly:
+    """Return the polynomial in s of one in s times `below`, over a power of `below`."""
+    if below != 1:
+        ascending = [c * below**k for k, c in enumerate(ascending)]
+    return flint.fmpq_poly(ascending) / below**power
+
+
+def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
+    denominator = characteristic_polynomial(A, variable)
+    descending = denominator.all_coeffs()
+    coefficients = [D * c for c in descending]
+    a, b, c = DomainMatrix.from_Matrix(A).unify(
+        DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
+    )
+    scalars = [b.domain.from_sympy(sympy.sympify(k)) for k in descending]
+    v = b
+    for power in range(1, A.rows + 1):
+        coefficients[power] += (c * v).to_Matrix()
+        v = a * v + b * scalars[power]
+    residual = ImmutableMatrix(v.to_Matrix()) if A.rows else zero_matrix(0, B.cols)
+    rows = tuple(
+        tuple(
+            from_coefficients([matrix[row, column] for matrix in coefficients], variable)
+            for column in range(D.cols)
+        )
+        for row in range(D.rows)
+    )
+    return rows, denominator, residual
+
+
+def controllable_canonical_form(
+    G: TransferFunction,
+) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
+    r"""Realise a proper transfer function, common factors included.
+
+    .. math:: A = \begin{bmatrix} 0 & I \\ -D_0 & \cdots\ -D_{n-1} \end{bmatrix}, \quad
+              B = \begin{bmatrix} 0 \\ 1 \end{bmatrix}
+
+    Parameters
+    ----------
+    G : TransferFunction
+        Proper, of order n.
+
+    Returns
+    -------
+    tuple of sympy.ImmutableMatrix
+        (A, B, C, D) with :math:`G = C(qI - A)^{-1}B + D` and :math:`\det(qI - A) = D(q)`.
+
+    Notes
+    -----
+    Source: (7.26).
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems._state_space import controllable_canonical_form
+    >>> controllable_canonical_form(transfer_function("(s + 3)/(s**2 + 2*s)"))[0]
+    Matrix([
+    [0,  1],
+    [0, -2]])
+    """
+    require_proper(G, "plant")
+    n = G.order
+    bottom = G.denominator.all_coeffs()
+    top = G.numerator.all_coeffs()
+    direct = top[0] if len(top) > n else sympy.Integer(0)
+    if direct != 0:
+        top = canonical(G.numerator - scaled(G.denominator, direct)).all_coeffs()
+    shift = [[int(column == row + 1) for column in range(n)] for row in range(n - 1)]
+    last = [-c for c in reversed(bottom[1:])]
+    return (
+        of_rows([*shift, last] if n else [], (n, n)),
+        of_rows([[int(row == n - 1)] for row in range(n)], (n, 1)),
+        of_rows([[*reversed(top), *[0] * (n - len(top))][:n]], (1, n)),
+        of_rows([[direct]], (1, 1)),
+    )

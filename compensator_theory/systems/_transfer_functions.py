@@ -1,0 +1,522 @@
+"""Exact SISO transfer functions that keep the common factors they were given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias, cast
+
+import sympy
+from sympy import Expr, Poly, Rational, Symbol
+from sympy.printing.pretty.stringpict import prettyForm
+
+from compensator_theory._latex import displayed, fraction
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.polynomials._budget import ask, is_integer, quoted, shown
+from compensator_theory.polynomials._expressions import read_text
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import (
+    canonical,
+    common_divisor,
+    exact_quotient,
+    monic,
+    over_one_field,
+    product,
+    scaled,
+    sides_in,
+    total,
+)
+from compensator_theory.polynomials._quotients import Quotient, multiplied_out
+from compensator_theory.polynomials._reading import polynomial
+from compensator_theory.polynomials._sympy_trees import tree_of
+from compensator_theory.polynomials._variables import (
+    as_symbol,
+    evident_variable,
+    require_no_other_operator,
+)
+from compensator_theory.roots._certified import Root, certified_roots
+from compensator_theory.systems._sample_times import (
+    System,
+    period_in,
+    shared_sample_time,
+    time_base,
+    to_float,
+)
+
+if TYPE_CHECKING:
+    import control
+    from sympy.physics.control import TransferFunction as SympyTransferFunction
+
+Sides: TypeAlias = tuple[Poly, Poly]
+Operand: TypeAlias = "TransferFunction | NumberLike | Poly"
+"""What stands beside a transfer function in a sum or a product."""
+
+
+@dataclass(frozen=True, repr=False)
+class TransferFunction(System):
+    r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
+
+    .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0
+
+    Parameters
+    ----------
+    numerator, denominator : sympy.Poly
+        In the same variable. Both are divided by the leading coefficient of the denominator,
+        which, if symbolic, is taken to be nonzero.
+    certificate : Certificate, optional
+        Where it was converted from a realisation: the identity that was checked.
+    feedback : {+1, -1}, optional
+        Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
+        refuse another one.
+    sample_time : number, optional
+        In seconds, for z and q alone; whatever is made of the system keeps it.
+
+    Raises
+    ------
+    InputError
+        If the denominator is zero or the variables differ.
+
+    Notes
+    -----
+    A factor that `numerator` and `denominator` share is part of the data: it is a mode of the plant
+    that no compensator moves. :meth:`common_factor` finds it, :meth:`reduced` removes it. With
+    symbolic coefficients every statement is about generic values of the symbols, and a predicate
+    that depends on the values is None.
+
+    The operators + - * / ** follow the rules of a text: a sum over one denominator keeps it, a sum
+    over two different ones is over their product, a product multiplies numerators and denominators,
+    and nothing cancels. So G - G is 0 over the denominator of G, and G/G is N D over D N. A sample
+    time is kept, and two different ones are refused.
+
+    Source: (2.10), (2.12), (7.32), (7.33).
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> G = transfer_function("2*(s + 1)/((s + 1)*(2*s + 4))")
+    >>> print(G)
+    (s + 1)/(s**2 + 3*s + 2)
+    >>> G.order, G.common_factor(), str(G.reduced())
+    (2, Poly(s + 1, s, domain='QQ'), '(1)/(s + 2)')
+    >>> G = transfer_function("1/(s + 1)")
+    >>> print(G + 2, G * G, G**-2 / "s + a", sep=", ")
+    (2*s + 3)/(s + 1), (1)/(s**2 + 2*s + 1), (s**2 + 2*s + 1)/(s + a)
+    >>> import sympy
+    >>> sympy.simplify(G), sympy.limit(G, "s", 0)  # SymPy's functions take it as an expression
+    (1/(s + 1), 1)
+    >>> G = transfer_function("1/(s + a)", "s")
+    >>> print(G(1), G.subs({"a": 2}), G.subs({"a": 1}).compose("(z - 1)/(z + 1)"), sep=", ")
+    1/(a + 1), (1)/(s + 2), (z/2 + 1/2)/(z)
+    """
+
+    numerator: Poly
+    denominator: Poly
+    certificate: Certificate | None = field(default=None, compare=False)
+    feedback: int | None = field(default=None, compare=False)
+    sample_time: Rational | None = None
+
+    def __post_init__(self) -> None:
+        numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
+        if numerator.gen != denominator.gen:
+            raise InputError(
+                f"the numerator is a polynomial in {numerator.gen} and the denominator in "
+                f"{denominator.gen}; they need the same variable"
+            )
+        if denominator.is_zero:
+            raise InputError(f"the denominator of {quoted(numerator)} over 0 is zero")
+        leading = denominator.LC()
+        if leading != 1:
+            numerator, denominator = scaled(numerator, 1 / leading), monic(denominator)
+        object.__setattr__(self, "numerator", numerator)
+        object.__setattr__(self, "denominator", denominator)
+        object.__setattr__(self, "sample_time", period_in(denominator.gen, self.sample_time))
+
+    @property
+    def variable(self) -> Symbol:
+        """Variable of numerator and denominator."""
+        return self.denominator.gen
+
+    @property
+    def characteristic_polynomial(self) -> Poly:
+        """The denominator: its roots are the poles, with those that the numerator cancels."""
+        return self.denominator
+
+    @property
+    def order(self) -> int:
+        """Degree of the (unreduced) denominator."""
+        return int(self.denominator.degree())
+
+    @property
+    def relative_degree(self) -> int:
+        """Degree of the denominator minus degree of the numerator; InputError if G = 0."""
+        if self.numerator.is_zero:
+            raise InputError("the transfer function 0 has no relative degree")
+        return self.order - int(self.numerator.degree())
+
+    @property
+    def leading_coefficient(self) -> Expr:
+        """Leading coefficient of the numerator over the monic denominator, 0 if G = 0."""
+        return self.numerator.LC()
+
+    @property
+    def is_proper(self) -> bool | None:
+        """Whether deg N <= deg D; None if that depends on the value of a symbol."""
+        return self._degree_excess_at_most(0)
+
+    @property
+    def is_strictly_proper(self) -> bool | None:
+        """Whether deg N < deg D; None if that depends on the value of a symbol."""
+        return self._degree_excess_at_most(-1)
+
+    @property
+    def is_coprime(self) -> bool | None:
+        """Whether N and D share no root; None if that depends on the value of a symbol."""
+        if self.common_factor().degree() > 0:
+            return False
+        if self.numerator.domain.is_QQ and self.denominator.domain.is_QQ:
+            return True
+        top, bottom = over_one_field(self.numerator, self.denominator)
+        resultant = sympy.sympify(top.resultant(bottom))
+        known: bool | None = resultant.is_nonzero
+        return known
+
+    def common_factor(self) -> Poly:
+        """Return the monic greatest common divisor of numerator and denominator."""
+        return common_divisor(self.numerator, self.denominator)
+
+    def reduced(self) -> TransferFunction:
+        """Return the same transfer function without its common factor."""
+        factor = self.common_factor()
+        return TransferFunction(
+            exact_quotient(self.numerator, factor),
+            exact_quotient(self.denominator, factor),
+            feedback=self.feedback,
+            sample_time=self.sample_time,
+        )
+
+    def zeros(self) -> tuple[Root, ...]:
+        """Return the certified roots of the numerator."""
+        return certified_roots(self.numerator)
+
+    def poles(self) -> tuple[Root, ...]:
+        """Return the certified roots of the unreduced denominator."""
+        return certified_roots(self.denominator)
+
+    def as_expr(self) -> Expr:
+        """Return a SymPy expression; SymPy may cancel factors in it."""
+        return self.numerator.as_expr() / self.denominator.as_expr()
+
+    def evalf(self, digits: int = 15) -> Expr:
+        """Return a SymPy expression with floats of so many digits, to look at.
+
+        Examples
+        --------
+        >>> from compensator_theory import transfer_function
+        >>> transfer_function("(s + 1/3)/(s + sqrt(2))").evalf(4)
+        (s + 0.3333)/(s + 1.414)
+        """
+        return self.numerator.as_expr().evalf(digits) / self.denominator.as_expr().evalf(digits)
+
+    def to_sympy(self) -> SympyTransferFunction:
+        """Return the class of sympy.physics.control, numerator and denominator as they are."""
+        from sympy.physics.control import TransferFunction as Sympys  # slow to import
+
+        return Sympys(self.numerator.as_expr(), self.denominator.as_expr(), self.variable)
+
+    def to_control(self, dt: float | bool | None = None) -> control.TransferFunction:
+        """Return the python-control object; every coefficient is rounded once to float64.
+
+        Parameters
+        ----------
+        dt : float or bool, optional
+            Sample time in seconds. Default: that which it was read with, else 0 (continuous) for
+            ``s`` and True for ``z`` and ``q``.
+
+        Raises
+        ------
+        InputError
+            If a coefficient is symbolic or overflows, or `dt` is needed and missing.
+        """
+        import control  # slow to import, and only needed here
+
+        rounded = [
+            [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)
+        ]
+        return control.TransferFunction(*rounded, time_base(self.variable, self.sample_time, dt))
+
+    def __call__(self, point: NumberLike) -> Expr:
+        r"""Return the value at a number or a symbolic point, G(1), G(2j) or G("exp(1)").
+
+        Raises
+        ------
+        InputError
+            If the point is a root of the denominator.
+        """
+        at = exact_number(point)
+        top, bottom = (
+            _expanded(side.as_expr().subs(side.gen, at))
+            for side in (self.numerator, self.denominator)
+        )
+        if bottom == 0:
+            what = "a root that numerator and denominator share; take .reduced()" if top == 0 else (
+                "a pole"
+            )  # fmt: skip
+            raise InputError(f"{self} has no value at {self.denominator.gen} = {at}: it is {what}")
+        return quotient_of(top / bottom).value()
+
+    def compose(self, inner: Operand, variable: str | Symbol | None = None) -> TransferFunction:
+        r"""Put a transfer function in the place of the variable, for instance Tustin's.
+
+        .. math:: G\Big(\frac{p}{q}\Big) = \frac{\sum_k N_k p^k q^{d-k}}{\sum_k D_k p^k q^{d-k}},
+                  \qquad d = \max(\deg N, \deg D)
+
+        Parameters
+        ----------
+        inner : transfer function, str, expression or number
+            In its own variable, which is that of the result.
+        variable : str or Symbol, optional
+            The variable of `inner` where it does not show it.
+
+        Raises
+        ------
+        InputError
+            If the denominator becomes zero.
+        """
+        top, bottom = _inner(inner, self.denominator.gen, variable)
+        d = max(self.numerator.degree(), self.denominator.degree())
+        ask("degree", int(d) * max(1, int(top.degree()), int(bottom.degree())), "the composition")
+        powers = [(constant_one(top), constant_one(top))]
+        for _ in range(int(d)):
+            powers.append((powers[-1][0] * top, powers[-1][1] * bottom))
+        sides = []
+        for side in (self.numerator, self.denominator):
+            terms = [
+                powers[k][0] * powers[int(d) - k][1] * Poly(c, top.gen) for (k,), c in side.terms()
+            ]
+            sides.append(canonical(sum(terms, start=Poly(0, top.gen))))
+        if sides[1].is_zero:
+            raise InputError(f"{self} has no value there: its denominator becomes zero")
+        period = self.sample_time if top.gen == self.denominator.gen else None
+        period = getattr(inner, "sample_time", None) or period
+        return TransferFunction(sides[0], sides[1], sample_time=period)
+
+    __array_ufunc__ = None  # an array of numbers times a transfer function is refused, not looped
+    _op_priority = 20.0  # an expression of SymPy leaves sums and products with one to us
+
+    def _sympy_(self) -> Expr:
+        """Answer SymPy's functions: simplify, apart, limit, inverse_laplace_transform, ..."""
+        return self.as_expr()
+
+    def __add__(self, other: Operand) -> TransferFunction:
+        return self._join(other, added)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: added(a, (-b[0], b[1])))
+
+    def __rsub__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: added(b, (-a[0], a[1])))
+
+    def __neg__(self) -> TransferFunction:
+        return TransferFunction(-self.numerator, self.denominator, sample_time=self.sample_time)
+
+    def __pos__(self) -> TransferFunction:
+        return self
+
+    def __mul__(self, other: Operand) -> TransferFunction:
+        return self._join(other, multiplied)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: multiplied(a, inverted(b)))
+
+    def __rtruediv__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: multiplied(b, inverted(a)))
+
+    def __pow__(self, exponent: int) -> TransferFunction:
+        if not is_integer(exponent):
+            raise TypeError(f"{exponent!r} is no exponent of a transfer function; an int is")
+        sides = self.numerator, self.denominator
+        top, bottom = inverted(sides) if exponent < 0 else sides
+        for side in (top, bottom):
+            ask("degree", max(0, int(side.total_degree())) * abs(exponent), "the power")
+        return TransferFunction(
+            canonical(top ** abs(exponent)),
+            canonical(bottom ** abs(exponent)),
+            sample_time=self.sample_time,
+        )
+
+    def _join(self, other: Operand, operation: Callable[[Sides, Sides], Sides]) -> TransferFunction:
+        sides = sides_of(other, self.denominator.gen)
+        if sides is None:
+            return cast(TransferFunction, NotImplemented)  # Python then asks the other operand
+        joined = operation((self.numerator, self.denominator), sides)
+        return TransferFunction(*joined, sample_time=shared_sample_time(self, other))
+
+    def __str__(self) -> str:
+        return f"({format_polynomial(self.numerator)})/({format_polynomial(self.denominator)})"
+
+    def __repr__(self) -> str:
+        return f"transfer_function('{self}', '{self.variable}')"
+
+    def _latex(self, printer: object = None) -> str:
+        """Answer SymPy's printer, which takes our class for its own namesake."""
+        return fraction(self.numerator, self.denominator)
+
+    def _sympystr(self, printer: object = None) -> str:
+        return str(self)
+
+    def _pretty(self, printer: object = None) -> prettyForm:
+        return prettyForm(str(self))
+
+    def _repr_latex_(self) -> str:
+        return displayed(self._latex())
+
+    def _degree_excess_at_most(self, bound: int) -> bool | None:
+        if self.numerator.is_zero or self.numerator.degree() - self.order <= bound:
+            return True
+        return False if sympy.sympify(self.numerator.LC()).is_nonzero else None
+
+
+def require_proper(G: TransferFunction, name: str) -> None:
+    """Refuse a transfer function that is not known to be proper.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems._transfer_functions import require_proper
+    >>> require_proper(transfer_function("s/(s + 1)"), "plant")
+    """
+    if not G.is_proper:
+        raise ImproperError(
+            f"the {name} {G} is improper: its numerator has degree {G.numerator.degree()} and its "
+            f"denominator {G.order}; a realisable {name} has at least as many poles as zeros"
+        )
+
+
+def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
+    """Return numerator and denominator of an operand; None if it is none.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.systems._transfer_functions import sides_of
+    >>> sides_of("2/(s + 1)", s)
+    (Poly(2, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
+    """
+    if isinstance(operand, TransferFunction):
+        if operand.denominator.gen != variable:
+            raise InputError(
+                f"{operand} is in {operand.denominator.gen} and the other operand in {variable}; "
+                "both need one variable"
+            )
+        return operand.numerator, operand.denominator
+    if isinstance(operand, Poly):
+        return polynomial(operand, variable), constant_one(polynomial(operand, variable))
+    if isinstance(operand, str):
+        return _in_one_operator(sides_in(read_text(operand), variable))
+    try:
+        number = exact_number(operand)
+    except InputError:
+        if isinstance(operand, Expr | int | float | complex):
+            raise  # a NaN, for instance: the reason is better than "unsupported operand"
+        return None
+    return _in_one_operator(sides_in(quotient_of(number), variable))
+
+
+def added(a: Sides, b: Sides) -> Sides:
+    """Add two quotients over the denominator they share, else over the product of both.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.systems._transfer_functions import added
+    >>> added((polynomial("s"), polynomial("s + 1")), (polynomial("1", "s"), polynomial("s + 1")))
+    (Poly(s + 1, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
+    """
+    if a[1] == b[1]:
+        return total(a[0], b[0]), a[1]
+    (n_1, d_2), (n_2, d_1) = (a[0], b[1]), (b[0], a[1])
+    return total(product(n_1, d_2), product(n_2, d_1)), product(d_1, d_2)
+
+
+def multiplied(a: Sides, b: Sides) -> Sides:
+    """Multiply two quotients, side by side.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.systems._transfer_functions import multiplied
+    >>> multiplied((polynomial("s"), polynomial("s + 1")), (polynomial("s + 1"), polynomial("s")))
+    (Poly(s**2 + s, s, domain='QQ'), Poly(s**2 + s, s, domain='QQ'))
+    """
+    return product(a[0], b[0]), product(a[1], b[1])
+
+
+def inverted(sides: Sides) -> Sides:
+    """Exchange numerator and denominator.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.systems._transfer_functions import inverted
+    >>> inverted((polynomial("s"), polynomial("s + 1")))[0]
+    Poly(s + 1, s, domain='QQ')
+    """
+    if sides[0].is_zero:
+        raise InputError("the transfer function 0 has no inverse")
+    return sides[1], sides[0]
+
+
+def constant_one(like: Poly) -> Poly:
+    """Return 1 as a polynomial in the same variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.systems._transfer_functions import constant_one
+    >>> constant_one(polynomial("s + a", "s"))
+    Poly(1, s, domain='QQ')
+    """
+    return Poly(1, like.gen, domain=sympy.QQ)
+
+
+def quotient_of(expression: Expr) -> Quotient:
+    """Multiply out a SymPy expression, as SymPy has it.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.systems._transfer_functions import quotient_of
+    >>> quotient_of(1/s + 1/(s + 1)).sides()
+    (2*s + 1, s**2 + s)
+    """
+    return multiplied_out(tree_of(expression), least_denominators=True)
+
+
+def _in_one_operator(sides: Sides) -> Sides:
+    """Refuse z or q as a symbol of the coefficients of what is in s, and the reverse."""
+    for side in sides:
+        require_no_other_operator(side)
+    return sides
+
+
+def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Sides:
+    if isinstance(inner, TransferFunction | Poly):
+        own = inner.gen if isinstance(inner, Poly) else inner.denominator.gen
+    else:
+        read = read_text(inner) if isinstance(inner, str) else quotient_of(exact_number(inner))
+        occurring = read.value().free_symbols
+        own = evident_variable(occurring, repr(inner)) if occurring else outer
+    found = sides_of(inner, own if variable is None else as_symbol(variable))
+    if found is None:
+        raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
+    return found
+
+
+def _expanded(expression: Expr) -> Expr:
+    return quotient_of(sympy.expand(expression)).value()

@@ -1,0 +1,330 @@
+"""The command `rcac check`: the analysis of a converged controller from a log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.cli._exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
+from rcac_experiments.cli._output import as_json_option, budget_option, picture_option, show
+from rcac_experiments.files._case_files import k_w_of, plant_and_tables, read_structure, read_target
+from rcac_experiments.files._documents import Raw, named
+from rcac_numeric.arrays._record_files import is_record
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.arrays._wording import shortened
+from rcac_numeric.checks._check import ControllerCheck, check_controller
+from rcac_numeric.checks._hypotheses import Decision, decide_problem
+from rcac_numeric.checks._logs import ROLES, TIMES, ControllerLog, read_log
+from rcac_numeric.controllers._compensator import compensator_of
+from rcac_numeric.engine._runs import Run, load_run
+from rcac_numeric.plants._linear import MATRICES, Plant
+from rcac_numeric.plants._problems import servo_plant, standard_plant
+from rcac_numeric.reports._check import check_sheet
+from rcac_numeric.signals._data_files import FORMATS, read_variables
+from rcac_numeric.signals._text_tables import as_number
+from rcac_numeric.targets._filters import target_model
+
+FAR_OFF = 0.05  # of a pole from where it was asked
+KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
+
+
+@click.command("check")
+@click.argument("log", type=click.Path(dir_okay=False, path_type=Path))
+@click.option(
+    "--plant",
+    help="A .toml file with [plant] (its [controller] and [target] are read too), a .mat or .npz "
+    'file with A, B, C, ..., or a transfer function such as "1/(q - 2)". Default: A, B, C of LOG.',
+)
+@click.option(
+    "--problem", type=click.Choice(["standard", "servo"], case_sensitive=False),
+    help="What a transfer function is the plant of: y = z = G (u + w) or, with a command, the "
+    "error y = z = r - G (u + d) - v. Default: what the log decides for.",
+)  # fmt: skip
+@click.option(
+    "--names", default="", help="What LOG calls its columns: u=input,y=output,theta=gains."
+)
+@click.option("--transpose", is_flag=True, help="LOG has one column, not one row, for each step.")
+@click.option(
+    "--structure",
+    type=click.Choice(KINDS, case_sensitive=False),
+    help="Of theta; default with --n-c: iir.",
+)
+@click.option(
+    "--controller",
+    help='Of a fixed one, u = G_c y, in place of theta: "-(0.5*q - 0.4)/(q - 1)".',
+)
+@click.option("--n-c", type=int, help="Order of the controller.")
+@click.option("--k-c", type=int, help="First lag of y: 1 by default, 0 for an exactly proper one.")
+@click.option("--k-w", type=int, help="First step at which u came from theta.")
+@click.option("--target", help='G_f, for instance "1/q".')
+@click.option(
+    "--noise", default="", help="Variances for the H2 cost: d=1,v=0.25. Default: 1 for all of w."
+)
+@click.option("--sample-time", type=float, help="In seconds, for the delay margin in time.")
+@click.option(
+    "--tolerance", type=float,
+    help="Relative difference between u and Phi theta that counts as none. Default: what the "
+    "digits of LOG leave open.",
+)  # fmt: skip
+@picture_option("Draw signals, coefficients, poles, match and Nyquist curve into this file.")
+@budget_option()
+@as_json_option
+def check(
+    *,
+    log: Path,
+    plant: str | None,
+    problem: str | None,
+    names: str,
+    transpose: bool,
+    structure: str | None,
+    controller: str | None,
+    n_c: int | None,
+    k_c: int | None,
+    k_w: int | None,
+    target: str | None,
+    noise: str,
+    sample_time: float | None,
+    tolerance: float | None,
+    picture: Path | None,
+    as_json: bool,
+) -> int:
+    """Check the controller that a LOG (.csv, .mat, .npz) ended with.
+
+    LOG may be what `rcac verify CASE --save RUN.npz` or Run.save wrote: it knows its plant, its
+    structure, its target and k_w by itself. Otherwise LOG holds u and y, and where there are any
+    z, w and r, one row for each step; and theta (its rows over time, or the last one), or the
+    polynomials D_c and N_c. Where the logged u is not the output of the logged theta or
+    compensator, or the log contradicts the plant, the status is 1; where the log does not tell
+    which --problem a transfer function is of, 7; of an unstable loop 5, and of one that misses the
+    poles of its target 6. A theta that still moves is reported, and is no error.
+    """
+    with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
+        model, table = read_case(plant, problem or "standard")
+        described = names or structure is not None or controller is not None
+        own = _own(log) if plant is None and not described else None
+        if own is not None:
+            found = check_controller(
+                own, target=None if target is None else target_model(target),
+                noise=parse_noise(noise), k_w=k_w, sample_time=sample_time, tolerance=tolerance,
+            )  # fmt: skip
+            found = replace(found, log=replaced(found.log, source=str(log)))
+            show(check_sheet(found), as_json, picture, found.plot)
+            return _status(found)
+        if controller is not None and (structure is not None or n_c is not None):
+            raise InputError("--controller is the whole controller; leave --structure, --n-c out.")
+        recorded = read_log(log, parse_names(names), transpose=transpose)
+        decision: Decision | str | None = None
+        if problem is None and is_transfer_function(plant) and plant is not None:
+            decision, model = _decided(recorded, plant)
+        if model is None and log.suffix.lower() != ".csv":
+            model = plant_in(read_variables(log), str(log))
+        if k_w is None:
+            k_w = k_w_of(table) if controller is None else 0
+        widths = (recorded.u.shape[1], recorded.y.shape[1])
+        made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
+        if controller is None:
+            _require_coefficients(recorded, log, parse_names(names))
+            if made is None:
+                _require_structure(recorded, widths)
+        found = check_controller(
+            recorded,
+            structure=made,
+            compensator=None if controller is None else compensator_of(controller, "controller"),
+            plant=model,
+            target=read_target(table, model, target),
+            noise=parse_noise(noise),
+            k_w=k_w,
+            sample_time=sample_time,
+            tolerance=tolerance,
+        )
+        found = replace(found, decision=decision)
+        show(check_sheet(found), as_json, picture, found.plot)
+    return _status(found)
+
+
+def _status(found: ControllerCheck) -> int:
+    """The exit status that the check of a log comes to."""
+    residual = found.plant_residual
+    if not found.is_consistent or (residual is not None and residual.is_contradicted):
+        return NO
+    if found.is_undecided:
+        return UNDECIDED
+    if found.loop is not None and not found.loop.is_stable:
+        return UNSTABLE
+    comparison, target = found.comparison, found.target
+    if comparison is None or target is None or not target.denominator[1:].any():
+        return DONE  # an FIR target asks for no pole but 0, in its own time
+    if comparison.worst_distance > FAR_OFF:
+        return MISSED
+    return DONE
+
+
+def _decided(log: ControllerLog, plant: str) -> tuple[Decision | str, Plant]:
+    """Which problem the log is of, and its plant; the standard one where it does not tell."""
+    plants = {name: read_case(plant, name)[0] for name in ("standard", "servo")}
+    known = {name: one for name, one in plants.items() if one is not None}
+    decision: Decision | str
+    try:
+        decision = decide_problem(log, known)
+    except CompensatorError as error:
+        decision = f"UNDECIDED: which problem this is a log of: {error}"
+    if isinstance(decision, str) or decision.decided is None:
+        _require_problem(log)
+        return decision, known["standard"]
+    return decision, known[decision.decided.problem]
+
+
+def _own(log: Path) -> Run | None:
+    """The run that a file holds; None where it is none, or one made of functions."""
+    if log.suffix.lower() != ".npz" or not is_record(log):
+        return None
+    try:
+        return load_run(log)
+    except InputError as error:
+        if "made of functions" in str(error):
+            return None
+        raise
+
+
+def _require_structure(log: ControllerLog, widths: tuple[int, int]) -> None:
+    if log.theta is None or log.D_c is not None:
+        return
+    size = log.theta.shape[-1]
+    raise InputError(
+        f"{log.source}: theta has {size} coefficient{'s' * (size != 1)}; say which structure they "
+        f"belong to: {_structures(size, *widths)}."
+    )
+
+
+def _require_problem(log: ControllerLog) -> None:
+    """Refuse to guess where a log has a command, which the standard problem has not."""
+    if log.r is not None:
+        raise InputError(
+            f"{log.source} has a command r, so say what --plant is the plant of: --problem servo, "
+            "where y is the error r - G (u + d) - v, or --problem standard, where y = G (u + w)."
+        )
+
+
+def _require_coefficients(log: ControllerLog, file: Path, names: dict[str, str]) -> None:
+    """Refuse a log without theta and without polynomials; propose a column that is there."""
+    if log.theta is not None or (log.D_c is not None and log.N_c is not None):
+        return
+    known = {*ROLES, *names.values()}
+    left = [v for v in read_variables(file) if v not in known and v.lower() not in TIMES]
+    proposal = (
+        f"say which column it is and what it belongs to, --names theta={shortened(left[0], 40)} "
+        "with --structure and --n-c"
+        if left
+        else "log it, one column theta[i] for each coefficient"
+    )
+    raise InputError(
+        f"{log.source} has no theta, the coefficients of the controller: {proposal}; or log D_c "
+        "and N_c, or only what they ended with, in a .mat or .npz file. Of a fixed controller give "
+        "its transfer function with --controller."
+    )
+
+
+def _structures(size: int, l_u: int, l_y: int) -> str:
+    """The options that fit so many coefficients."""
+    fits = []
+    if size % (l_u * (l_u + l_y)) == 0:
+        fits.append(f"--structure iir --n-c {size // (l_u * (l_u + l_y))}")
+    if size % (l_u * l_y) == 0:
+        fits.append(f"--structure fir --n-c {size // (l_u * l_y)}")
+    if size == 3 * l_u * l_y:
+        fits.append("--structure pid")
+    return " or ".join(fits) or "a [controller] table in the file of --plant says any"
+
+
+# The plant, names and intensities of a check, as a shell can give them.
+
+Names = dict[str, str]
+
+
+def parse_names(text: str, option: str = "names", example: str = "u=input,y=output") -> Names:
+    """The option --names u=input,y=output as a mapping.
+
+    Examples
+    --------
+    >>> from rcac_experiments.cli._check import parse_names
+    >>> parse_names("u=input, y=output")
+    {'u': 'input', 'y': 'output'}
+    """
+    names: dict[str, str] = {}
+    for part in filter(None, (p.strip() for p in text.split(","))):
+        role, equals, name = (piece.strip() for piece in part.partition("="))
+        if not (role and equals and name):
+            raise InputError(f"--{option} has the entry {part!r}; write for instance {example}.")
+        if role in names:
+            raise InputError(f"--{option} gives {role} twice: {names[role]!r} and {name!r}.")
+        names[role] = name
+    return names
+
+
+def parse_noise(text: str) -> dict[str, float] | None:
+    """The option --noise d=1,v=0.25 as intensities of blocks or channels of w.
+
+    Examples
+    --------
+    >>> from rcac_experiments.cli._check import parse_noise
+    >>> parse_noise("d=1, v=0.25")
+    {'d': 1.0, 'v': 0.25}
+    """
+    noise: dict[str, float] = {}
+    for name, intensity in parse_names(text, "noise", "d=1,v=0.25").items():
+        value = as_number(intensity)
+        if value is None:
+            raise InputError(
+                f"--noise {name}={intensity}: {intensity!r} is no number; write for instance "
+                "d=1,v=0.25."
+            )
+        noise[name] = value
+    return noise or None
+
+
+def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
+    """The plant that --plant means, and the tables of its file where it is an experiment file."""
+    if plant is None:
+        return None, {}
+    suffix = Path(plant).suffix.lower()
+    if suffix == ".toml":
+        return plant_and_tables(plant)
+    if suffix in FORMATS:
+        variables = read_variables(plant)
+        found_plant = plant_in(variables, plant)
+        if found_plant is None:
+            raise InputError(
+                f"{plant} has no plant: A, B and C are needed, and it has "
+                f"{shortened(', '.join(variables))}."
+            )
+        return found_plant, {}
+    return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}
+
+
+def is_transfer_function(plant: str | None) -> bool:
+    """Whether --plant is neither left out nor the name of a file.
+
+    Examples
+    --------
+    >>> from rcac_experiments.cli._check import is_transfer_function
+    >>> is_transfer_function("1/(q - 0.5)"), is_transfer_function("plant.toml")
+    (True, False)
+    """
+    return plant is not None and Path(plant).suffix.lower() not in (".toml", *FORMATS)
+
+
+def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:
+    """The plant whose matrices are among a file's variables; D_1 = B where it is left out."""
+    if not {"A", "B", "C"} <= variables.keys():
+        return None
+    matrices = {name: variables[name] for name in MATRICES if name in variables}
+    try:
+        return Plant(**{"D_1": variables["B"], **matrices})
+    except CompensatorError as error:
+        raise named(error, file) from None

@@ -1,0 +1,236 @@
+"""The commands `rcac design` and `rcac tune`: from a plant to an experiment file with reasons."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from compensator_theory.errors import InputError
+from rcac_experiments.cli._check import is_transfer_function, read_case
+from rcac_experiments.cli._output import as_json_option, picture_option, show
+from rcac_experiments.files._design_files import design_arguments, save_design
+from rcac_experiments.reports._tuned import tuned_sheet
+from rcac_experiments.sweeps._progress import ProgressLine
+from rcac_experiments.sweeps._tuning import Tuned, tune
+from rcac_numeric.checks._logs import read_log
+from rcac_numeric.controllers._kinds import fir, fir_integrator, pid
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.designing._design import Design
+from rcac_numeric.designing._design import design as designed
+from rcac_numeric.designing._plants import Uncertainty
+from rcac_numeric.reports._design import design_sheet
+from rcac_numeric.signals._data_files import read_variables
+from rcac_numeric.signals._waveforms import Step
+
+# What only the owner of the plant knows: the option, the question, and what is taken unasked.
+ASKED = {
+    "disturbance": ("Size of the disturbance, in units of u", "unknown"),
+    "noise": ("Standard deviation of the sensor noise, in units of y", "unknown"),
+    "u_limits": ("Limits of u, as LOW,HIGH", "none"),
+}
+
+
+# What both commands read: the plant, and what its owner knows of what acts on it.
+PLANT = (
+    click.argument("plant", metavar="FILE"),
+    click.option(
+        "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+        help="Write the experiment file here; rcac verify runs it.",
+    ),
+    click.option("--disturbance", help='Its size in units of u, or "unknown".'),
+    click.option(
+        "--noise", help='Standard deviation of the sensor, in units of y, or "unknown".'
+    ),
+    click.option("--command", "height", type=float, help="A step of the command, in units of y."),
+    click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".'),
+    click.option("--sample-time", type=float, help="In seconds; a plant in s needs it."),
+    click.option(
+        "--dead-time", default="0", metavar="SECONDS",
+        help='In steps without a sample time; of rows "1, 3; 7, 3", one for each entry.',
+    ),
+    click.option("--uncertain-gain", metavar="LOW,HIGH",
+                 help="Factors between which the gain may be.  [default: 0.8,1.25]"),
+    click.option("--uncertain-delay", type=click.IntRange(min=0),
+                 help="Steps by which the dead time may differ.  [default: 1]"),
+    click.option("--uncertain-time", type=float,
+                 help="Factor by which time constants may differ.  [default: 1.2]"),
+    click.option("--structure", metavar="KIND",
+                 help='"PI", "PID" or another choice of its terms; "fir:20", or "fir+i:20", with '
+                 "an integrator. By default an IIR one of the order that the plant needs."),
+    click.option("--feedforward", is_flag=True,
+                 help="The controller reads the command too."),
+    click.option("--assume", is_flag=True,
+                 help="Ask nothing: assume what is not given, and say so."),
+)  # fmt: skip
+
+
+def plant_options(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that reads a plant, with what acts on it."""
+    for option in reversed(PLANT):
+        command = option(command)
+    return command
+
+
+@click.command("design")
+@plant_options
+@click.option("--seeds", type=click.IntRange(min=1), default=6, show_default=True,
+              help="Held-out runs on each plant.")  # fmt: skip
+@picture_option("Draw a nominal run and the rms on every plant into this file.")
+@as_json_option
+def design(
+    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **options: Any
+) -> None:
+    """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
+
+    FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
+    file with A, B and C, a transfer function such as "1/(10*s + 1)", the rows of several such as
+    "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a .csv, .mat or .npz
+    file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
+    What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
+    with --assume.
+    """
+    found = designed(**_known(**options), seeds=seeds)
+    show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+
+
+@click.command("tune")
+@plant_options
+@click.option("--budget", type=click.IntRange(min=1, max=4096), default=40, show_default=True,
+              help="Settings to try beside those of rcac design.")  # fmt: skip
+@click.option("--held-out", type=click.IntRange(min=1), default=8, show_default=True,
+              help="Plants to judge the best on.")  # fmt: skip
+@click.option("--seed", type=int, default=0, show_default=True, help="Of points and plants.")
+@click.option("--store", type=click.Path(file_okay=False, path_type=Path),
+              help="A folder that keeps every run: stopped, the same command goes on.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=0),
+              help="Processes, with --store; by default one for each processor.")  # fmt: skip
+@picture_option("Draw cost against robustness of all that was tried into this file.")
+@as_json_option
+def tune_command(
+    *, budget: int, held_out: int, seed: int, store: Path | None, workers: int | None,
+    output: Path | None, picture: Path | None, as_json: bool, **options: Any,
+) -> None:  # fmt: skip
+    """From a plant to a controller as rcac design, with settings found by trying.
+
+    The best of many settings is judged on plants and noise that chose nothing; those of rcac design
+    and the fixed controller are among them.
+    """
+    begun = designed(**_known(**options), seeds=1)
+    line = ProgressLine() if sys.stderr.isatty() else None
+    try:
+        found = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
+                     progress=line)  # fmt: skip
+    finally:
+        if line is not None:
+            line.end()
+    show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+
+
+def _known(
+    *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
+    u_limits: str | None, sample_time: float | None, dead_time: str, structure: str | None,
+    feedforward: bool, assume: bool, **uncertain: Any,
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments of `design`, what is not given asked for."""
+    known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward}
+    known["structure"] = None if structure is None else _structure(structure)
+    known["uncertainty"] = _uncertainty(**uncertain)
+    if is_transfer_function(plant):
+        known["plant"] = _entries(plant) if set(plant) & set(",;[") else plant
+    elif Path(plant).suffix.lower() == ".toml":
+        read = design_arguments(plant)
+        known |= {name: value for name, value in read.items() if value is not None}
+    elif set(read_variables(plant)) >= {"A", "B", "C"}:
+        known["plant"] = read_case(plant, "standard")[0]
+    else:
+        known["plant"] = read_log(plant)
+    given = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
+    missing = [name for name, value in given.items() if value is None and name not in known]
+    if missing and not assume:
+        if not at_a_terminal():
+            names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
+            raise InputError(
+                f"{names} {'is' if len(missing) == 1 else 'are'} not given, and there is no "
+                f"terminal to ask at. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
+                f"take {', '.join(f'{name} = {ASKED[name][1]}' for name in missing)}."
+            )
+        for name in missing:
+            words, default = ASKED[name]
+            given[name] = click.prompt(words, default=default)
+    for name, value in given.items():
+        if value is not None and value != ASKED[name][1]:
+            known[name] = _numbers(name, value)
+    if height is not None:
+        known["command"] = Step(height)
+    return known | {"dead_time": _dead_time(dead_time)}
+
+
+def _dead_time(text: str) -> float | list[list[float]]:
+    """Of the plant, or of each of its entries."""
+    try:
+        rows = [[float(one) for one in row] for row in _entries(text)]
+    except ValueError:
+        raise InputError(
+            f'--dead-time {text}: write seconds, or rows of them, "1, 3; 7, 3".'
+        ) from None
+    return rows if len(rows) > 1 or len(rows[0]) > 1 else rows[0][0]
+
+
+def _entries(text: str) -> list[list[str]]:
+    """A transfer matrix: entries between commas, rows between semicolons, or in brackets."""
+    inside = text.strip()
+    if inside.startswith("["):
+        inside = inside[1:-1] if inside.replace(" ", "").startswith("[[") else inside
+        inside = inside.replace("],", ";").replace("[", "").replace("]", "")
+    return [[one.strip() for one in row.split(",")] for row in inside.split(";")]
+
+
+def _structure(text: str) -> Structure:
+    """PI, PID and the like, fir:N, or fir+i:N."""
+    kind, _, order = text.strip().partition(":")
+    if kind.lower() in ("fir", "fir+i") and order.isdecimal():
+        return (fir if kind.lower() == "fir" else fir_integrator)(int(order))
+    if order or not kind or set(kind.upper()) - set("PID"):
+        raise InputError(f'--structure {text}: write "PI", "PID", "fir:20" or "fir+i:20".')
+    return pid(kind.upper())
+
+
+def _uncertainty(
+    uncertain_gain: str | None, uncertain_delay: int | None, uncertain_time: float | None
+) -> Uncertainty | None:
+    """What is said of it; None where nothing is."""
+    said: dict[str, Any] = {"delay": uncertain_delay, "time": uncertain_time}
+    if uncertain_gain is not None:
+        said["gain"] = _numbers("uncertain_gain", uncertain_gain)
+    given = {name: value for name, value in said.items() if value is not None}
+    return Uncertainty(**given) if given else None
+
+
+def at_a_terminal() -> bool:
+    """Whether somebody can answer."""
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def _numbers(name: str, text: str) -> float | tuple[float, ...]:
+    """A number, or two between commas."""
+    option = f"--{name.replace('_', '-')}"
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) != (1 if name in ("disturbance", "noise") else 2):
+        form = "a number" if name in ("disturbance", "noise") else "LOW,HIGH"
+        instead = f", or {ASKED[name][1]!r}" if name in ASKED else ""
+        raise InputError(f"{option} {text}: write {form}{instead}.")
+    return values if len(values) > 1 else values[0]
+
+
+def _written(found: Design | Tuned, output: Path | None) -> list[str]:
+    if output is None:
+        return []
+    save_design(found.design if isinstance(found, Tuned) else found, output)
+    return [f"Experiment file: {output} (rcac verify {output})"]

@@ -1,0 +1,154 @@
+"""The commands about the dissertation: `rcac reproduce` and `rcac errata`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import Counter
+from pathlib import Path
+
+import click
+import numpy as np
+
+from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
+from rcac_experiments.cli._output import as_json_option, show, silence, writable
+from rcac_experiments.dissertation._archive import write_archive
+from rcac_experiments.dissertation._checking import can_run, check_erratum
+from rcac_experiments.dissertation._examples import example_ids
+from rcac_experiments.dissertation._load import load_example
+from rcac_experiments.dissertation._pages import headline
+from rcac_experiments.dissertation._reading import find_errata
+from rcac_experiments.dissertation._reproduction import (
+    Reproduction,
+    case_workers,
+    reduced,
+    reproduce,
+)
+from rcac_experiments.dissertation._sheet import errata_sheet
+from rcac_experiments.judging._claim import OURS, READING, TEXT, VERDICTS
+from rcac_experiments.reports._cases import Case
+from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, Table, Text, cells
+
+LARGEST_JOBS = 256
+
+
+@click.command("reproduce")
+@click.option("--chapter", help="Only the examples of this chapter: 2, 4, A, ...")
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="A quick look: repeat runs less often; no verdict is called changed for it.",
+)
+@click.option(
+    "-o", "--output", "folder", type=click.Path(file_okay=False, path_type=Path), required=True,
+    help="The folder for index.html and for what is done already.",
+)  # fmt: skip
+@click.option(
+    "--jobs", type=click.IntRange(1, LARGEST_JOBS), default=None,
+    help="Processes; by default as many as there are processors.",
+)  # fmt: skip
+@click.option(
+    "--archive", type=click.Path(dir_okay=False, path_type=Path), callback=writable(".zip"),
+    help="Write the page, its data, the files, the sources and all versions into this .zip file.",
+)  # fmt: skip
+@as_json_option
+def reproduce_command(
+    chapter: str | None,
+    quick: bool,
+    folder: Path,
+    jobs: int | None,
+    archive: Path | None,
+    as_json: bool,
+) -> int:
+    """Verify the examples of the dissertation and write a page of them.
+
+    What is done is kept: after a kill the same command goes on where it was.
+    """
+    numbers = [n for n in example_ids() if chapter is None or n.split(".")[0] == chapter.upper()]
+    if not numbers:
+        raise InputError(f"there is no example of chapter {chapter!r}; see `rcac list`.")
+    require_library("matplotlib")
+    experiments = [load_example(number).held_out() for number in numbers]
+    if quick:
+        experiments = [reduced(experiment) for experiment in experiments]
+    count = min(jobs or os.cpu_count() or 1, len(experiments))
+    with case_workers(count) as executor:
+        found = reproduce(
+            experiments,
+            folder,
+            executor=executor,
+            progress=_progress if sys.stderr.isatty() else silence,
+        )
+    if sys.stderr.isatty():
+        click.echo("\r\033[K", err=True, nl=False)
+    if archive is not None:
+        write_archive(found, archive)
+    show(_sheet(found, archive), as_json)
+    return found.exit_status
+
+
+def _progress(name: str, done: int, of: int) -> None:
+    width = 30
+    bar = "=" * (width * done // of)
+    click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} is done\033[K", err=True, nl=False)
+
+
+def _sheet(found: Reproduction, archive: Path | None) -> Sheet:
+    rows = tuple(cells(case.id, case.title, _verdicts(case), _end(case)) for case in found.cases)
+    counts = headline(found.cases)
+    record = {
+        "page": str(found.page),
+        "verdicts": {
+            whose: {verdict: count[verdict] for verdict in VERDICTS}
+            for whose, count in counts.items()
+        },
+        "examples": [
+            {"id": case.id, "status": case.status, "verdicts": [c.verdict for c in case.claims]}
+            for case in found.cases
+        ],
+    }
+    blocks: tuple[Block, ...] = (
+        Table(("example", "title", "claims", "outcome"), rows),
+        Fact("sentences of the text", _words(counts[TEXT])),
+        Fact("sentences that leave room", _words(counts[READING])),
+        Fact("page", str(found.page)),
+        *([] if archive is None else [Fact("archive", str(archive))]),
+    )
+    return Sheet("The dissertation's examples", sections=(Section("", blocks, record),))
+
+
+def _verdicts(case: Case) -> str:
+    return _words(Counter(row.verdict for row in case.claims if row.whose != OURS))
+
+
+def _words(count: Counter[str]) -> str:
+    return ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
+
+
+def _end(case: Case) -> Text:
+    told = {
+        0: Text("as on record", "quiet"),
+        1: Text("a verdict has changed", "bad"),
+        2: Text("could not be verified", "bad"),
+        3: Text("diverged unexpectedly", "bad"),
+    }
+    return told[case.status]
+
+
+@click.command("errata")
+@click.argument("where", nargs=-1)
+@click.option("--check", "checks", is_flag=True, help="Run the checks that show them.")
+@as_json_option
+def errata(where: tuple[str, ...], checks: bool, as_json: bool) -> int:
+    """List where the dissertation's text is wrong, what is true, and how that is known.
+
+    WHERE is a chapter (8, A), an equation ("(2.31)"), an example (Example 7.1), a number that
+    several bear (7.1), or the name of an erratum; without it all are listed.
+    """
+    place = " ".join(where)
+    entries = find_errata(place)
+    with np.errstate(all="ignore"):
+        found = {entry.name: check_erratum(entry) for entry in entries if checks and can_run(entry)}
+    show(errata_sheet(entries, place, found), as_json)
+    return 0 if all(checked.holds for checked in found.values()) else 1

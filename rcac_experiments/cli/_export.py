@@ -1,0 +1,172 @@
+"""The command `rcac export`: a controller as a folder of C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_experiments.cli._cases import case_experiment, complete_case, values_option
+from rcac_experiments.cli._output import as_json_option, budget_option, show
+from rcac_experiments.experiments._budgets import Budget
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._supervision import Supervision
+from rcac_numeric.engine._runs import Run, load_run
+from rcac_numeric.export._fmu import VERSIONS, export_fmu
+from rcac_numeric.export._folder import LAYOUTS, Export, export_controller
+from rcac_numeric.export._header import REALS
+from rcac_numeric.export._recording import STEPS
+from rcac_numeric.reports._sheet import Fact, Section, Sheet, Text
+
+
+@click.command("export")
+@click.argument("case", shell_complete=complete_case)
+@click.option("-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
+              help="The folder that is written, or a file that ends in .fmu.")  # fmt: skip
+@click.option("--sample-time", type=click.FloatRange(min=0, min_open=True), metavar="SECONDS",
+              help="Of an FMU; default: that of the plant, where CASE says it.")  # fmt: skip
+@click.option("--fmi", type=click.Choice(VERSIONS), default="2.0", show_default=True,
+              help="The version of the interface of an FMU.")  # fmt: skip
+@click.option("--real", type=click.Choice(REALS), default="float64", show_default=True,
+              help="The type of every number.")  # fmt: skip
+@click.option("--layout", "layouts", type=click.Choice(LAYOUTS), multiple=True, default=("c",),
+              show_default=True, help="What is written beside the core. Repeatable.")  # fmt: skip
+@click.option("--prefix", default="rcac", show_default=True, help="Of all names in C.")
+@click.option("--fixed", is_flag=True,
+              help="Not the adapting controller, but the one that the run ended with.")  # fmt: skip
+@click.option("--run", "name", help="Which run of CASE; default: the first.")
+@click.option("--live-order", type=click.IntRange(min=0),
+              help="Let the target model be replaced on the board, up to this order.")  # fmt: skip
+@click.option("--supervised", is_flag=True,
+              help="Go on where samples are missed or numbers overflow, and note it.")  # fmt: skip
+@values_option
+@budget_option(of_runs=True)
+@as_json_option
+def export(
+    *,
+    case: str,
+    folder: Path,
+    sample_time: float | None,
+    fmi: str,
+    real: str,
+    layouts: tuple[str, ...],
+    prefix: str,
+    fixed: bool,
+    name: str | None,
+    live_order: int | None,
+    supervised: bool,
+    values: tuple[str, ...],
+    as_json: bool,
+    budget: Budget,
+) -> None:
+    """Write the controller of CASE as C or as an FMU, and replay it where there is a compiler.
+
+    CASE is the number of an example (see `rcac list`), the path of a TOML file, or a run that
+    `rcac verify CASE --save RUN.npz` kept.
+    """
+    supervision = Supervision() if supervised else None
+    with np.errstate(all="ignore"):
+        run = _run(case, values, budget, name, whole=fixed)
+        controller = FixedController(run.compensator, run.settings.l_r) if fixed else run
+        if folder.suffix == ".fmu":
+            _require_defaults(real, layouts, prefix, live_order)
+            period = run.sample_time if sample_time is None else sample_time
+            if period is None:
+                raise InputError(f"an FMU needs a sample time: --sample-time 0.01 for {folder}.")
+            file = export_fmu(
+                controller, folder, sample_time=period, version=fmi,
+                saturation=run.saturation, supervision=supervision,
+            )  # fmt: skip
+            show(_fmu_sheet(file, fmi, period), as_json)
+            return
+        if folder.is_file():
+            raise InputError(f"{folder} is a file; -o names a folder, or an FMU that ends in .fmu.")
+        found = export_controller(
+            controller,
+            folder,
+            real=real,
+            layout=layouts,
+            prefix=prefix,
+            live_order=live_order,
+            saturation=run.saturation,
+            supervision=supervision,
+            run=run,
+        )
+    show(_sheet(found), as_json)
+
+
+def _require_defaults(
+    real: str, layouts: tuple[str, ...], prefix: str, live_order: int | None
+) -> None:
+    given = {
+        "--real": real != "float64",
+        "--layout": layouts != ("c",),
+        "--prefix": prefix != "rcac",
+        "--live-order": live_order is not None,
+    }
+    if wrong := [option for option, is_given in given.items() if is_given]:
+        raise InputError(f"{' and '.join(wrong)} belong to a folder in C, not to an FMU.")
+
+
+def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
+    facts = (
+        Fact("file", str(file)),
+        Fact("interface", f"FMI {version}, co-simulation"),
+        Fact("sample time", f"{sample_time:g} s"),
+        Fact("numbers", "float64"),
+    )
+    record = {"file": str(file), "fmi": version, "sample_time": sample_time}
+    return Sheet(
+        "A controller as an FMU", sections=(Section(blocks=facts, record={"export": record}),)
+    )
+
+
+def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, whole: bool) -> Run:
+    """The run that is exported; its first steps, where they are enough."""
+    if case.endswith(".npz"):
+        if values or name:
+            raise InputError(f"{case} is one run as it was; --set and --run belong to a TOML file.")
+        return load_run(case)
+    experiment = case_experiment(case, values, budget)
+    if name is not None and name not in experiment.runs:
+        raise InputError(f"--run {name}: the runs are {', '.join(map(repr, experiment.runs))}.")
+    chosen = experiment.main_run if name is None else experiment.runs[name]
+    if chosen.reference:
+        raise InputError("this run is made in ball arithmetic; choose another with --run.")
+    steps = chosen.steps if whole else min(chosen.steps, STEPS)
+    return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+
+
+def _sheet(found: Export) -> Sheet:
+    health = [Text(warning, "warning") for warning in found.warnings]
+    if not found.is_verified:
+        health.append(Text("Not compiled: there is no C compiler on this machine.", "warning"))
+    facts = [
+        Fact("folder", str(found.folder)),
+        Fact("files", ", ".join(found.files)),
+        Fact("numbers", found.real),
+        Fact("RAM", f"{found.state_bytes} bytes"),
+        Fact("constants", f"{found.constant_bytes} bytes"),
+    ]
+    if found.is_verified:
+        facts.append(Fact("replay", found.replay, "good"))
+    if found.agreement:
+        facts.append(Fact("float32", found.agreement))
+    record = {
+        "folder": str(found.folder),
+        "files": list(found.files),
+        "real": found.real,
+        "state_bytes": found.state_bytes,
+        "constant_bytes": found.constant_bytes,
+        "replay": found.replay,
+        "agreement": found.agreement,
+        "warnings": list(found.warnings),
+    }
+    return Sheet(
+        "A controller in C",
+        health=tuple(health),
+        sections=(Section(blocks=tuple(facts), record={"export": record}),),
+    )

@@ -1,0 +1,35 @@
+"""The command `rcac observer`: is a compensator an observer with state feedback, and which."""
+
+from __future__ import annotations
+
+import click
+
+import compensator_theory as exact
+from rcac_experiments.cli._output import as_json_option, budget_option, show, variable_option
+from rcac_numeric.reports._observer import observer_sheet
+
+
+@click.command("observer")
+@click.option("--plant", required=True, help='Transfer function, for instance "4/((s+1)*(s+3))".')
+@click.option("--compensator", required=True, help="G_c, a transfer function.")
+@click.option(
+    "--feedback", type=click.Choice(["-1", "+1"]), default="-1", show_default=True,
+    help="Sign f of the loop u = f G_c y.",
+)  # fmt: skip
+@variable_option
+@budget_option()
+@as_json_option
+def observer(
+    plant: str, compensator: str, feedback: str, variable: str | None, as_json: bool
+) -> None:
+    """Tell whether a compensator is observer-based, and list its observer-based forms.
+
+    The answers are exact. The question has three readings: the pair of polynomials as it is
+    written, the transfer function that it stands for, and its controllable canonical realisation.
+    """
+    if variable is None:
+        sheet = observer_sheet(plant, compensator, int(feedback))
+    else:
+        G, G_c = (exact.transfer_function(text, variable) for text in (plant, compensator))
+        sheet = observer_sheet(G, G_c, int(feedback))
+    show(sheet, as_json)

@@ -1,0 +1,134 @@
+"""What every command does: print a report, save a picture, keep to a budget."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+import compensator_theory as exact
+from compensator_theory import figures
+from compensator_theory.errors import InputError
+from rcac_experiments.experiments._budgets import Budget
+from rcac_numeric.plots._formats import require_picture_format, save
+from rcac_numeric.reports._sheet import Sheet
+from rcac_numeric.reports._sheet import as_json as json_of
+from rcac_numeric.reports._terminal import print_sheet
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+LIMIT = r"[1-9]\d{0,17}(\.\d{0,17})?([eE]\+?\d{1,2})?"  # of bytes or operations
+
+as_json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object instead of a report."
+)
+
+variable_option = click.option(
+    "--variable", type=click.Choice(["s", "z", "q"]),
+    help="Of the transfer functions, where they do not show it.",
+)  # fmt: skip
+
+
+def picture_option(what: str) -> Callable[[Command], Command]:
+    """The option --plot, whose file is refused before anything long is run."""
+
+    def checked(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+        if value is not None:
+            require_picture_format(value)
+        return value
+
+    kind = click.Path(dir_okay=False, path_type=Path)
+    return click.option("--plot", "picture", type=kind, help=what, callback=checked)
+
+
+def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
+    """The option --budget: limits of the exact half, and with `of_runs` those of an experiment.
+
+    The limits of the exact half hold until the command ends. The others are the argument `budget`
+    of the command.
+    """
+    exact_names = [field.name for field in fields(exact.Budget)]
+    run_names = [field.name for field in fields(Budget)] if of_runs else []
+
+    def checked(context: click.Context, option: click.Parameter, text: str) -> Budget:
+        of_exact: dict[str, int] = {}
+        of_run: dict[str, float] = {}
+        for part in filter(None, (part.strip() for part in text.split(","))):
+            name, _, value = (piece.strip() for piece in part.partition("="))
+            if name not in (*exact_names, *run_names):
+                raise InputError(
+                    f"--budget has the entry {part!r}; write NAME=LIMIT, where NAME is one of "
+                    f"{', '.join([*exact_names, *run_names])}."
+                )
+            if not re.fullmatch(r"[1-9]\d{0,17}" if name in exact_names else LIMIT, value):
+                raise InputError(
+                    f"--budget {part}: {value!r} is no limit; write a positive number."
+                )
+            if name in exact_names:
+                of_exact[name] = int(value)
+            else:
+                of_run[name] = float(value)
+        context.with_resource(exact.budget(**of_exact))
+        return Budget(**of_run)
+
+    example = "operations=1e13,degree=2000" if of_runs else "degree=2000,field_degree=32"
+    return click.option(
+        "--budget", metavar="NAME=LIMIT,...", default="", callback=checked, expose_value=of_runs,
+        help=f"Allow more than usual, for instance {example}; errors name the limit.",
+    )  # fmt: skip
+
+
+def show(
+    sheet: Sheet,
+    as_json: bool,
+    picture: Path | None = None,
+    draw: Callable[[], figures.Figure] | None = None,
+    write: Callable[[], list[str]] | None = None,
+) -> None:
+    """Print a report, draw its picture, and write other files, whose lines `write` returns.
+
+    The files come also where nobody reads the report to its end, as behind ``| head``.
+    """
+    closed = None
+    try:
+        if as_json:
+            click.echo(json_of(sheet))
+        else:
+            print_sheet(sheet)
+    except BrokenPipeError as error:
+        closed = error
+    lines = []
+    if picture is not None and draw is not None:
+        save(draw(), picture)
+        lines.append(f"Picture: {picture}")
+    if write is not None:
+        lines += write()
+    if closed is not None:
+        raise closed
+    if not as_json:
+        click.echo("".join(f"\n{line}\n" for line in lines), nl=False)
+
+
+def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Any]:
+    """The callback of an option whose file is refused before anything long is run."""
+
+    def checked(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+        name = option.opts[-1]
+        if value is not None and value.suffix.lower() not in suffixes:
+            raise InputError(f"{name} {value}: the name must end in {suffixes[0]}.")
+        if value is not None and not value.parent.is_dir():
+            raise InputError(f"{name} {value}: there is no folder {value.parent}.")
+        return value
+
+    return checked
+
+
+writable_page = writable(".html", ".htm")
+
+
+def silence(*progress: object) -> None:
+    """Say nothing of how far it is."""

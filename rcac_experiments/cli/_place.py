@@ -1,0 +1,82 @@
+"""The command `rcac place`: exact pole placement on the command line."""
+
+from __future__ import annotations
+
+import re
+
+import click
+from sympy import Poly
+
+import compensator_theory as exact
+from compensator_theory.errors import InputError
+from rcac_experiments.cli._output import as_json_option, budget_option, show, variable_option
+from rcac_numeric.reports._placement import placement_sheet
+
+
+@click.command("place")
+@click.option("--plant", required=True, help='N/D, for instance "4/((s + 1)*(s + 3))".')
+@click.option(
+    "--poles", required=True,
+    help='The roots wanted, between commas or spaces: "-6, -5, -4, -2" or "-1+2j -1-2j"; or the '
+    'polynomial that has them: "(s + 1)**3".',
+)  # fmt: skip
+@click.option(
+    "--order", "n_c", type=click.IntRange(min=0), default=None,
+    help="Order of the compensator; default: number of poles minus order of the plant.",
+)  # fmt: skip
+@click.option(
+    "--feedback", type=click.Choice(["-1", "+1", "1"]), default="-1", show_default=True,
+    help="-1 for u = -G_c y as in section 7.3, +1 for u = G_c y.",
+)  # fmt: skip
+@variable_option
+@budget_option()
+@as_json_option
+def place(
+    plant: str, poles: str, n_c: int | None, feedback: str, variable: str | None, as_json: bool
+) -> None:
+    """Place closed-loop poles exactly, and say what float64 would have kept.
+
+    Everything is a rational number: 0.1 is 1/10, and j is the imaginary unit. Where there is no
+    solution the status is 2.
+    """
+    system = exact.transfer_function(plant, variable)
+    target = _target(poles, str(system.variable))
+    _require_degree(int(target.degree()), int(system.denominator.degree()), n_c)
+    show(placement_sheet(exact.place_poles(system, target, n_c, feedback=int(feedback))), as_json)
+
+
+def _target(poles: str, variable: str) -> Poly:
+    """The characteristic polynomial that --poles means: by its roots, or written out."""
+    written = set(re.findall(r"(?<!\w)[szq](?!\w)", poles))
+    if not written:
+        return exact.polynomial_from_roots(exact.read_roots(poles), variable)
+    if written != {variable}:
+        names = " and ".join(sorted(written))
+        raise InputError(
+            f"--poles {poles} is written in {names}, and the plant in {variable}; write both in "
+            "one variable, or --poles as a list of roots."
+        )
+    if re.search("[,;]", poles):
+        raise InputError(
+            f"--poles {poles} is a list, and an entry of it contains the variable {variable}; give "
+            f"numbers, such as -1, -2+1j, -2-1j, or one polynomial, such as ({variable} + 1)**3."
+        )
+    target = exact.polynomial(poles, variable)
+    if target.degree() < 1:
+        raise InputError(f"--poles {poles} is the polynomial {target.as_expr()}, without a root.")
+    return target
+
+
+def _require_degree(asked: int, n: int, n_c: int | None) -> None:
+    """Refuse a number of poles that no compensator of that order has."""
+    if n_c is not None and asked != n + n_c:
+        other = f", or write --order {asked - n}" if asked >= n else ""
+        raise InputError(
+            f"--poles names {asked} poles; a plant of order {n} with a compensator of order {n_c} "
+            f"has {n + n_c}. Name so many{other}."
+        )
+    if asked < n:
+        raise InputError(
+            f"--poles names {asked} poles; the plant alone has {n}. Name at least so many, and one "
+            "more for each order of the compensator."
+        )

@@ -1,0 +1,129 @@
+"""The command `rcac verify`: run a case and hold it against the exact prediction."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
+from rcac_experiments.cli._cases import case_experiment, complete_case, is_file, values_option
+from rcac_experiments.cli._output import (
+    as_json_option,
+    budget_option,
+    picture_option,
+    show,
+    silence,
+    writable,
+    writable_page,
+)
+from rcac_experiments.dissertation._pages import example_page
+from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._experiment import Verification
+from rcac_experiments.experiments._experiment import verify as verified
+from rcac_experiments.reports._cases import case_of, case_page
+from rcac_experiments.reports._verification import verification_sheet
+from rcac_numeric.plots._formats import save
+from rcac_numeric.reports._rendering import write_page
+
+
+def _checked_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """The option --page, whose file is refused before anything long is run."""
+    if value is not None:
+        require_library("matplotlib")
+    return writable_page(context, option, value)
+
+
+def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """The option --figures, whose folder is made before anything long is run."""
+    if value is not None:
+        require_library("matplotlib")
+        try:
+            value.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"--figures {value} cannot be made: {error.strerror}.") from None
+    return value
+
+
+@click.command("verify")
+@click.argument("case", shell_complete=complete_case)
+@picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
+@click.option("--figures", "folder", type=click.Path(file_okay=False, path_type=Path),
+              help="Draw the figures that the case asks for into this folder.",
+              callback=_made_folder)  # fmt: skip
+@click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
+              help="Write a web page of the case into this file, .html; it needs no network.",
+              callback=_checked_page)  # fmt: skip
+@click.option("--save", "kept", type=click.Path(dir_okay=False, path_type=Path),
+              help="Keep the main run in this .npz file, for load_run and `rcac check`.",
+              callback=writable(".npz"))  # fmt: skip
+@values_option
+@click.option("--completions", is_flag=True,
+              help="Run also the other values of what the source leaves open.")  # fmt: skip
+@click.option("--seeds", "group", type=click.IntRange(0), metavar="GROUP",
+              help="Run on a group of seeds that no setting and no bound was chosen by: 0, 1, ...; "
+              "an example runs on group 0, a file on its own.")  # fmt: skip
+@budget_option(of_runs=True)
+@as_json_option
+def verify(
+    case: str,
+    picture: Path | None,
+    folder: Path | None,
+    page: Path | None,
+    kept: Path | None,
+    values: tuple[str, ...],
+    completions: bool,
+    group: int | None,
+    as_json: bool,
+    budget: Budget,
+) -> int:
+    """Run CASE and hold it against the exact prediction.
+
+    CASE is the number of an example (see `rcac list`) or the path of a TOML file.
+    """
+    with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
+        experiment = case_experiment(case, values, budget)
+        if group is not None or not is_file(case):
+            experiment = experiment.held_out(group or 0)
+        if completions:
+            experiment = experiment.completed()
+        found = verified(experiment, _progress if sys.stderr.isatty() else silence)
+        if sys.stderr.isatty():
+            click.echo("\r\033[K", err=True, nl=False)
+        write = partial(_written, found, folder, kept, page, is_file(case))
+        show(verification_sheet(found), as_json, picture, found.plot, write)
+    return found.exit_status
+
+
+def _written(
+    found: Verification,
+    folder: Path | None,
+    kept: Path | None,
+    page: Path | None,
+    is_own: bool,
+) -> list[str]:
+    """Write the files that were asked for; return what is said of them."""
+    written = []
+    if folder is not None:
+        requests = found.figure_requests
+        for number, request in enumerate(requests, 1):
+            save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
+        written.append(
+            f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
+        )
+    if kept is not None:
+        found.main.first.run.save(kept)
+        written.append(f"Run: {kept}")
+    if page is not None:
+        write_page((case_page if is_own else example_page)(case_of(found)), page)
+        written.append(f"Page: {page}")
+    return written
+
+
+def _progress(name: str) -> None:
+    click.echo(f"\rrunning {name} ...\033[K", err=True, nl=False)

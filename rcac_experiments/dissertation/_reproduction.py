@@ -1,0 +1,230 @@
+"""Reproducing a list of experiments: each once, the page of all of them at the end."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import multiprocessing as mp
+import os
+import pickle
+import re
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import compensator_theory as exact
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.dissertation._pages import gallery_page
+from rcac_experiments.experiments._experiment import Experiment, verify
+from rcac_experiments.reports._cases import Case, case_of
+from rcac_numeric.arrays._files import replacing, require_readable
+from rcac_numeric.arrays._untrusted import parsed_json
+from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.reports._rendering import rendered, write_page
+
+PAGE, CASES = "index.html", "cases"
+FAILED = 2  # the status of a case that could not be made
+FEW = 5  # repetitions of a run in a quick look
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction(Value):
+    """What was reproduced.
+
+    Attributes
+    ----------
+    cases : tuple of Case
+        In the order of the experiments.
+    page : Path
+        The page that tells of them.
+    """
+
+    cases: tuple[Case, ...]
+    page: Path
+
+    @property
+    def exit_status(self) -> int:
+        """3 where a loop diverged unexpectedly, else 2 where a case failed, else 1 or 0."""
+        return max((case.status for case in self.cases), default=0)
+
+
+def reproduce(
+    experiments: Iterable[Experiment],
+    folder: str | Path,
+    *,
+    executor: Executor | None = None,
+    progress: Callable[[str, int, int], None] = lambda name, done, of: None,
+) -> Reproduction:
+    """Verify experiments and write one page of them.
+
+    Parameters
+    ----------
+    experiments : iterable of Experiment
+    folder : path
+        Gets ``index.html``, and ``cases`` with a file for each experiment that is done. An
+        experiment whose file is there, with the same data and version, is not run again: a kill
+        loses only what was running.
+    executor : Executor, optional
+        Where they are run; one after the other in this process by default.
+    progress : callable
+        Called with the experiment that is done, how many are, and of how many.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rcac_experiments.dissertation import load_example, reproduce
+    >>> found = reproduce(map(load_example, ["7.1", "B.2"]), tempfile.mkdtemp())
+    >>> found.exit_status, found.page.name, [case.id for case in found.cases]
+    (0, 'index.html', ['7.1', 'B.2'])
+    """
+    wanted = list(experiments)
+    kept = KeptCases(Path(folder) / CASES)
+    found = {i: case for i, wish in enumerate(wanted) if (case := kept.find(wish)) is not None}
+    for count, i in enumerate(found, 1):
+        progress(wanted[i].id, count, len(wanted))
+    left = [i for i in range(len(wanted)) if i not in found]
+
+    def done(i: int, case: Case) -> None:
+        if case.status != FAILED:
+            kept.keep(wanted[i], case)
+        found[i] = case
+        progress(wanted[i].id, len(found), len(wanted))
+
+    if executor is None:
+        for i in left:
+            done(i, made(wanted[i]))
+    else:
+        futures = {executor.submit(made, wanted[i]): i for i in left}
+        for future in as_completed(futures):
+            done(futures[future], future.result())
+    is_quick = any(wish.reduced_runs for wish in wanted)
+    return _written([found[i] for i in range(len(wanted))], Path(folder), is_quick)
+
+
+def made(experiment: Experiment) -> Case:
+    """The case of one experiment; one that cannot be verified says why, and costs no other."""
+    try:
+        with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
+            return case_of(verify(experiment))
+    except CompensatorError as error:
+        told = f"This could not be verified: {error}"
+        body = str(rendered("sentence.html", level="bad", words=told))
+        return Case(
+            experiment.id, experiment.title, experiment.source, FAILED, (), body, "", (), ""
+        )
+
+
+def reduced(experiment: Experiment) -> Experiment:
+    """The same experiment for a quick look: fewer seeds, and fewer repetitions."""
+    few = experiment.reduced()
+    runs = {
+        name: replaced(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
+    }
+    fewer = {name for name, run in few.runs.items() if run.repetitions > FEW}
+    return replace(few, runs=runs, reduced_runs=few.reduced_runs | fewer)
+
+
+def _written(cases: Sequence[Case], folder: Path, is_quick: bool) -> Reproduction:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder} cannot be made: {error.strerror}.") from None
+    page = folder / PAGE
+    write_page(gallery_page(cases, is_quick=is_quick), page)
+    return Reproduction(tuple(cases), page)
+
+
+# Cases that are done, kept in a folder so that none is made twice.
+
+
+def digest_of(experiment: Experiment) -> str:
+    """A name for all that decides the case of an experiment: its data and our version."""
+    data = io.BytesIO()
+    pickler = pickle.Pickler(data, protocol=5)
+    pickler.fast = True  # no references: whether two equal texts are one object is chance
+    pickler.dump(experiment)
+    return hashlib.sha256(exact.__version__.encode() + b"\0" + data.getvalue()).hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class KeptCases(Value):
+    """A folder with one file for each case, replaced whole or not at all."""
+
+    folder: Path | str
+
+    def find(self, experiment: Experiment) -> Case | None:
+        """The case of an experiment; None where it is not there, or of other data."""
+        try:
+            require_readable(self._file(experiment))
+            record = parsed_json(self._file(experiment).read_text("utf-8"))
+            if record["digest"] != digest_of(experiment):
+                return None
+            return Case.from_record(record["case"])
+        except (OSError, ValueError, KeyError, TypeError, InputError):
+            return None  # a file that is not whole, or not ours: it is made anew
+
+    def keep(self, experiment: Experiment, case: Case) -> None:
+        """Write the case of an experiment."""
+        file = self._file(experiment)
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{file.parent} cannot be made: {error.strerror}.") from None
+        record = {"digest": digest_of(experiment), "case": case.to_record()}
+        with replacing(file) as new:
+            new.write_text(json.dumps(record), encoding="utf-8")
+
+    def _file(self, experiment: Experiment) -> Path:
+        name = re.sub(r"[^A-Za-z0-9.-]+", "-", experiment.id)[:60] or "case"
+        return Path(self.folder) / f"{name}.json"
+
+
+INTERRUPTED = 130
+PATIENCE = 0.2  # seconds between two looks at whether we are still wanted
+
+
+@contextmanager
+def case_workers(count: int) -> Iterator[Executor | None]:
+    """An executor with so many processes; None for one, which is this process itself.
+
+    Whatever ends the block ends the processes with what they are at, and so does the death of
+    this process.
+    """
+    if count <= 1:
+        yield None
+        return
+    context = mp.get_context("spawn")
+    stop = context.Event()
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_watch, initargs=(stop,))
+    try:
+        yield executor
+    finally:
+        stop.set()
+        executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _watch(stop: Any) -> None:
+    """Leave Ctrl-C to the parent, and end when it is done or gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = mp.parent_process()
+
+    def look() -> None:
+        while not stop.wait(PATIENCE):
+            if parent is not None and not parent.is_alive():
+                break
+        os._exit(INTERRUPTED)
+
+    threading.Thread(target=look, daemon=True).start()

@@ -1,0 +1,202 @@
+"""One estimator on one true system over its seeds, what came of it, and what claims measure."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_experiments.estimation._true_systems import TrueSystem
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import integer
+from rcac_numeric.arrays._values import Value
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedRun(Value):
+    """An estimate over the steps of one seed.
+
+    Attributes
+    ----------
+    estimate, truth : arrays, shape (steps,)
+    z : array, shape (steps, l_z)
+        C x^ - y of RCMR, the innovation of a filter, r - C_r x of a loop.
+    left : float
+        Of RCMR: the share of the initial estimate that is left in theta at the end, 1 where the
+        data say nothing, 0 where they say all.
+    outcome : {"completed", "diverged"}
+        A run that diverged holds what came before.
+    """
+
+    estimate: Array
+    truth: Array
+    z: Array
+    left: float = math.nan
+    outcome: str = "completed"
+
+
+class Estimation(Value, ABC):
+    """An estimator with its settings, as an experiment has it."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """What it is, in a word or two."""
+
+    @abstractmethod
+    def execute(self, system: TrueSystem, steps: int, seed: int) -> EstimatedRun:
+        """Estimate with the record, or in the loop, of one seed."""
+
+
+def mean_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Mean absolute error of the estimate.
+
+    Parameters
+    ----------
+    start, stop : int
+        First step that counts, and the first that does not count any more.
+    """
+    return float(np.abs(_error(r, start, stop)).mean())
+
+
+def median_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Median absolute error of the estimate."""
+    return float(np.median(np.abs(_error(r, start, stop))))
+
+
+def mean_deviation(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Mean of estimate - truth, with its sign: negative where the estimate lags behind."""
+    return float(_error(r, start, stop).mean())
+
+
+def final_estimate(r: EstimatedRun) -> float:
+    """The estimate at the last step."""
+    return float(r.estimate[-1])
+
+
+def initial_estimate_left(r: EstimatedRun) -> float:
+    """Of RCMR: the share of the initial estimate that is left, 1 where the data say nothing."""
+    return r.left
+
+
+def largest_z(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Largest absolute z: of a loop the error of the command following, else that of the output."""
+    return float(np.abs(r.z[_window(r, start, stop)]).max())
+
+
+def completed(r: EstimatedRun) -> float:
+    """1 where the run reached its last step, 0 where it diverged before."""
+    return float(r.outcome == "completed")
+
+
+def _error(r: EstimatedRun, start: int, stop: int | None) -> Array:
+    window = _window(r, start, stop)
+    return np.asarray(r.estimate[window] - r.truth[window])
+
+
+def _window(r: EstimatedRun, start: int, stop: int | None) -> slice:
+    end = len(r.estimate) if stop is None else min(stop, len(r.estimate))
+    if start >= end:
+        raise InputError(f"no step of the run lies between start = {start} and stop = {stop}.")
+    return slice(start, end)
+
+
+OF_ESTIMATES = ("mean_error", "median_error", "mean_deviation", "final_estimate")
+MEASURES: dict[str, Callable[..., float]] = {
+    function.__name__: function
+    for function in (
+        mean_error,
+        median_error,
+        mean_deviation,
+        final_estimate,
+        initial_estimate_left,
+        largest_z,
+        completed,
+    )
+}
+
+
+@dataclass(frozen=True, eq=False)
+class EstimationStudy(Value):
+    """An estimator, its true system and its seeds; they determine every number.
+
+    Attributes
+    ----------
+    name : str
+    system : TrueSystem
+    estimator : Estimation
+    steps, seed, seeds : int
+        Length, first seed, and how many seeds there are from it on.
+    correction : str
+        What this run reads differently from the source.
+    """
+
+    name: str
+    system: TrueSystem
+    estimator: Estimation
+    steps: int
+    seed: int = 0
+    seeds: int = 1
+    correction: str = ""
+
+    def __post_init__(self) -> None:
+        for name, least in (("steps", 1), ("seed", 0), ("seeds", 1)):
+            integer(getattr(self, name), name, at_least=least)
+
+    @property
+    def course_end(self) -> float:
+        """The true parameter at the last step."""
+        return float(self.system.course(self.steps)[-1])
+
+    def execute(self) -> StudyResult:
+        """Run it for each seed."""
+        seeds = range(self.seed, self.seed + self.seeds)
+        return StudyResult(
+            self, tuple(self.estimator.execute(self.system, self.steps, seed) for seed in seeds)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult(Value):
+    """What a study produced, one run for each seed."""
+
+    study: EstimationStudy
+    repetitions: tuple[EstimatedRun, ...]
+
+    @property
+    def over_seeds(self) -> bool:
+        """Whether its repetitions are other draws."""
+        return self.study.seeds > 1
+
+    def silence(self, measure: str) -> str:
+        """Why it answers nothing: an estimate that never leaves where it began."""
+        if measure not in OF_ESTIMATES:
+            return ""
+        still = all(np.ptp(run.estimate) == 0 for run in self.repetitions if len(run.estimate))
+        return "the estimate never moves" if still else ""
+
+    @property
+    def may_end(self) -> bool:
+        """That an estimator diverges is an answer."""
+        return True
+
+    def values(
+        self, measure: str, arguments: Mapping[str, object], until: int | None = None
+    ) -> tuple[float, ...]:
+        """A measure of each run; NaN where a run diverged before what is measured."""
+        if until is not None:
+            raise InputError(f"until = {until} is for runs of loops; leave it out.")
+        return tuple(_value(run, measure, arguments) for run in self.repetitions)
+
+
+def _value(run: EstimatedRun, measure: str, arguments: Mapping[str, object]) -> float:
+    try:
+        return MEASURES[measure](run, **arguments)
+    except InputError:
+        if run.outcome == "completed":
+            raise
+        return float("nan")

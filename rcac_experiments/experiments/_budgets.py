@@ -1,0 +1,89 @@
+"""How much an experiment may cost, asked before anything of it is made or run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+
+# In ball arithmetic a multiplication takes about as long as this many of the compiled step.
+REFERENCE = 5000
+# What a step costs beside its l_theta^2 multiplications.
+OVERHEAD = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Budget(Value):
+    """What an experiment may take; more has to be asked for.
+
+    Attributes
+    ----------
+    memory : float
+        In bytes, for the weights and records of one run with all its repetitions.
+    operations : float
+        Multiplications of all runs together: steps times repetitions times about l_theta^2. The
+        default takes some minutes.
+
+    Examples
+    --------
+    >>> from rcac_experiments import Budget, load_experiment
+    >>> case = load_experiment(
+    ...     "examples/boost_converter.toml", budget=Budget(memory=2 * Budget().memory))
+    """
+
+    memory: float = 5e8
+    operations: float = 1e12
+
+    def require_memory(
+        self,
+        name: str,
+        plant: Plant | PlantSchedule,
+        structures: list[Structure],
+        *,
+        steps: int,
+        stride: int,
+        repetitions: int,
+        window: int = 0,
+    ) -> None:
+        """Refuse a run that would not fit.
+
+        R_theta, P(0), P and its factor are l_theta x l_theta; of every repetition w, u, y and z
+        are kept, and theta at every stride-th step.
+        """
+        sizes = [structure.l_theta for structure in structures]
+        squares = 4 * sum(size**2 for size in sizes) + window * sum(sizes) * plant.l_z
+        kept = 2 * plant.l_w + 2 * plant.l_u + plant.l_y + plant.l_z + sum(sizes) / stride
+        needed = 8.0 * (squares + repetitions * steps * kept)
+        if needed > self.memory:
+            raise InputError(
+                f"the run {name!r} of {steps} steps with l_theta = {sum(sizes)} coefficients and "
+                f"{repetitions} repetition{'s' * (repetitions > 1)} would keep {needed:.3g} bytes; "
+                f"{self.memory:.3g} are allowed. Use a smaller n_c, fewer steps, a larger stride "
+                f"or fewer repetitions; or allow more with Budget(memory={_above(needed)})."
+            )
+
+    def operations_of(
+        self, structures: list[Structure], *, steps: int, repetitions: int, reference: bool
+    ) -> float:
+        """About how many multiplications a run takes."""
+        squares = sum(float(structure.l_theta) ** 2 for structure in structures)
+        factor = REFERENCE if reference else 1
+        return float(steps) * repetitions * (squares + OVERHEAD) * factor
+
+    def require_operations(self, needed: float) -> None:
+        """Refuse an experiment that would run too long."""
+        if needed > self.operations:
+            raise InputError(
+                f"the runs would take about {needed:.3g} operations, steps x repetitions x "
+                f"l_theta^2 added up; {self.operations:.3g} are allowed. Use fewer steps or "
+                f"repetitions; or allow more with Budget(operations={_above(needed)})."
+            )
+
+
+def _above(value: float) -> str:
+    """The value with two digits, rounded up."""
+    return f"{1.05 * value:.1e}"

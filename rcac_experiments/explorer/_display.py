@@ -1,0 +1,94 @@
+"""The explorer in a notebook, or wherever HTML is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from compensator_theory.errors import InputError
+from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.explorer._case import case_of
+from rcac_experiments.explorer._page import explorer_page
+from rcac_experiments.files._documents import read_file
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.reports._rendering import write_page
+
+FRAME = "width: 100%; height: 60rem; border: 0"
+
+
+@dataclass(frozen=True)
+class ExplorerPage(Value):
+    """A page on which a loop runs live; a notebook shows it, and it asks no network.
+
+    Attributes
+    ----------
+    title : str
+        Of the case that it opens with.
+    text : str
+        The whole page.
+    """
+
+    title: str
+    text: str
+
+    def save(self, path: str | Path) -> None:
+        """Write the page as a file, which may be sent by mail."""
+        write_page(self.text, path)
+
+    def __repr__(self) -> str:
+        return f"ExplorerPage({self.title!r}, {len(self.text)} bytes)"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the page in a frame of its own, which may run its script only."""
+        return (
+            f'<iframe srcdoc="{escape(self.text)}" title="The RCAC explorer" '
+            f'sandbox="allow-scripts" style="{FRAME}"></iframe>'
+        )
+
+
+def explore(
+    case: str | Path | Mapping[str, Any] | None = None,
+    *,
+    run: str | None = None,
+    budget: Budget | None = None,
+) -> ExplorerPage:
+    """The explorer for a case of one's own: drag poles, move dials, and the loop runs again.
+
+    Parameters
+    ----------
+    case : path or mapping, optional
+        An experiment file, or its tables; by default the page has its own scenes alone.
+    run : str, optional
+        Which run of the case; the first by default.
+    budget : Budget, optional
+        What the case may take; `Budget()` by default.
+
+    Returns
+    -------
+    ExplorerPage
+        A notebook shows it; `save` writes it as a file, as `rcac explore` does.
+
+    Raises
+    ------
+    InputError
+        Where the case cannot be read, has what the page has no dial for, or clang or wasm-ld, which
+        build the core for the page, are not here.
+
+    Examples
+    --------
+    >>> from rcac_experiments import explore
+    >>> explore({"plant": {"problem": "standard", "G": "1/(q - 0.5)"}, "controller": {}})
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: the case: ...
+    """
+    if case is None:
+        if run is not None:
+            raise InputError(f"run = {run!r} belongs to a case; give one.")
+        return ExplorerPage("its own scenes", explorer_page())
+    table, file = (dict(case), "the case") if isinstance(case, Mapping) else read_file(case)
+    found = case_of(table, file, run, budget)
+    return ExplorerPage(str(found["title"]), explorer_page(found))

@@ -1,0 +1,145 @@
+"""The plant, structure and target model that an experiment file has for a log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, TypedDict
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.files._builder import FILE
+from rcac_experiments.files._controllers import CONTROLLER
+from rcac_experiments.files._documents import Raw, named, read_file
+from rcac_experiments.files._plants import read_plant
+from rcac_experiments.files._structures import STRUCTURE
+from rcac_experiments.files._targets import TARGET
+from rcac_experiments.format._places import Place
+from rcac_experiments.format._tables import require_table
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.targets._filters import target_model
+from rcac_numeric.targets._model import TargetModel
+
+
+class CheckArguments(TypedDict):
+    """What `check_arguments` reads: keyword arguments of `check_controller`."""
+
+    plant: Plant
+    structure: Structure | None
+    target: TargetModel | None
+    k_w: int | None
+
+
+def check_arguments(path: str | Path) -> CheckArguments:
+    """What an experiment file says of a logged controller, for `check_controller`.
+
+    Parameters
+    ----------
+    path : path
+        Of a TOML file with [plant], and where they are known [controller] and [target]; it needs
+        no [run], as `rcac check --plant` needs none.
+
+    Returns
+    -------
+    dict
+        plant, structure, target and k_w; None where the file says nothing of it.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read, or its plant changes while it runs; other errors of the tree
+        where the plant or the target model does not allow it.
+
+    Examples
+    --------
+    >>> from rcac_experiments import check_arguments
+    >>> from rcac_numeric import check_controller, read_log
+    >>> log = read_log("examples/octave/rcac_loop.mat")
+    >>> check_controller(log, **check_arguments("examples/octave/example_4_7.toml")).is_consistent
+    True
+    """
+    plant, table = plant_and_tables(path)
+    try:
+        structure = read_structure(table, plant, kind=None, n_c=None, k_c=None, widths=(0, 0))
+        target = read_target(table, plant, None)
+    except CompensatorError as error:
+        raise named(error, str(path)) from None
+    return {"plant": plant, "structure": structure, "target": target, "k_w": k_w_of(table)}
+
+
+def plant_and_tables(path: str | Path) -> tuple[Plant, Raw]:
+    """The plant of an experiment file, and its tables."""
+    table, file = read_file(path)
+    try:
+        FILE.require_known(table, Place(file))
+        found = read_plant(table.get("plant", {}), Place(file, "plant")).build()
+    except CompensatorError as error:
+        raise named(error, file) from None
+    if isinstance(found, PlantSchedule):
+        raise InputError(
+            f"{file}: the plant changes while it runs; give the one plant that the controller "
+            "is to be checked with, without [[plant.changes]]."
+        )
+    return found, table
+
+
+def k_w_of(table: Raw) -> int | None:
+    """The first step with control, where [controller] says it.
+
+    Examples
+    --------
+    >>> from rcac_experiments.files._case_files import k_w_of
+    >>> k_w_of({"controller": {"k_w": 50}})
+    50
+    """
+    own = table.get("controller")
+    return own.get("k_w") if isinstance(own, dict) else None
+
+
+def read_structure(
+    table: Raw, plant: Plant | None, *, kind: str | None, n_c: int | None, k_c: int | None,
+    widths: tuple[int, int],
+) -> Structure | None:  # fmt: skip
+    """The structure of the options, or else of [controller]; None where neither says any."""
+    given: Raw = {}
+    place = Place("--plant", "controller")
+    own = require_table(table.get("controller", {}), place)
+    CONTROLLER.table.require_known(own, place)
+    if kind is None and n_c is None:
+        given = {key: value for key, value in own.items() if key in STRUCTURE.all_keys()}
+        if not given:
+            return None
+    else:
+        given["structure"] = kind or "iir"
+        if n_c is not None:
+            given["n_c"] = n_c
+    if k_c is not None:
+        given["k_c"] = k_c
+    sizes: Any = plant if plant is not None else _Sizes(*widths)
+    try:
+        part = STRUCTURE.read(given, Place("the options", "controller"))
+        made: Structure = part.structure.of(sizes)
+        return made
+    except InputError as error:
+        if "needs the key 'n_c'" in str(error) and kind is not None:
+            raise InputError(f"--structure {kind} needs its order n_c: give --n-c.") from None
+        raise
+
+
+class _Sizes:
+    """Widths of a log whose plant is not known, as far as a structure asks for them."""
+
+    def __init__(self, l_u: int, l_y: int) -> None:
+        self.l_u, self.l_y = l_u, l_y
+        self.blocks: dict[str, int] = {}
+
+
+def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel | None:
+    """The target model of --target, or else of [target]."""
+    if G_f is not None:
+        return target_model(G_f)
+    if plant is None or "target" not in table:
+        return None
+    part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
+    made: TargetModel = part.of(plant)
+    return made

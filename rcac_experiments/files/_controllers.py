@@ -1,0 +1,242 @@
+"""The controller of an experiment file: one that adapts, several of them, or LQG's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+import attrs
+
+from compensator_theory.errors import InputError
+from rcac_experiments.files._structures import STRUCTURES
+from rcac_experiments.files._targets import TARGET, Target
+from rcac_experiments.files._updates import UPDATES
+from rcac_experiments.format._parts import Part, Shorthand, Unresolved
+from rcac_experiments.format._places import Errors, Place
+from rcac_experiments.format._tables import (
+    Deferred,
+    Kind,
+    Kinds,
+    Raw,
+    Table,
+    Variant,
+)
+from rcac_experiments.format._values import (
+    ByStep,
+    Either,
+    Form,
+    Integer,
+    ListOf,
+    MapOf,
+    Numbers,
+    Real,
+    Row,
+    Schema,
+)
+from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._decentralized import Decentralized
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._normalization import Normalization
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._weights import SignalWeight
+from rcac_numeric.engine._compatibility import AnyController
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.targets._model import TargetModel
+
+
+class _Interval(Form):
+    """Steps without update."""
+
+    words = "[start, stop] or [start]"
+
+    def read(self, value: object, place: Place) -> tuple[int, int | None]:
+        """As (start, stop), without an end where there is none."""
+        start, *stop = Row((Integer(), Integer()), self.words, at_least=1).read(value, place)
+        return start, stop[0] if stop else None
+
+    def schema(self) -> Schema:
+        """One number or two."""
+        return Row((Integer(), Integer()), self.words, at_least=1).schema()
+
+
+NOISE = MapOf(Numbers())
+BOUND = Row((Real(), Real()), "[low, high]")
+
+
+@attrs.frozen(eq=False)
+class Lqg(Unresolved):
+    """The [LQG](lqg.md) controller of the plant, which adapts nothing."""
+
+    form: Annotated[
+        Literal["predictor", "filter"],
+        "Whether u(k) uses y(k-1) at the latest, or y(k) too.",
+    ] = "predictor"
+    noise: Annotated[
+        dict[str, Any] | None,
+        NOISE,
+        "Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where "
+        "it is left out.",
+    ] = None
+    k_w: Annotated[int, "First step at which it is in the loop."] = 0
+
+    def of(self, plant: Plant | PlantSchedule, **others: Any) -> FixedController:
+        """The controller of this plant, which no target model decides."""
+        if isinstance(plant, PlantSchedule):
+            raise InputError('structure = "lqg" is designed for one plant; this one changes.')
+        compensator = lqg(plant, noise=self.noise, form=self.form).compensator
+        return FixedController(compensator, k_w=self.k_w)
+
+
+# In place of a structure: the whole table is then of a controller that adapts nothing.
+FIXED: dict[str, Kind[Any]] = {"lqg": Kind(Variant(Lqg), is_whole=True)}
+STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
+
+
+@attrs.frozen(eq=False)
+class Fixed(Shorthand):
+    """A fixed compensator (2.28)."""
+
+    past_u: Annotated[Array, "past_u[i-1] is P_i."]
+    past_y: Annotated[
+        Array,
+        "past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.",
+    ]
+
+    def made(self) -> Compensator:
+        """The compensator."""
+        return Compensator(self.past_u, self.past_y)
+
+
+WEIGHT = Either(Table(SignalWeight), Numbers())
+FORMS: Mapping[str, Form] = {
+    "structure": STRUCTURES_AND_FIXED,
+    "update": UPDATES,
+    "R_z": WEIGHT,
+    "R_u": WEIGHT,
+    "R_u_unfiltered": Numbers(),
+    "z_normalization": Table(Normalization),
+    "bounds": Table(CoefficientBounds, forms={"gains": MapOf(BOUND)}),
+    "fixed": Table(Fixed),
+    "theta_0": Numbers(),
+    "k_w": Integer(),
+    "k_update": Integer(),
+    "target_changes": ByStep(TARGET.table),
+    "freeze": ListOf(_Interval()),
+}
+DOCS = {
+    "structure": "What the regressor is made of.",
+    "update": "How theta is adapted; as `arithmetic` in [run] where it is left out.",
+    "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b, nu = a }` "
+    "for (b + c z'z)/(1 + a |z|)^2 I.",
+    "z_normalization": "f(z) in the place of z in the cost: `{ limit = 5 }`.",
+    "bounds": "Of theta: `{ low = 0, high = 5, gains = { K_D = [0, 1] } }`.",
+    "fixed": "A compensator in parallel: `{ past_u = [[[1]]], past_y = [[[0]], [[0.5]]] }`.",
+    "R_u": "Likewise.",
+    "target_changes": "`[[step, { model = ... }], ...]`: G_f from that step on.",
+    "freeze": "`[[start, stop], ...]` without update; `[start]` alone: to the end.",
+}
+
+
+@attrs.frozen
+class Several:
+    """What several controllers have in common."""
+
+    shared_u: Annotated[
+        bool,
+        "Of [[controllers]]: every regressor holds the sum of all outputs in place of its own; "
+        "with saturation that is needed.",
+    ] = False
+
+
+SEVERAL = Table(Several)
+CONTROLLER = Deferred(
+    Table(
+        ControllerSettings,
+        given=["target", "learning"],
+        forms=FORMS,
+        docs=DOCS,
+        elsewhere=(SEVERAL, "only [[controllers]] read"),
+        is_later=True,
+    )
+)
+ONE_OF_SEVERAL = Deferred(
+    Table(
+        ControllerSettings,
+        given=["learning"],
+        forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
+        docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+        is_later=True,
+    )
+)
+
+
+@attrs.frozen(eq=False)
+class ControllerSpecification(Value):
+    """The controllers of a run."""
+
+    parts: tuple[Part[ControllerSettings] | Lqg, ...]
+    target: Target | None
+    shared_u: bool = False
+
+    def build(self, plant: Plant | PlantSchedule) -> tuple[AnyController, TargetModel | None]:
+        """The controller, and the target model that it does not hold itself.
+
+        What a target model takes from the plant is taken from the plant at step 0.
+        """
+        if self.target is None:
+            settings: list[Any] = [part.of(plant) for part in self.parts]
+            return Decentralized(settings, shared_u=self.shared_u), None
+        target = self.target.of(plant)
+        controller = self.parts[0].of(plant, target=target)
+        is_fixed = isinstance(controller, FixedController)
+        return controller, target if is_fixed else None  # type: ignore[return-value]
+
+
+NO_TARGET = (
+    "there is no table [target]: what RCAC is to make of the loop. Add for instance\n\n"
+    '[target]\nmodel = "pole placement"\npoles = ["0.5"]'
+)
+
+
+def read_controllers(
+    common: Raw, target: Raw, several: list[Raw], place: Callable[[str], Place]
+) -> ControllerSpecification:
+    """What [controller], [target] and [[controllers]] ask for.
+
+    Each of several takes from [controller] and [target] what it does not say itself. `place` says
+    where the table of a name stands.
+    """
+    here = place("controller")
+    if not several:
+        if not target:
+            raise InputError(NO_TARGET)
+        errors, of_target = Errors(), None
+        read: tuple[Any, ...] = ()
+        with errors:
+            of_target = TARGET.table.read(target, place("target"))
+        with errors:
+            read = (CONTROLLER.table.read(common, here),)
+        errors.raise_any()
+        return ControllerSpecification(read, of_target)
+    shared = {key.name for key in SEVERAL.keys}
+    beside: Several = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
+    base = {key: value for key, value in common.items() if key not in shared}
+    parts, errors = [], Errors()
+    for number, own in enumerate(several, 1):
+        joined = ONE_OF_SEVERAL.joined(base, own)
+        there = place("controllers")
+        run = there.notes or here.notes or place("target").notes
+        there = replace(there, notes=(f"no. {number}", *run))
+        joined_target = TARGET.joined(target, joined.pop("target", {}))
+        with errors:
+            part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, there)
+            part.arguments["target"] = TARGET.table.read(joined_target, there.at("target").inside())
+            parts.append(part)
+    errors.raise_any()
+    return ControllerSpecification(tuple(parts), None, beside.shared_u)

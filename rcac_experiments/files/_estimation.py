@@ -1,0 +1,259 @@
+"""The file of an estimation example: its tables, and the experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any
+
+import attrs
+
+from compensator_theory.errors import InputError
+from rcac_experiments.estimation._estimators import (
+    ExtendedFilter,
+    UnscentedFilter,
+    controlled,
+    refined,
+)
+from rcac_experiments.estimation._studies import MEASURES, Estimation, EstimationStudy
+from rcac_experiments.estimation._true_systems import TrueSystem
+from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._experiment import Experiment
+from rcac_experiments.experiments._figure_requests import FigureRequest
+from rcac_experiments.files._documents import Heading
+from rcac_experiments.format._parts import Shorthand, resolved
+from rcac_experiments.format._places import Errors, Place, brief
+from rcac_experiments.format._tables import Deferred, Kinds, Raw, Table
+from rcac_experiments.format._values import (
+    Choice,
+    Form,
+    Integer,
+    ListOf,
+    Numbers,
+    Real,
+    Text,
+)
+from rcac_experiments.judging._claim import Claim, OpenItem
+from rcac_experiments.judging._reading import (
+    OpenItems,
+    check_table,
+    claim_table,
+    claims_of,
+    completed_runs,
+    completion_name,
+    opens,
+    require_run,
+)
+from rcac_numeric.arrays._values import Value
+
+SEEDS = "The first seed, and how many there are from it on."
+
+
+@attrs.frozen(eq=False, slots=False, kw_only=True)
+class Trial(TrueSystem):
+    """The true system x(k+1) = A(k) x + D_1(k) w, y = C x + v, and how often it is recorded."""
+
+    steps: Annotated[int, Integer(1), "Length of a record."]
+    seed: Annotated[int, SEEDS] = 0
+    seeds: Annotated[int, Integer(1), SEEDS] = 1
+
+
+MATRICES: dict[str, Form] = dict.fromkeys(
+    ("A", "D_1", "C", "A_then", "D_1_then", "A_p", "D_p", "B", "E_1", "C_r", "x_0", "Q", "R",
+     "P_0"),
+    Numbers(),
+)  # fmt: skip
+STEPS = {"delays": ListOf(Integer(1), 1), "window": Integer(1, 100_000), "d": Integer(1)}
+
+
+KINDS: dict[str, Table[Any]] = {
+    "ekf": Table(ExtendedFilter),
+    "ukf": Table(UnscentedFilter),
+    "rcmr": Table(refined, forms={**MATRICES, **STEPS, "k_update": Integer()}),
+    "indirect": Table(
+        controlled,
+        forms={**MATRICES, **STEPS, "k_update": Integer(), "V_1": Real(), "V_2": Real()},
+    ),
+}
+ESTIMATORS: Kinds[Any] = Kinds(KINDS)
+
+
+@attrs.frozen(eq=False)
+class Estimator(Shorthand):
+    """An estimator of the parameter."""
+
+    kind: Annotated[Any, ESTIMATORS, "Which estimator."]
+
+    def made(self) -> Estimation:
+        """The estimator."""
+        estimation: Estimation = resolved(self.kind, None)
+        return estimation
+
+
+TRIAL = Deferred(Table(Trial))
+ESTIMATOR = Deferred(Table(Estimator))
+
+
+WINDOW = {"start": Integer(), "stop": Integer(1)}
+CHECK: Table[Any] = check_table(
+    {n: Table(f, given=["r"], forms=WINDOW) for n, f in MEASURES.items()}, given=["until"]
+)
+CLAIM: Table[Any] = claim_table(CHECK)
+FIGURE = Table(
+    FigureRequest,
+    given=["channel", "noise", "direct", "designs"],
+    forms={
+        "kind": Choice(("estimates", "responses", "distribution")),
+        "runs": ListOf(Text()),
+        "signal": Choice(("z",)),
+        "first": Integer(0),
+        "last": Integer(1),
+        "measure": Choice(tuple(MEASURES)),
+    },
+)
+
+
+def estimation_figure(request: FigureRequest, runs: Sequence[str]) -> FigureRequest:
+    """The figure that a table asks for, if its runs are there."""
+    for name in request.runs:
+        require_run(name, runs, "a figure")
+    return request
+
+
+KEPT = 6  # numbers that are kept of each step
+
+
+BEGINNING = "What differs from those."
+
+
+@attrs.frozen(eq=False)
+class EstimationValue(Value):
+    """One of the values that a reader would try: its name, and what it changes."""
+
+    name: Annotated[str, "What it is called; claims refer to it."]
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
+
+
+@attrs.frozen(eq=False)
+class EstimationRun(EstimationValue):
+    """One estimator on one true system."""
+
+    like: Annotated[
+        str,
+        "An earlier run whose tables it begins with, in place of those of the file.",
+    ] = ""
+    correction: Annotated[
+        str,
+        "What this run reads differently from the source.",
+    ] = ""
+
+
+RUN = Table(EstimationRun)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class EstimationFile(Heading):
+    """An estimation example."""
+
+    estimation: Annotated[Raw, TRIAL, "The true system and its records."]
+    runs: Annotated[
+        list[EstimationRun],
+        ListOf(RUN, 1, needed="an array of tables, [[runs]]", named="run"),
+        "Estimators, or variants, on it; the first is the main one.",
+    ]
+    estimator: Annotated[
+        Raw | None,
+        ESTIMATOR,
+        "What the estimators of all runs begin with.",
+    ] = None
+    claims: Annotated[
+        list[Claim],
+        ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    figures: Annotated[
+        list[FigureRequest],
+        ListOf(FIGURE, needed="an array of tables, [[figures]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    open: Annotated[
+        list[OpenItem],
+        opens(Table(EstimationValue)),
+        "What its source leaves open, and what was chosen.",
+    ] = attrs.field(factory=list)
+
+
+ESTIMATION_FILE = Table(EstimationFile)
+
+
+def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
+    """The experiment of an estimation example: studies and claims."""
+    read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
+    raw: dict[str, dict[str, Any]] = {}
+    studies: dict[str, EstimationStudy] = {}
+    errors = Errors()
+    for run in table["runs"]:
+        name = str(run["name"])
+        if name in studies:
+            raise InputError(f"two runs are named {brief(name)}; give each its own name.")
+        require_run(run.get("like", ""), dict.fromkeys(raw, ""), f"the run {name!r}")
+        base = raw[run["like"]] if run.get("like") else table
+        raw[name] = {
+            key: form.joined(base.get(key, {}), run.get(key, {}))
+            for key, form in (("estimation", TRIAL), ("estimator", ESTIMATOR))
+        }
+        with errors:
+            studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
+    errors.raise_any()
+    _require_budget(studies, budget)
+    items = OpenItems.of(read.open)
+    claims = [claim for one in read.claims for claim in claims_of(one, tuple(studies), items)]
+    completions = {}
+    for of_run, values in completed_runs(claims, items):
+        tables = raw[of_run]
+        for value in values:  # what a value names it replaces as a whole
+            tables = {
+                key: {**inner, **items.tables[value].get(key, {})} for key, inner in tables.items()
+            }
+        name = completion_name(of_run, values)
+        completions[name] = _study(name, tables, file, studies[of_run].correction)
+    return Experiment(
+        **read.words(file),
+        runs={},
+        studies=studies,
+        claims=claims,
+        open=items.items,
+        completions=completions,
+        figures=[estimation_figure(figure, list(studies)) for figure in read.figures],
+        description={"truth": _words(table["estimation"])},
+    )
+
+
+def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
+    notes, errors = (f"run {name!r}",), Errors()
+    trial: Trial | None = None
+    estimator: Estimation | None = None
+    with errors:
+        trial = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
+    with errors:
+        estimator = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
+    errors.raise_any()
+    assert trial is not None
+    assert estimator is not None
+    return EstimationStudy(name, trial, estimator, trial.steps, trial.seed, trial.seeds, correction)
+
+
+def _require_budget(studies: Mapping[str, EstimationStudy], budget: Budget) -> None:
+    needed = sum(study.steps * study.seeds for study in studies.values())
+    if 8.0 * KEPT * needed > budget.memory:
+        raise InputError(
+            f"the runs would keep {8.0 * KEPT * needed:.3g} bytes; {budget.memory:.3g} are "
+            "allowed. Use fewer steps or seeds."
+        )
+    largest = max(study.system.n for study in studies.values())
+    budget.require_operations(float(needed) * (largest + 10) ** 2)
+
+
+def _words(table: Raw) -> str:
+    kept = ("truth", "w", "bias", "deviation", "steps", "seeds")
+    return ", ".join(f"{key} = {table[key]}" for key in kept if key in table)

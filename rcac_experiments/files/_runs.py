@@ -1,0 +1,266 @@
+"""The runs of an experiment file: its tables joined with what each run overrides, then read."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any
+
+import attrs
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._experiment import Course, RunSpecification
+from rcac_experiments.files._controllers import (
+    CONTROLLER,
+    ONE_OF_SEVERAL,
+    ControllerSpecification,
+    Lqg,
+    read_controllers,
+)
+from rcac_experiments.files._plants import PLANT, PlantSpecification, read_plant
+from rcac_experiments.files._signals import SIGNALS, Signals
+from rcac_experiments.files._targets import TARGET
+from rcac_experiments.files._updates import UPDATES
+from rcac_experiments.format._parts import Part
+from rcac_experiments.format._places import Errors, Place
+from rcac_experiments.format._tables import Deferred, Raw, Table
+from rcac_experiments.format._values import ListOf
+from rcac_numeric.arrays._values import Value, field_names
+from rcac_numeric.controllers._decentralized import Decentralized
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.controllers._update import Update
+from rcac_numeric.engine._compatibility import controllers_of, require_fit
+from rcac_numeric.engine._run import require_supported
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._saturation import Saturation
+from rcac_numeric.plants._schedules import PlantSchedule
+
+COURSE = Deferred(Table(Course))
+SATURATION = Deferred(Table(Saturation))
+# What a run may override, and how.
+TABLES: dict[str, Deferred] = {
+    "plant": PLANT,
+    "signals": Deferred(SIGNALS),
+    "target": TARGET,
+    "controller": CONTROLLER,
+    "saturation": SATURATION,
+    "run": COURSE,
+}
+CONTROLLERS = ListOf(ONE_OF_SEVERAL, needed="an array of tables, [[controllers]]")
+
+
+DIFFERS = "What differs from the table of that name."
+
+
+@attrs.frozen(eq=False)
+class OpenValue(Value):
+    """One of the values that a reader would try: its name, and what it changes."""
+
+    name: Annotated[str, "What it is called; claims refer to it."]
+    plant: Annotated[Raw | None, PLANT, DIFFERS] = None
+    signals: Annotated[Raw | None, TABLES["signals"], DIFFERS] = None
+    target: Annotated[Raw | None, TARGET, DIFFERS] = None
+    controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
+    controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
+    saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
+    run: Annotated[Raw | None, COURSE, DIFFERS] = None
+
+
+@attrs.frozen(eq=False)
+class Override(OpenValue):
+    """One of several runs: its name, and what it changes."""
+
+    correction: Annotated[
+        str,
+        "What this variant reads differently from the source, or adds to it.",
+    ] = ""
+
+
+OPEN_VALUE, OVERRIDE = Table(OpenValue), Table(Override)
+
+
+@attrs.frozen(eq=False)
+class RunTables(Value):
+    """One run as its file describes it, every value read and nothing made."""
+
+    name: str
+    plant: PlantSpecification
+    signals: Signals
+    controller: ControllerSpecification
+    saturation: Saturation | None
+    course: Course
+    correction: str = ""
+
+    def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
+        """About how many multiplications it takes; raises where it takes too much memory."""
+        course, parts = self.course, self.controller.parts
+        structures = [s for part in parts if (s := _structure(part, plant))]
+        budget.require_memory(
+            self.name,
+            plant,
+            structures,
+            steps=course.steps,
+            stride=course.stride,
+            repetitions=course.repetitions * course.seeds,
+            window=max(map(_window, parts), default=0),
+        )
+        return budget.operations_of(
+            structures,
+            steps=course.steps,
+            repetitions=course.repetitions * course.seeds,
+            reference=course.arithmetic == "reference",
+        )
+
+    def build(self, plant: Plant | PlantSchedule) -> RunSpecification:
+        """The run, its plant being made already."""
+        course = {name: getattr(self.course, name) for name in field_names(Course)}
+        controller, target = self.controller.build(plant)
+        made = RunSpecification(
+            **course,
+            name=self.name,
+            plant=plant,
+            settings=controller,
+            signals=self.signals.of(plant),
+            saturation=self.saturation,
+            target=target,
+            correction=self.correction,
+        )
+        require_sense(made)
+        return made
+
+
+def wrong_tables(table: Raw, file: str) -> frozenset[str]:
+    """The names of the tables of a file, or of an override in it, that cannot be read as they are.
+
+    "runs" is among them where the overrides are no tables with names.
+    """
+    overrides = table.get("runs") or []
+    if not isinstance(overrides, list) or not all(
+        isinstance(one, Mapping) and isinstance(one.get("name"), str) for one in overrides
+    ):
+        return frozenset({"runs"})
+    wrong = set()
+    for key, form in {**TABLES, "controllers": CONTROLLERS}.items():
+        for where in (table, *overrides):
+            try:
+                if key in where:
+                    form.read(where[key], Place(file, key=key))
+            except CompensatorError:
+                wrong.add(key)
+    return frozenset(wrong)
+
+
+def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -> RunTables | None:
+    """The tables of a file joined with what a run overrides, each read once.
+
+    Tables that are known to be `wrong` are left out, and there is no run then; what else is wrong
+    is said.
+    """
+    name = str(override["name"])
+    errors = Errors()
+    read: dict[str, Any] = {"saturation": None}
+    joined = {
+        key: form.joined(base.get(key, {}), override.get(key, {}))
+        for key, form in TABLES.items()
+        if key not in wrong
+    }
+
+    def place(table: str) -> Place:
+        return Place(file, table, notes=(f"run {name!r}",) if table in override else ())
+
+    with errors:
+        if "plant" in joined:
+            read["plant"] = read_plant(joined["plant"], place("plant"))
+    with errors:
+        if "signals" in joined:
+            read["signals"] = SIGNALS.read(joined["signals"], place("signals"))
+    with errors:
+        if "saturation" in joined and ("saturation" in base or "saturation" in override):
+            read["saturation"] = SATURATION.table.read(joined["saturation"], place("saturation"))
+    with errors:
+        if "run" in joined:
+            read["course"] = COURSE.table.read(joined["run"], place("run"))
+    course: Course | None = read.get("course")
+    with errors:
+        if not {"controller", "target", "controllers"} & set(wrong):
+            common = joined["controller"]
+            if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
+                common = {"update": course.arithmetic, **common}
+            several = override.get("controllers", base.get("controllers", []))
+            controller = read_controllers(common, joined["target"], several, place)
+            if course is not None:
+                for part in controller.parts:
+                    _require_agreement(part, course.arithmetic, place("controller"))
+            read["controller"] = controller
+    errors.raise_any()
+    if wrong:
+        return None
+    return RunTables(name=name, correction=str(override.get("correction", "")), **read)
+
+
+def _require_agreement(part: Part[Any] | Lqg, arithmetic: str | None, place: Place) -> None:
+    """[run] and the controller must agree on how the update is computed."""
+    update = _update(part)
+    wanted = {"reference": "ud"}.get(arithmetic or "", arithmetic)
+    if update is not None and arithmetic is not None and update.name != wanted:
+        raise InputError(
+            f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update.name!r} "
+            "contradict each other; arithmetic is how the recursive update is computed."
+        )
+
+
+def _update(part: Part[Any] | Lqg) -> Update | None:
+    """The update of a controller that adapts."""
+    return part.arguments["update"] if isinstance(part, Part) else None
+
+
+def _structure(part: Part[Any] | Lqg, plant: Plant | PlantSchedule) -> Structure | None:
+    """The structure of a controller that adapts."""
+    return part.arguments["structure"].of(plant) if isinstance(part, Part) else None
+
+
+def _window(part: Part[Any] | Lqg) -> int:
+    return int(getattr(_update(part), "window", 0))
+
+
+def words_of(table: Mapping[str, Any]) -> str:
+    """A table in the words of its file."""
+    return ", ".join(f"{key} = {value}" for key, value in table.items())
+
+
+# What is asked of a run before it starts: that it fits together and could adapt.
+
+
+def require_sense(run: RunSpecification) -> None:
+    """Refuse a run that does not fit together or could not adapt."""
+    require_fit(run.plant, run.settings)
+    if run.saturation is not None:
+        run.saturation.bounds(run.plant.l_u)
+        if isinstance(run.settings, Decentralized) and not run.settings.shared_u:
+            raise InputError(
+                "with saturation, controllers that hold their own u cannot know which part of it "
+                "was applied. Set shared_u = true in [controller]."
+            )
+    if run.seeds > 1 and run.repetitions > 1:
+        raise InputError(
+            f"seeds = {run.seeds} and repetitions = {run.repetitions}: give one of them. Seeds "
+            "change the noise, repetitions only the last digits of the data."
+        )
+    if run.x_0 is not None and run.x_0.shape != (run.plant.n,):
+        raise InputError(f"x_0 has {run.x_0.size} entries; the plant has {run.plant.n} states.")
+    if run.reference and (run.x_0 is not None or run.x_0_deviation):
+        raise InputError('arithmetic = "reference" starts from rest; leave x_0 out.')
+    if run.reference:
+        require_supported(run.plant, run.settings, run.saturation)
+    for controller in controllers_of(run.settings):
+        if isinstance(controller, FixedController):
+            continue
+        for name in ("k_w", "k_update"):
+            if (start := getattr(controller, name)) >= run.steps:
+                raise InputError(
+                    f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
+                    "nothing would be adapted. Use more steps."
+                )
+    for signal in run.signals:
+        signal.require_length(run.steps)

@@ -1,0 +1,52 @@
+"""What a table asks to be made, before everything that it needs is known."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+import attrs
+
+from rcac_numeric.arrays._values import Value
+
+T = TypeVar("T")
+
+
+class Unresolved(ABC):
+    """A specification that says all but the plant; `of` makes what is asked for."""
+
+    @abstractmethod
+    def of(self, plant: Any) -> Any:
+        """What it is for this plant."""
+
+
+class Shorthand(ABC):
+    """A table that stands for an object with other fields than the table has keys."""
+
+    @abstractmethod
+    def made(self) -> Any:
+        """The object."""
+
+
+def resolved(value: Any, plant: Any) -> Any:
+    """A value with every specification in it resolved for a plant."""
+    if isinstance(value, Unresolved):
+        return value.of(plant)
+    if isinstance(value, list | tuple):
+        return type(value)(resolved(entry, plant) for entry in value)
+    if isinstance(value, dict):
+        return {key: resolved(entry, plant) for key, entry in value.items()}
+    return value
+
+
+@attrs.frozen(eq=False)
+class Part(Value, Unresolved, Generic[T]):
+    """A function or class, and the arguments that a table has for it, read and typed."""
+
+    make: Callable[..., T]
+    arguments: dict[str, Any]
+
+    def of(self, plant: Any, **others: Any) -> T:
+        """Make it; `others` are arguments that do not stand in the file."""
+        return self.make(**resolved(self.arguments, plant), **others)

@@ -1,0 +1,531 @@
+"""What is said of an experiment, whose words they are, and the verdict that its checks give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Annotated, Any, Literal, Protocol
+
+import attrs
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.format._parts import Part
+from rcac_experiments.format._values import Integer
+from rcac_numeric.arrays._validation import number
+from rcac_numeric.arrays._values import Value
+
+# What comes of a claim on one completion of what its source says.
+HOLDS, FAILS = "holds", "does not hold"
+UNDETERMINED, NO_ANSWER = "undetermined", "no answer"
+OUTCOMES = {
+    HOLDS: "all of its checks do",
+    FAILS: "one of its checks does not, though what it measures is there",
+    UNDETERMINED: "repetitions that differ in their last digits disagree",
+    NO_ANSWER: "nothing was measured: the run ended, nothing was adapted, or a measure is refused",
+}
+
+# What is said of a sentence of a source.
+REPRODUCED, DEPENDS, NOT_REPRODUCED = "reproduced", "depends", "not reproduced"
+MISPRINT = "misprint"
+VERDICTS = {
+    REPRODUCED: "it holds for what the source states, and for every completion tried of what it "
+    "leaves open",
+    DEPENDS: "it holds for some completions of what the source leaves open and not for others; "
+    "which ones stands beside it",
+    NOT_REPRODUCED: "it holds for none of the completions that were tried, though the same checks "
+    "succeed on a run where they should; that is said of our runs, which may miss what the author "
+    "did",
+    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is corrected, "
+    "and named",
+    UNDETERMINED: "rounding or chance decides, or nothing could be measured",
+}
+RECORDS = (*dict.fromkeys((*VERDICTS, *OUTCOMES)),)
+
+TEXT, READING, OURS = "the text", "a reading", "ours"
+CLASSES = {
+    TEXT: "the source says exactly this; its words are quoted",
+    READING: "the source says it in words that leave room; how they are read, with charity, stands "
+    "beside the quote",
+    OURS: "a question of ours: what was measured, and no verdict on the source",
+}
+
+
+class Measured(Protocol):
+    """What a run left behind, of which checks ask."""
+
+    @property
+    def over_seeds(self) -> bool:
+        """Whether its repetitions are other draws."""
+
+    def silence(self, measure: str) -> str:
+        """Why it has no answer to a measure, though it ran; empty where it has one."""
+
+    @property
+    def may_end(self) -> bool:
+        """Whether it is known to diverge, so that what is then not there is an answer."""
+
+    def values(
+        self, measure: str, arguments: Mapping[str, Any], until: int | None
+    ) -> tuple[float, ...]:
+        """A measure of each repetition; NaN where it ended before there was anything to measure."""
+
+
+class Answer(Protocol):
+    """What a check found."""
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether what is checked is so; None where that is undetermined."""
+
+    @property
+    def silence(self) -> str:
+        """Why there is no answer; empty where there is one."""
+
+
+class AnyCheck(Protocol):
+    """A check of a loop, of an estimator, or of something exact."""
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """The runs that it needs."""
+
+    def evaluate(self, results: Mapping[str, Measured]) -> Answer:
+        """Decide it."""
+
+    def moved(self, moves: Mapping[str, str]) -> AnyCheck:
+        """The same check of other runs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refused(Value):
+    """A check that could not be evaluated, and why; it spoils its own claim and no other."""
+
+    check: AnyCheck
+    silence: str
+    holds: bool | None = None
+
+    def __str__(self) -> str:
+        return f"no answer: {self.silence}"
+
+
+@attrs.frozen(eq=False)
+class OpenItem(Value):
+    """Something that the source leaves open."""
+
+    what: Annotated[str, "Its name; claims refer to it."]
+    chosen: Annotated[str, "What the runs have, in words."]
+    reason: Annotated[str, "What the source says of it, and why this was chosen."] = ""
+    values: Annotated[
+        Sequence[Any],
+        "The others of the set that a reader would try: each has a name and the tables that it "
+        "changes, as a run has. They run with `rcac verify --completions`.",
+    ] = ()
+
+    @property
+    def completions(self) -> tuple[str, ...]:
+        """The names of its values."""
+        return tuple(value.name for value in self.values)
+
+
+QUOTE = (
+    "The words of a source, and where they stand. A claim without them is your own: it has an "
+    "outcome and no verdict."
+)
+
+
+@attrs.frozen(eq=False)
+class Claim(Value):
+    """Something said of the case."""
+
+    text: Annotated[
+        str, "What the checks decide, in words of your own; the quote where it is left out."
+    ] = ""
+    checks: Annotated[Sequence[AnyCheck], "What decides it: it holds where all of them do."] = ()
+    quote: Annotated[str, QUOTE] = ""
+    place: Annotated[str, QUOTE] = ""
+    reading: Annotated[str, "How words that leave room are read."] = ""
+    misprint: Annotated[
+        str, "The slip of the print that is corrected for the checks to be the right ones."
+    ] = ""
+    completion: Annotated[str, "What was chosen where the source is silent."] = ""
+    run: Annotated[
+        str,
+        "The run whose claim it is: checks that name none are of it. The main one where it is "
+        "left out.",
+    ] = ""
+    reason: Annotated[
+        str, "Where it does not hold, or depends on something: why, in a sentence."
+    ] = ""
+    recorded: Annotated[
+        str, "The verdict of record; exit status 1 says that a run gave another."
+    ] = ""
+    verdicts: Annotated[
+        Mapping[str, str] | None,
+        "In place of run and verdict, for several variants of a claim of your own: from the name "
+        "of each run to the outcome of record.",
+    ] = None
+    open: Annotated[
+        Sequence[str],
+        "The items of [[open]] that it is judged over, every combination of their values.",
+    ] = ()
+    over: Annotated[
+        Mapping[str, str],
+        "The map of record: from each outcome to the completions that have it, by the names of "
+        'other runs and of the values of [[open]], several joined by "; ". "the rest" are all '
+        "that are not named.",
+    ] = attrs.field(factory=dict)
+    control: Annotated[
+        str, "A run on which the same checks must succeed; without that a failure shows nothing."
+    ] = ""
+    standard: Annotated[
+        str,
+        "In place of text and checks: the name of a claim that every case with a target model can "
+        "make of a run that keeps theta at steps 10^3, 10^4 and 10^5.",
+    ] = ""
+
+    def __attrs_post_init__(self) -> None:
+        text = self.text or self.quote or self.standard
+        if bool(self.quote) != bool(self.place):
+            raise InputError(f"the claim {text!r} needs quote and place, or neither.")
+        for name in ("reading", "misprint"):
+            if getattr(self, name) and not self.quote:
+                raise InputError(f"the claim {text!r} has {name} without a quote.")
+        allowed = VERDICTS if self.quote else OUTCOMES
+        if self.recorded and self.recorded not in allowed:
+            raise InputError(
+                f"the claim {text!r} has verdict = {self.recorded!r}; one that "
+                f"{'quotes' if self.quote else 'is our own, without a quote,'} has one of "
+                f"{', '.join(allowed)}."
+            )
+
+    @property
+    def whose(self) -> str:
+        """A key of `CLASSES`."""
+        return OURS if not self.quote else READING if self.reading else TEXT
+
+    def moved(self, to: str) -> tuple[AnyCheck, ...]:
+        """Its checks, those of its run being of another.
+
+        Where that completes its own run, "run; value", those of other runs are of their
+        completions by the same values.
+        """
+        runs = {run for check in self.checks for run in check.runs}
+        suffix = to.removeprefix(f"{self.run}; ") if to.startswith(f"{self.run}; ") else ""
+        moves = {run: f"{run}; {suffix}" for run in runs} if suffix else {self.run: to}
+        return tuple(check.moved(moves) for check in self.checks)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict(Value):
+    """A claim, what was measured, and whether it holds.
+
+    Attributes
+    ----------
+    claim : Claim
+    results : tuple
+        What its checks found on its own run.
+    others : mapping from names of completions
+        What they found on those that ran too; of the rest the outcome of record counts.
+    control : tuple
+        What they found on the run on which they must succeed.
+    is_reduced : bool
+        Whether fewer repetitions were made than the verdict of record has.
+    """
+
+    claim: Claim
+    results: tuple[Answer, ...]
+    others: Mapping[str, tuple[Answer, ...]] = field(default_factory=dict)
+    control: tuple[Answer, ...] = ()
+    is_reduced: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "others", dict(self.others))
+
+    @property
+    def outcome(self) -> str:
+        """A key of `OUTCOMES`: what came of it on its own run."""
+        return outcome_of(self.results)
+
+    @property
+    def outcomes(self) -> dict[str, str]:
+        """The map: from each completion, its own run first, to what came of it there."""
+        computed = {name: outcome_of(results) for name, results in self.others.items()}
+        record = {name: outcome for name, outcome in self.claim.over.items() if outcome}
+        return {self.claim.run: self.outcome, **record, **computed}
+
+    @property
+    def verdict(self) -> str:
+        """A key of `VERDICTS`, of a claim of ours its outcome; computed, never typed in."""
+        if not self.claim.quote:
+            return self.outcome
+        found = set(self.outcomes.values())
+        if found == {HOLDS}:
+            return MISPRINT if self.claim.misprint else REPRODUCED
+        if HOLDS in found:
+            return DEPENDS
+        if self.control and outcome_of(self.control) != HOLDS:
+            return UNDETERMINED  # checks that succeed nowhere show nothing
+        return NOT_REPRODUCED if found == {FAILS} else UNDETERMINED
+
+    @property
+    def words(self) -> str:
+        """The verdict, and what it depends on."""
+        on = f" on {', '.join(self.claim.open)}" if self.claim.open else ""
+        return self.verdict + (on if self.verdict == DEPENDS else "")
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether the verdict, or an outcome of its map, differs from the one of record.
+
+        Fewer repetitions than it was recorded with change no verdict.
+        """
+        if self.is_reduced or not self.claim.recorded:
+            return False
+        return self.claim.recorded != self.verdict or bool(self.changed_completions)
+
+    @property
+    def changed_completions(self) -> tuple[str, ...]:
+        """The completions that gave another outcome than the one of record."""
+        found = self.outcomes
+        return tuple(
+            name for name, outcome in self.claim.over.items() if found.get(name, "") != outcome
+        )
+
+    @property
+    def measured(self) -> str:
+        """The measured values in words."""
+        return "; ".join(map(str, self.results))
+
+
+def outcome_of(results: tuple[Answer, ...]) -> str:
+    """A key of `OUTCOMES`: what several checks together give."""
+    if any(result.holds is False and not result.silence for result in results):
+        return FAILS
+    if any(result.silence for result in results):
+        return NO_ANSWER
+    return HOLDS if all(result.holds for result in results) else UNDETERMINED
+
+
+def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str]) -> Verdict:
+    """The verdict of a claim from what ran."""
+
+    def answers(checks: Sequence[AnyCheck]) -> Iterator[Answer]:
+        for check in checks:
+            try:
+                yield check.evaluate(results)
+            except CompensatorError as error:
+                yield Refused(check, str(error))
+
+    others = {name: tuple(answers(claim.moved(name))) for name in claim.over if name in results}
+    control = tuple(answers(claim.moved(claim.control))) if claim.control else ()
+    needed = {run for check in claim.checks for run in check.runs} | {claim.control, *others}
+    own = tuple(answers(claim.checks))
+    return Verdict(claim, own, others, control, is_reduced=bool(needed & reduced))
+
+
+CONFIDENCE = 0.95
+
+
+INTERVAL = "The interval; one of them is needed, or `quoted`."
+
+
+@attrs.frozen(eq=False)
+class Check(Value):
+    """A measure of one run and the interval in which it must lie."""
+
+    measure: Annotated[str, "What is measured."]
+    run: Annotated[
+        str, "Of which run; that of the claim, or the main one, where it is left out."
+    ] = ""
+    relative_to: Annotated[
+        str, "Another run, whose measure it is divided by, repetition by repetition."
+    ] = ""
+    statistic: Annotated[
+        Literal["each", "median"],
+        "Whether every seed or repetition must lie in the interval, or the median.",
+    ] = "each"
+    share: Annotated[
+        float, 'With "each": the least share of them that must lie in the interval.'
+    ] = 1.0
+    until: Annotated[
+        int | None,
+        Integer(1),
+        "A step at which theta is kept: the run is cut off before it, so that its controller is "
+        "the one that is then in force and its plant that of the step before.",
+    ] = None
+    at_least: Annotated[float | None, INTERVAL] = None
+    at_most: Annotated[float | None, INTERVAL] = None
+    quoted: Annotated[
+        str,
+        "In place of them: a number as the source prints it. The interval is half a unit of its "
+        "last digit on both sides; where the measure has the key `value`, which is that number "
+        "then, the measure may be as large as that half unit.",
+    ] = ""
+    within: Annotated[float | None, "With `quoted`: how far from it, as a share of it."] = None
+    arguments: Mapping[str, Any] = attrs.field(factory=dict)
+
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.measure, Part):  # as a file's table is read
+            object.__setattr__(self, "arguments", self.measure.arguments)
+            object.__setattr__(self, "measure", self.measure.make.__name__)
+        if not 0 < number(self.share, "share") <= 1:
+            raise InputError(f"share = {self.share} must be above 0 and at most 1.")
+        if self.share < 1 and self.statistic != "each":
+            raise InputError(f"share = {self.share} is for statistic = 'each'; leave it out.")
+        low, high = self.interval
+        if not (low > -np.inf or high < np.inf):
+            raise InputError(
+                f"the check of {self.measure!r} needs at_least, at_most or both: a check without "
+                "a bound cannot fail."
+            )
+        if low > high:
+            raise InputError(
+                f"the check of {self.measure!r} asks for at least {low} and at most {high}, which "
+                "no number is."
+            )
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """In which the measure must lie."""
+        if not self.quoted:
+            if self.within is not None:
+                raise InputError(
+                    f"within = {self.within} says how far from a number; give quoted too."
+                )
+            low = -np.inf if self.at_least is None else self.at_least
+            return low, np.inf if self.at_most is None else self.at_most
+        if self.at_least is not None or self.at_most is not None:
+            raise InputError(
+                f"quoted = {self.quoted!r} is the interval; leave at_least and at_most out."
+            )
+        low, high = quoted_interval(self.quoted, self.within)
+        value = self.arguments.get("value")
+        if value is None:
+            return low, high
+        if value != float(self.quoted):
+            raise InputError(f"value = {value} is not the quoted {self.quoted}.")
+        return -np.inf, (high - low) / 2
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """The runs that it needs."""
+        return tuple(name for name in (self.run, self.relative_to) if name)
+
+    def moved(self, moves: Mapping[str, str]) -> Check:
+        """The same check of other runs."""
+        other = moves.get(self.relative_to, self.relative_to) if self.relative_to else ""
+        return attrs.evolve(self, run=moves.get(self.run, self.run), relative_to=other)
+
+    def evaluate(self, results: Mapping[str, Measured]) -> CheckResult:
+        """Measure it."""
+        result = results[self.run]
+        values = result.values(self.measure, self.arguments, self.until)
+        silence = result.silence(self.measure)
+        if self.relative_to:
+            other = results[self.relative_to]
+            divisors = other.values(self.measure, self.arguments, self.until)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = tuple(
+                    float(np.divide(a, b)) for a, b in zip(values, divisors, strict=True)
+                )
+            silence = silence or other.silence(self.measure)
+        if not silence and not result.may_end and np.isnan(values).all():
+            silence = "the run ended before there was anything to measure"
+        return CheckResult(self, values, result.over_seeds, silence)
+
+
+@dataclass(frozen=True, eq=False)
+class CheckResult(Value):
+    """The values of a check, one for each repetition.
+
+    Attributes
+    ----------
+    check : Check
+    values : tuple of float
+    over_seeds : bool
+        Whether the repetitions are other draws of the noise; otherwise they have the same data
+        but for their last digits.
+    silence : str
+        Why the values answer nothing; empty where they do.
+    """
+
+    check: Check
+    values: tuple[float, ...]
+    over_seeds: bool = False
+    silence: str = ""
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the check holds; None where it hangs on the last digits of the input."""
+        if self.silence:
+            return None
+        if self.check.statistic == "median":
+            return self._inside(float(np.median(self.values)))
+        if self.inside / len(self.values) >= self.check.share:
+            return True
+        is_open = self.inside and self.check.share == 1 and not self.over_seeds
+        return None if is_open else False
+
+    @property
+    def inside(self) -> int:
+        """How many repetitions lie in the interval."""
+        return sum(map(self._inside, self.values))
+
+    @property
+    def proportion(self) -> tuple[float, float]:
+        """The interval of the share of draws that lie in it, at 95 %, Clopper and Pearson's."""
+        from scipy.stats import binomtest  # a third of a second, paid only for many draws
+
+        found = binomtest(self.inside, len(self.values)).proportion_ci(CONFIDENCE)
+        return float(found.low), float(found.high)
+
+    def __str__(self) -> str:
+        name = self.check.measure.replace("_", " ")
+        ratio = f" / that of {self.check.relative_to}" if self.check.relative_to else ""
+        step = "" if self.check.until is None else f" at step {self.check.until}"
+        known = [number for number in self.values if not np.isnan(number)] or [np.nan]
+        value = self._words(float(np.median(known)))
+        if len(self.values) > 1:
+            kind = "seeds" if self.over_seeds else "repetitions"
+            value = f"median {value} [{self._words(min(known))}, {self._words(max(known))}] of "
+            value += f"{len(self.values)} {kind}"
+            if missing := int(np.isnan(self.values).sum()):
+                value += f", {missing} without a value"
+            if self.check.statistic == "each" and self.inside < len(self.values):
+                value += f", {self.inside} in the interval"
+            if self.over_seeds and self.check.statistic == "each":
+                low, high = self.proportion
+                value += f", a share between {low:.2f} and {high:.2f}"
+        silence = f" (no answer: {self.silence})" if self.silence else ""
+        return f"{name}{step}{ratio} ({self.check.run}): {value}{silence}"
+
+    def _inside(self, value: float) -> bool:
+        low, high = self.check.interval
+        return low <= value <= high
+
+    def _words(self, value: float) -> str:
+        """Five digits, or as many more as it takes to stand on its side of the bounds."""
+        for digits in range(5, 17):
+            words = f"{value:.{digits}g}"
+            if self._inside(float(words)) == self._inside(value):
+                break
+        return words
+
+
+def quoted_interval(quoted: str, within: float | None) -> tuple[float, float]:
+    """What a printed number stands for: half a unit of its last digit, or so much of itself."""
+    try:
+        value = Decimal(quoted)
+        digits = value.as_tuple().exponent
+    except ArithmeticError:
+        digits = None
+    if not isinstance(digits, int):
+        raise InputError(f"quoted = {quoted!r} must be a number as the source prints it.")
+    half = Decimal(5).scaleb(digits - 1)
+    if within is not None:
+        if not 0 < within < np.inf:
+            raise InputError(f"within = {within} must be above 0: a share of the quoted number.")
+        half = abs(value) * Decimal(repr(within))
+    return float(value - half), float(value + half)

@@ -1,0 +1,218 @@
+"""One case of a page: its claims with their verdicts, its report and its pictures, as text."""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
+from typing import Any
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.experiments._experiment import Verification
+from rcac_experiments.judging._claim import HOLDS, MISPRINT, REPRODUCED, Verdict
+from rcac_experiments.reports._verification import map_lines, verification_sheet
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._wording import in_a_line, shortened
+from rcac_numeric.reports._displays import small_pictures_of
+from rcac_numeric.reports._rendering import HOME, sheet_html, whole_page
+from rcac_numeric.reports._sheet import Sheet
+from rcac_numeric.reports._svg import svg_of
+
+FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
+
+
+@dataclass(frozen=True)
+class ClaimRow(Value):
+    """A claim and its verdict, in words.
+
+    Attributes
+    ----------
+    whose : str
+        A key of `judging.claim.CLASSES`.
+    quote, place, reading, text : str
+        The words of the source and where they stand, how they are read, and what is checked.
+    measured, verdict, words : str
+        What was measured; the verdict, and the verdict with what it depends on.
+    notes : tuple of str
+        What is corrected or chosen, for which completions it holds, where its checks succeed.
+    reason, run, was : str
+        Why it does not hold; the variant that it is judged on; the verdict of record where another
+        one came out.
+    """
+
+    whose: str
+    quote: str
+    place: str
+    reading: str
+    text: str
+    measured: str
+    verdict: str
+    words: str
+    notes: tuple[str, ...]
+    reason: str
+    run: str
+    was: str
+
+
+@dataclass(frozen=True)
+class Picture(Value):
+    """A picture and what it shows."""
+
+    title: str
+    svg: str
+
+    @property
+    def anchor(self) -> str:
+        """The id of its SVG, by which it is drawn again, small; empty where nothing is drawn."""
+        return self._attribute("id")
+
+    @property
+    def box(self) -> str:
+        """What it shows of its plane: the viewBox of its SVG."""
+        return self._attribute("viewBox")
+
+    def _attribute(self, name: str) -> str:
+        found = re.match(rf'<svg\b[^>]*\b{name}="([\w .-]+)"', self.svg)
+        return found[1] if found else ""
+
+
+@dataclass(frozen=True)
+class Case(Value):
+    """What a page says of one experiment; plain text throughout, so that it can be kept.
+
+    Attributes
+    ----------
+    id, title, source : str
+    status : int
+        The exit status that `rcac verify` has for it.
+    claims : tuple of ClaimRow
+    body, details : str
+        HTML of its report: the problem, the claims and the notes; runs and controller.
+    pictures : tuple of Picture
+    settings : str
+        Seeds and arithmetic of its runs.
+    """
+
+    id: str
+    title: str
+    source: str
+    status: int
+    claims: tuple[ClaimRow, ...]
+    body: str
+    details: str
+    pictures: tuple[Picture, ...]
+    settings: str
+
+    @property
+    def anchor(self) -> str:
+        """Where it stands on a page."""
+        return "e" + re.sub(r"[^A-Za-z0-9.-]+", "-", self.id)
+
+    @property
+    def chapter(self) -> str:
+        """What stands before the first dot of its number; empty where it has none."""
+        found = re.match(r"([1-9]|[A-B])\.\d", self.id)
+        return found[1] if found else ""
+
+    def to_record(self) -> dict[str, Any]:
+        """As JSON can hold it."""
+        return asdict(self)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Case:
+        """What `to_record` gave."""
+        try:
+            claims = tuple(
+                ClaimRow(**{**row, "notes": tuple(row["notes"])}) for row in record["claims"]
+            )
+            pictures = tuple(Picture(**picture) for picture in record["pictures"])
+            return cls(**{**record, "claims": claims, "pictures": pictures})
+        except (KeyError, TypeError) as error:
+            raise InputError(f"this is no case of a page: {error}.") from None
+
+
+def case_of(verification: Verification) -> Case:
+    """What a page says of a verification."""
+    experiment = verification.experiment
+    sheet = verification_sheet(verification)
+    name = experiment.id or "case"
+    return Case(
+        id=name,
+        title=experiment.title,
+        source=experiment.source,
+        status=verification.exit_status,
+        claims=tuple(map(_row, verification.verdicts)),
+        body=sheet_html(replace(sheet, sections=sheet.sections[:FIRST]), level=3),
+        details=sheet_html(Sheet("", sections=sheet.sections[FIRST:]), level=3),
+        pictures=_pictures(verification, name),
+        settings=_settings(verification),
+    )
+
+
+def _row(verdict: Verdict) -> ClaimRow:
+    claim = verdict.claim
+    corrected = [("misprint", claim.misprint), ("chosen", claim.completion)]
+    return ClaimRow(
+        whose=claim.whose,
+        quote=claim.quote,
+        place=claim.place,
+        reading=claim.reading,
+        text=claim.text,
+        measured=verdict.measured,
+        verdict=verdict.verdict,
+        words=verdict.words,
+        notes=(*(f"{name}: {words}" for name, words in corrected if words), *map_lines(verdict)),
+        reason="" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else claim.reason,
+        run=claim.run,
+        was=claim.recorded if verdict.has_changed else "",
+    )
+
+
+def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
+    if not (verification.results or verification.estimates):
+        return ()
+    prefix = re.sub(r"[^A-Za-z0-9]+", "-", name)
+    try:
+        drawn = small_pictures_of(verification)
+    except CompensatorError as error:
+        return (Picture(f"No picture: {shortened(str(error))}", ""),)
+    return tuple(
+        Picture(title, svg_of(figure, f"p{prefix}-{i}", f"{name}: {title}"))
+        for i, (title, figure) in enumerate(drawn.items())
+    )
+
+
+def _settings(verification: Verification) -> str:
+    """What makes each run what it is, in a line: arithmetic, seed, steps."""
+    studies = verification.experiment.studies
+    return "; ".join(
+        [
+            f"{name}: {run.algorithm}, seed {run.seed}, {run.steps} steps"
+            for name, run in verification.experiment.runs.items()
+        ]
+        + [
+            f"{name}: {study.estimator.words}, {study.seeds} seeds from {study.seed}, "
+            f"{study.steps} steps"
+            for name, study in studies.items()
+        ]
+    )
+
+
+NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matplotlib")
+
+
+def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **more: Any) -> str:
+    """The page of one case."""
+    title = in_a_line(f"{case.id}: {case.title}".strip(": "))
+    lead = case.source or "A case, its claims and what was measured."
+    values: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
+    return whole_page(template, home, **values, **more)
+
+
+def made_with(cases: Sequence[Case]) -> dict[str, Any]:
+    """Versions, machine and seeds: what else decides the numbers of a page."""
+    machine = f"Python {platform.python_version()}, {platform.system()} on {platform.machine()}"
+    versions = [f"{name} {version(name)}" for name in NAMED]
+    return {"versions": versions, "machine": machine, "cases": cases}

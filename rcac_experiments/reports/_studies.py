@@ -1,0 +1,247 @@
+"""Studies as reports: how their runs ended, a run made again, whether a store is whole."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rcac_experiments.sweeps._care import StoreCheck
+from rcac_experiments.sweeps._overview import SweepOverview
+from rcac_experiments.sweeps._replay import ReplayedRun
+from rcac_experiments.sweeps._statistics import SweepSummary, wilson_interval
+from rcac_numeric.arrays._wording import shortened
+from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.reports._loop import health_lines, health_record
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+
+# Groups that a reader looks through, and errors.
+LONGEST_TABLE, MOST_ERRORS = 40, 5
+
+
+def sweep_sheet(overview: SweepOverview) -> Sheet:
+    """What a store holds."""
+    return Sheet(
+        title=overview.title or overview.path,
+        health=_health(overview),
+        sections=(_study(overview), _outcomes(overview), _groups(overview), _errors(overview)),
+    )
+
+
+def _health(overview: SweepOverview) -> tuple[Text, ...]:
+    said: list[Text] = []
+    results = len(overview.table)
+    if overview.failed:
+        words = f"{overview.failed} of {overview.total} runs failed"
+        how = "and are in no number below; --retry-failed (retry_failed=True) runs them again."
+        said.append(Text(f"{words} {how}", "bad"))
+    if overview.done < overview.total:
+        said.append(
+            Text(
+                f"{overview.done} of {overview.total} runs have been run; the numbers below are "
+                "of those.",
+                "warning",
+            )
+        )
+    others = results - overview.outcomes.get("completed", 0)
+    if others:
+        said.append(Text(f"{others} of {results} runs did not complete.", "warning"))
+    elif results and not overview.failed:
+        said.append(Text(f"All {results} runs completed.", "good"))
+    if noted := sum(overview.errors.values()):
+        said.append(Text(f"{noted} runs have an error recorded.", "bad"))
+    if overview.mixed:
+        words = f"Not all runs were made with the same: {'; '.join(overview.mixed)}."
+        said.append(Text(words, "warning"))
+    return tuple(said)
+
+
+def _study(overview: SweepOverview) -> Section:
+    axes = [
+        Fact(name, f"{count} value{'s' * (count > 1)} of {path}")
+        for name, (path, count) in overview.axes.items()
+    ]
+    versions = ", ".join(f"{name} {number}" for name, number in overview.versions.items())
+    facts = [
+        *axes,
+        Fact("repetitions", str(overview.repetitions)),
+        Fact("seed", str(overview.seed)),
+        Fact("fingerprint", overview.fingerprint),
+        Fact("made with", f"{versions}; {overview.instruction_set}; {overview.created}"),
+    ]
+    record = {
+        "study": {
+            "path": overview.path,
+            "title": overview.title,
+            "axes": {n: {"sets": p, "values": c} for n, (p, c) in overview.axes.items()},
+            "repetitions": overview.repetitions,
+            "seed": overview.seed,
+            "fingerprint": overview.fingerprint,
+            "versions": overview.versions,
+            "mixed": list(overview.mixed),
+            "instruction_set": overview.instruction_set,
+            "created": overview.created,
+            "runs": overview.total,
+            "stored": overview.done,
+            "failed": overview.failed,
+        }
+    }
+    return Section("The study", tuple(facts), record)
+
+
+def _outcomes(overview: SweepOverview) -> Section:
+    rows = []
+    for outcome, count in overview.outcomes.items():
+        low, high = wilson_interval(count, len(overview.table))
+        level: Level = "plain" if outcome == "completed" else "warning"
+        interval = f"{_percent(low)} to {_percent(high)}"
+        share = _percent(count / len(overview.table))
+        rows.append(cells(Text(outcome, level), str(count), share, interval))
+    table = Table(("outcome", "runs", "share", "95 % interval"), tuple(rows))
+    return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
+
+
+def _groups(overview: SweepOverview) -> Section:
+    summary = overview.summary
+    columns = {name: values.tolist() for name, values in summary.columns.items()}
+    record = {"groups": {"by": list(summary.axes), "measure": summary.measure, **columns}}
+    if not len(summary):
+        return Section("", (), record)
+    measured: list[str] = []
+    if summary.measure:
+        measured = ["median", *(f"q{q:g}" for q in summary.quantiles)]
+        if (summary["measured"] != summary["runs"] - summary["not_completed"]).any():
+            measured.insert(0, "measured")
+    if summary["failed"].any():
+        measured.insert(0, "failed")
+    heads = [*summary.axes, "runs", "not completed", "share", *measured]
+    rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
+    blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
+    if len(summary) > LONGEST_TABLE:
+        words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
+        blocks.append(Text(words, "quiet"))
+    of = ", with the 95 % interval of the share that did not complete"
+    if summary.measure:
+        of += f", and {summary.measure} of the completed runs"
+    return Section("Group by group", tuple(blocks), record, of)
+
+
+def _row(summary: SweepSummary, i: int, measured: list[str]) -> Any:
+    def entry(name: str) -> Any:
+        return summary.columns[name][i]
+
+    interval = f"{100 * entry('share_low'):.2g}-{_percent(entry('share_high'))}"
+    failed = int(entry("not_completed"))
+    row: list[str | Text] = [_value(entry(name)) for name in summary.axes]
+    row += [str(entry("runs")), Text(str(failed), "warning" if failed else "plain"), interval]
+    row += [_value(entry(name)) for name in measured]
+    return cells(*row)
+
+
+def _errors(overview: SweepOverview) -> Section:
+    blocks: list[Block] = []
+    for errors, column in ((overview.failures, "failed"), (overview.errors, "failure")):
+        blocks += [
+            Text(f"{count} times: {shortened(words, 300)}", "bad")
+            for words, count in list(errors.items())[:MOST_ERRORS]
+        ]
+        if (more := len(errors) - MOST_ERRORS) > 0:
+            blocks.append(Text(f"and {more} others; `{column}` of the table has them all."))
+    record = {
+        "failures": [{"error": e, "runs": n} for e, n in overview.failures.items()],
+        "errors": [{"error": e, "runs": n} for e, n in overview.errors.items()],
+    }
+    return Section("Errors" if blocks else "", tuple(blocks), record)
+
+
+def _percent(share: Any) -> str:
+    return f"{100 * float(share):.3g}%"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, float | np.floating):
+        return "-" if np.isnan(value) else f"{value:.3g}"
+    return shortened(str(value), 40)
+
+
+def replay_sheet(replayed: ReplayedRun) -> Sheet:
+    """Whether every bit came out again, and what the run is."""
+    run = replayed.analysed.run
+    said = [Text("Bit for bit the run that is stored.", "good")]
+    if not replayed.is_identical:
+        said = [Text(f"Not the run that is stored: {', '.join(replayed.differences)}.", "bad")]
+        said += [
+            Text(f"{name} was {then} and is {now}.", "warning")
+            for name, (then, now) in replayed.differing_versions.items()
+        ]
+    health = loop_health(replayed.analysed)
+    said += health_lines(health)
+    facts: list[Block] = [
+        *(Fact(name, shortened(str(v), 80)) for name, v in replayed.coordinates.items()),
+        Fact("repetition", str(replayed.repetition)),
+        Fact("outcome", f"{run.outcome} after {run.steps} steps"),
+    ]
+    if replayed.stored_error:
+        facts.append(Fact("recorded", replayed.stored_error, "bad"))
+    rows = [
+        cells(name, _number(replayed.stored[name]), _number(replayed.found[name]))
+        for name in replayed.stored
+    ]
+    if rows:
+        facts.append(Table(("measure", "stored", "now"), tuple(rows)))
+    record = {
+        "run": replayed.number,
+        "coordinates": replayed.coordinates,
+        "repetition": replayed.repetition,
+        "outcome": run.outcome,
+        "steps": run.steps,
+        "is_identical": replayed.is_identical,
+        "differences": replayed.differences,
+        "stored": replayed.stored,
+        "found": replayed.found,
+        "theta_final": run.theta_final,
+        **health_record(health),
+    }
+    return Sheet(
+        f"Run {replayed.number}",
+        health=tuple(said),
+        sections=(Section("", tuple(facts), record),),
+    )
+
+
+def _number(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.17g}"
+
+
+MOST_FAULTS = 20  # that a reader looks through
+
+
+def store_sheet(check: StoreCheck) -> Sheet:
+    """Whether a store is whole, what is wrong with it, and what became of that."""
+    lost = sum(last - first + 1 for first, last in check.damaged)
+    said = [Text("Everything in it is what was stored.", "good")]
+    if not check.is_whole:
+        said = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
+    if check.repaired:
+        said.append(
+            Text("What was right is kept, and the rest is run again when the study is.", "good")
+        )
+    blocks: list[Block] = [
+        Fact("runs stored and right", f"{check.done} of {check.total}"),
+        Fact("of them failed", str(check.failed)),
+        *(Text(shortened(words, 300), "bad") for words in check.faults[:MOST_FAULTS]),
+    ]
+    if (more := len(check.faults) - MOST_FAULTS) > 0:
+        blocks.append(Text(f"and {more} others; --json has them all."))
+    record = {
+        "path": check.path,
+        "is_whole": check.is_whole,
+        "repaired": check.repaired,
+        "done": check.done,
+        "total": check.total,
+        "failed": check.failed,
+        "damaged": [list(runs) for runs in check.damaged],
+        "faults": list(check.faults),
+    }
+    return Sheet(check.path, health=tuple(said), sections=(Section("", tuple(blocks), record),))

@@ -1,0 +1,53 @@
+"""What is said of a tuned design."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+
+from rcac_experiments.sweeps._tuning import RULE, Candidate, Tuned
+from rcac_numeric.reports._design import design_sheet
+from rcac_numeric.reports._sheet import Section, Sheet, Table, Text, cells
+
+BEST = 8  # candidates in the table of a report
+
+
+def tuned_sheet(tuned: Tuned) -> Sheet:
+    """What tuning brought, then the tuned design on plants and draws that chose nothing."""
+    sheet, beside = design_sheet(tuned.design), tuned.beside_rule
+    (k, n), (low, high) = beside.stable, beside.interval
+    words = (
+        f"Held out, the chosen settings have {beside.ratio:.3g} of the rms of the rule's "
+        f"({low:.3g} to {high:.3g}); {k} of {n} runs stable, the rule {beside.fixed_stable[0]}."
+    )
+    if tuned.chosen.name == RULE:
+        words = f"None of {len(tuned.candidates) - 2} points was surely better than the rule."
+    ranked = sorted(tuned.candidates, key=lambda one: (-one.rounds, one.order))
+    rows = tuple(cells(*_candidate(one)) for one in ranked[:BEST])
+    head = ("candidate", "rounds", "rms/fixed", "lost", "Ms", "N_0", "nu", "width", "order +",
+            "lambda")  # fmt: skip
+    record = [
+        {"name": one.name, "rounds": one.rounds, "ratio": one.beside.ratio, "Ms": one.Ms,
+         "stable": list(one.beside.stable), "knobs": asdict(one.knobs) if one.knobs else None}
+        for one in ranked
+    ]  # fmt: skip
+    tried = Section(
+        "What was tried",
+        (Table(head, rows), Text("On the plants at the corners of the uncertainty.")),
+        {"candidates": record, "chosen": tuned.chosen.name},
+    )
+    verdict, *rest = sheet.health
+    return replace(
+        sheet, title="A tuned controller", health=(verdict, Text(words), *rest),
+        sections=(*sheet.sections, tried),
+    )  # fmt: skip
+
+
+def _candidate(one: Candidate) -> tuple[str, ...]:
+    (k, n), knobs = one.beside.stable, one.knobs
+    found = (one.name, str(one.rounds), f"{one.beside.ratio:.3g}", f"{n - k} of {n}",
+             f"{one.Ms:.3g}")  # fmt: skip
+    if knobs is None:
+        return *found, "", "", "", "", ""
+    samples = "as it is" if knobs.samples is None else f"{knobs.samples:.3g}"
+    return (*found, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
+            f"{knobs.forgetting:.6g}")  # fmt: skip

@@ -1,0 +1,319 @@
+"""A verification as a report: the problem, the claims with their verdicts, the final controller."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rcac_experiments.estimation._studies import StudyResult
+from rcac_experiments.experiments._experiment import RunResult, Verification
+from rcac_experiments.judging._claim import (
+    DEPENDS,
+    FAILS,
+    HOLDS,
+    MISPRINT,
+    OURS,
+    REPRODUCED,
+    OpenItem,
+    Verdict,
+    outcome_of,
+)
+from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.checks._health import LoopHealth
+from rcac_numeric.reports._loop import (
+    health_lines,
+    health_record,
+    joined,
+    loop_section,
+    missed_poles,
+)
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+
+LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}
+MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there are
+
+
+def verification_sheet(verification: Verification) -> Sheet:
+    """What was run, what was claimed and measured, and what the final controller does."""
+    experiment = verification.experiment
+    health = loop_health(verification) if verification.results else None
+    return Sheet(
+        title=f"{experiment.id}  {experiment.title}",
+        health=_health(verification, health),
+        sections=(
+            _problem(verification, health),
+            _claims(verification),
+            *_of_runs(verification),
+        ),
+        notes=experiment.notes,
+    )
+
+
+def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text, ...]:
+    if verification.estimates:
+        return estimation_health(verification)
+    if health is None:
+        return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
+    main = verification.main
+    said = []
+    if main.diverged:
+        words = ", as it is known to" if main.as_expected else ""
+        last = main.first.run.steps - 1
+        said.append(
+            Text(
+                f"The loop diverged after step {last}{words}; the controller below is that of "
+                "that step.",
+                "bad",
+            )
+        )
+    elif not main.first.obstacle and not health.is_held:
+        said += missed_poles(main.first.comparison, main.first.structure)
+    first, *rest = health_lines(health)
+    said.append(first)
+    said += _changed(verification)
+    said += [
+        Text(f"Run {name!r} did not end as it is known to.", "bad")
+        for name in verification.surprising
+    ]
+    return (*said, *rest)
+
+
+def _of_runs(verification: Verification) -> tuple[Section, ...]:
+    """What only an example that runs has."""
+    if verification.estimates:
+        return (estimation_section(verification),)
+    if not verification.results:
+        return ()
+    main = verification.main
+    remark = f" of run {main.specification.name!r}"
+    return _runs(verification), loop_section(main.first, "The controller", remark)
+
+
+def _changed(verification: Verification) -> tuple[Text, ...]:
+    """That verdicts of record have changed, where some have."""
+    count = sum(verdict.has_changed for verdict in verification.verdicts)
+    return (Text(f"{count} of the verdicts of record changed.", "bad"),) if count else ()
+
+
+def _problem(verification: Verification, health: LoopHealth | None) -> Section:
+    experiment = verification.experiment
+    blocks: list[Block] = [Text(experiment.source, "quiet")] if experiment.source else []
+    blocks += [Fact(name, words) for name, words in experiment.description.items() if words]
+    record = {"id": experiment.id, "title": experiment.title}
+    of_health = {"health": None, "warnings": []} if health is None else health_record(health)
+    return Section("The problem", tuple(blocks), {**record, **of_health})
+
+
+def _claims(verification: Verification) -> Section:
+    """First what a source says, then what is asked besides."""
+    verdicts = sorted(verification.verdicts, key=lambda v: v.claim.whose == OURS)
+    quoted = any(v.claim.quote for v in verdicts)
+    rows = tuple(
+        cells(_words_of(v, quoted), [Text(str(r)) for r in v.results], _verdict(v))
+        for v in verdicts
+    )
+    heads = ("the text's words" if quoted else "claim", "measured", "verdict")
+    table = (Table(heads, rows),)
+    opens = tuple(Fact(item.what, _open_words(item)) for item in verification.experiment.open)
+    left = Section("What the text leaves open", opens) if opens else Section()
+    record = {"claims": [claim_record(v) for v in verification.verdicts]}
+    return joined("Claims" if rows else "", Section("", table if rows else (), record), left)
+
+
+def claim_record(v: Verdict) -> dict[str, Any]:
+    """A claim, what was measured and its verdict, as JSON can hold them."""
+    claim = v.claim
+    return {
+        "whose": claim.whose,
+        "quote": claim.quote or None,
+        "place": claim.place or None,
+        "reading": claim.reading or None,
+        "text": claim.text,
+        "measured": v.measured,
+        "verdict": v.verdict,
+        "depends_on": list(claim.open) if v.verdict == DEPENDS else [],
+        "outcomes": v.outcomes,
+        "control": outcome_of(v.control) if v.control else None,
+        "misprint": claim.misprint or None,
+        "completion": claim.completion or None,
+        "reason": _reason(v) or None,
+        "run": claim.run or None,
+        "recorded": claim.recorded or None,
+    }
+
+
+def _words_of(v: Verdict, beside_quotes: bool) -> list[Text]:
+    claim = v.claim
+    if claim.whose == OURS:
+        return [Text(claim.text), *([Text("a question of ours", "quiet")] if beside_quotes else [])]
+    said = [Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")]
+    said.append(Text(claim.place, "quiet"))
+    if claim.reading:
+        said.append(Text(f"read as: {claim.reading}", "quiet"))
+    if claim.text != claim.quote:
+        said.append(Text(f"checked: {claim.text}", "quiet"))
+    return said
+
+
+def _open_words(item: OpenItem) -> str:
+    others = f"; tried too: {', '.join(item.completions)}" if item.completions else ""
+    reason = f". {item.reason}" if item.reason else ""
+    return f"chosen: {item.chosen}{others}{reason}"
+
+
+def _verdict(verdict: Verdict) -> list[Text]:
+    claim = verdict.claim
+    lines = [Text(verdict.words, LEVELS.get(verdict.verdict, "warning"))]
+    for name, words in (("misprint", claim.misprint), ("chosen", claim.completion)):
+        if words:
+            lines.append(Text(f"{name}: {words}", "quiet"))
+    lines += [Text(line, "quiet") for line in map_lines(verdict)]
+    if reason := _reason(verdict):
+        lines.append(Text(reason, "quiet"))
+    if verdict.has_changed:
+        lines.append(Text(f"was: {claim.recorded}", "bad"))
+    return lines
+
+
+def map_lines(verdict: Verdict) -> list[str]:
+    """For which completions a claim holds, and on which run its checks succeed, in words.
+
+    Examples
+    --------
+    >>> from rcac_experiments import verify
+    >>> from rcac_experiments.dissertation import load_example
+    >>> from rcac_experiments.reports._verification import map_lines
+    >>> map_lines(verify(load_example("B.5")).verdicts[0])
+    []
+    """
+    outcomes = verdict.outcomes
+    lines = []
+    if len(outcomes) > 1:
+        for outcome in dict.fromkeys(outcomes.values()):
+            names = [name for name, found in outcomes.items() if found == outcome]
+            told = "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} of them"
+            lines.append(f"{outcome}, of {len(outcomes)} completions: {told}")
+    if verdict.control:
+        found = outcome_of(verdict.control)
+        lines.append(f"control, run {verdict.claim.control}: {found}")
+    return lines
+
+
+def _reason(verdict: Verdict) -> str:
+    """Why the claim does not hold, where it does not."""
+    return "" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else verdict.claim.reason
+
+
+def _runs(verification: Verification) -> Section:
+    """Every run side by side: what each arithmetic makes of the same data."""
+    results = verification.results
+    record = [
+        {
+            "name": name,
+            "arithmetic": r.specification.algorithm,
+            "outcome": r.first.run.outcome,
+            "expected": r.specification.expected,
+            "steps": r.first.run.steps,
+            "updates_decided_by_rounding": r.first.run.guard_count,
+            "theta": r.first.run.theta_final,
+        }
+        for name, r in results.items()
+    ]
+    heads = ("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
+    rows = tuple(_run(name, result) for name, result in results.items())
+    if len(rows) == 1:
+        return Section(record={"runs": record})
+    return Section("Runs", (Table(heads, rows),), {"runs": record})
+
+
+def _run(name: str, result: RunResult) -> Any:
+    first = result.first.run
+    distance = ""
+    if not result.first.obstacle:
+        # Of seeds the first: what all of them do is what the claims measure.
+        compared = result.repetitions[: 1 if result.specification.seeds > 1 else None]
+        values = sorted(r.comparison.worst_distance for r in compared)
+        distance = f"{values[len(values) // 2]:.3g}"
+        if len(values) > 1:
+            distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"
+    arithmetic = result.specification.algorithm
+    digits = getattr(first, "digits", None)
+    if digits is not None:
+        arithmetic += f", {digits:.0f} digits certified"
+    guard = f"{first.guard_count} updates" if first.guard_count else "none"
+    outcome = [Text(first.outcome)]
+    if result.diverged:
+        known = ", as expected" if result.as_expected else ""
+        level: Level = "quiet" if known else "bad"
+        outcome = [Text(f"diverged at {first.steps}{known}", level)]
+    elif not result.as_expected:
+        outcome.append(Text("though expected to diverge", "bad"))
+    return cells(name, arithmetic, distance, guard, outcome)
+
+
+# What a report says of the studies of an estimation example.
+
+
+def estimation_health(verification: Verification) -> tuple[Text, ...]:
+    """Whether every estimate came from data that determine it."""
+    results = verification.estimates
+    undetermined = [name for name, result in results.items() if _left(result) > 0.5]
+    said = [
+        Text(f"Run {name!r}: the data do not determine the parameter.", "warning")
+        for name in undetermined
+    ]
+    if not said:
+        said = [Text("Estimates of a parameter whose true value is known.")]
+    said += _changed(verification)
+    return tuple(said)
+
+
+def estimation_section(verification: Verification) -> Section:
+    """Every run side by side: the estimator, its seeds, and the estimate at the end."""
+    results = verification.estimates
+    heads = ("run", "estimator", "seeds", "truth at the end", "estimate at the end", "outcome")
+    rows = tuple(
+        cells(
+            name,
+            result.study.estimator.words,
+            str(result.study.seeds),
+            f"{result.study.course_end:.5g}",
+            _estimates(result),
+            _outcome(result),
+        )
+        for name, result in results.items()
+    )
+    record = [
+        {
+            "name": name,
+            "estimator": result.study.estimator.words,
+            "steps": result.study.steps,
+            "seeds": result.study.seeds,
+            "truth": result.study.course_end,
+            "estimates": list(_last(result)),
+            "outcomes": [run.outcome for run in result.repetitions],
+        }
+        for name, result in results.items()
+    ]
+    return Section("Runs", (Table(heads, rows),), {"runs": record})
+
+
+def _last(result: StudyResult) -> tuple[float, ...]:
+    return result.values("final_estimate", {})
+
+
+def _left(result: StudyResult) -> float:
+    return max(result.values("initial_estimate_left", {}))
+
+
+def _estimates(result: StudyResult) -> str:
+    values = _last(result)
+    if len(values) == 1:
+        return f"{values[0]:.5g}"
+    return f"{np.median(values):.5g}  ({min(values):.5g} to {max(values):.5g})"
+
+
+def _outcome(result: StudyResult) -> str:
+    lost = sum(run.outcome != "completed" for run in result.repetitions)
+    return f"{lost} of {result.study.seeds} diverged" if lost else "completed"

@@ -1,0 +1,166 @@
+"""From coordinates to the case that is run: each cell is made once, and its plant once for many."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_experiments.experiments._experiment import RunSpecification
+from rcac_experiments.files._runs import read_run
+from rcac_experiments.sweeps._canonical import canonical_json
+from rcac_experiments.sweeps._study import Coordinates, Study
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.engine._batches import SimulationCase
+from rcac_numeric.signals._signal import Signal
+from rcac_numeric.targets._model import TargetModel
+
+T = TypeVar("T")
+# Cells, and plants, that a worker remembers.
+REMEMBERED = 64
+
+
+@dataclass
+class Cell:
+    """One combination of the axes' values.
+
+    Attributes
+    ----------
+    specification : RunSpecification or None
+        None for a study of a function, whose cases are made one by one.
+    remembered : dict
+        What measures have found that is the same for all runs of the cell.
+    """
+
+    study: Study
+    coordinates: Coordinates
+    specification: RunSpecification | None
+    remembered: dict[Any, Any]
+
+    @property
+    def target(self) -> TargetModel | None:
+        """What the loop is compared with where the controller has no target model of its own."""
+        return None if self.specification is None else self.specification.target
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether it is run in ball arithmetic."""
+        return self.specification is not None and self.specification.reference
+
+    @cached_property
+    def words(self) -> tuple[int, ...]:
+        """What the noise of the cell is drawn from beside the seed."""
+        if self.study.common_noise:
+            return ()
+        return words_of({axis.sets: self.coordinates[axis.name] for axis in self.study.axes})
+
+    def w(self, repetition: int) -> Array:
+        """The exogenous input of one run."""
+        made = self.specification
+        assert made is not None
+        return exogenous_input(
+            made.signals, made.steps, self.study.seed, self.words, repetition, made.perturbation
+        )
+
+    def case(self, repetition: int) -> SimulationCase:
+        """What is run."""
+        made = self.specification
+        if made is not None:
+            options: dict[str, Any] = {"stride": self._stride(made)}
+            if made.saturation is not None:
+                options["saturation"] = made.saturation
+            return SimulationCase(made.plant, made.settings, self.w(repetition), options)
+        assert callable(self.study.base)
+        rng = generator(self.study.seed, self.words, repetition, WHOLE_RUN)
+        case = self.study.base(rng, **self.coordinates)
+        if not isinstance(case, SimulationCase):
+            raise InputError(f"the function of the study returned {case!r}, no SimulationCase.")
+        return case
+
+    def _stride(self, made: RunSpecification) -> int:
+        """How often theta is kept: most of the memory, so only where somebody looks at it."""
+        study = self.study
+        looks = "theta" in study.keep_signals or any(kept.needs_theta for kept in study.keep)
+        return made.stride if looks else max(made.steps, 1)
+
+
+class Cells:
+    """Makes the cells of a study, and remembers the last ones and their plants."""
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        self._cells: OrderedDict[str, Cell] = OrderedDict()
+        self._plants: OrderedDict[str, Any] = OrderedDict()
+
+    def cell(self, coordinates: Coordinates) -> Cell:
+        """One cell."""
+        return _remembered(
+            self._cells, canonical_json(coordinates), lambda: self._made(coordinates)
+        )
+
+    def _made(self, coordinates: Coordinates) -> Cell:
+        study = self.study
+        if callable(study.base):
+            return Cell(study, coordinates, None, {})
+        document = study.document(coordinates)
+        tables = read_run(document, {"name": "main"}, study.file)
+        assert tables is not None
+        plant = _remembered(self._plants, canonical_json(document["plant"]), tables.plant.build)
+        return Cell(study, coordinates, tables.build(plant), {})
+
+
+def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> T:
+    if key not in store:
+        if len(store) >= REMEMBERED:
+            store.popitem(last=False)
+        store[key] = make()
+    store.move_to_end(key)
+    return store[key]
+
+
+# Random numbers of a run, from the seed of the study and the run's own coordinates alone.
+
+# A channel of w has its number; what is drawn beside the channels has these.
+PERTURBATION, WHOLE_RUN = 2**32 - 1, 2**32 - 2
+
+
+def words_of(by_path: dict[str, Any]) -> tuple[int, ...]:
+    """Coordinates as four integers below 2^32: the same however many other values there are."""
+    key = hashlib.blake2b(canonical_json(by_path).encode(), digest_size=16).digest()
+    return tuple(int(word) for word in np.frombuffer(key, "<u4"))
+
+
+def generator(
+    seed: int, words: tuple[int, ...], repetition: int, channel: int
+) -> np.random.Generator:
+    """A generator of its own for one channel of one run, independent of all others."""
+    key = (*words, repetition, channel)
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))
+
+
+def exogenous_input(
+    signals: tuple[Signal, ...],
+    steps: int,
+    seed: int,
+    words: tuple[int, ...],
+    repetition: int,
+    perturbation: float = 0.0,
+) -> Array:
+    """The exogenous input w of one run, shape (steps, number of signals).
+
+    With a perturbation, all repetitions but the first are multiplied by
+    1 + perturbation * (standard normal).
+    """
+    w = np.empty((steps, len(signals)))
+    for channel, signal in enumerate(signals):
+        w[:, channel] = signal.samples(steps, generator(seed, words, repetition, channel))
+    if perturbation and repetition:
+        rng = generator(seed, words, repetition, PERTURBATION)
+        w *= 1 + perturbation * rng.standard_normal(w.shape)
+    return w

@@ -1,0 +1,380 @@
+"""Running a study into its store, from the start or from wherever it was stopped."""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, wait
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_experiments.files._builder import build
+from rcac_experiments.sweeps._canonical import canonical_json
+from rcac_experiments.sweeps._cells import Cell, Cells
+from rcac_experiments.sweeps._chunk import ChunkResult, ChunkTask
+from rcac_experiments.sweeps._claims import Claim, Claims
+from rcac_experiments.sweeps._pools import InProcess, WorkerLost, WorkerPool
+from rcac_experiments.sweeps._problems import StoreError
+from rcac_experiments.sweeps._progress import Meter, Progress
+from rcac_experiments.sweeps._schedule import Schedule
+from rcac_experiments.sweeps._store import DONE, JOURNALS, Store
+from rcac_experiments.sweeps._study import Coordinates, Study, require_meant
+from rcac_experiments.sweeps._versions import differing, versions
+from rcac_experiments.sweeps._worker import KeyWatch, run_chunk
+from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
+from rcac_numeric.engine.compiled._controllers import VARIABLE, instruction_set
+
+# A chunk takes about so many seconds, and its runs so many bytes.
+CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512
+# Chunks under way for each worker: one that runs, one that waits, and a little more; and over an
+# executor of others, whose workers nobody counts.
+WINDOW, WINDOW_OF_OTHERS = 3, 64
+
+# Values of one axis that are tried; of a longer one the first, the last, and some between.
+TRIED = 40
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C while a study ran; the store is whole, and the same call goes on.
+
+    Attributes
+    ----------
+    done, total : int
+        Runs that are stored, and runs in all.
+    """
+
+    def __init__(self, path: Path, done: int, total: int) -> None:
+        self.done, self.total = done, total
+        super().__init__(f"{done} of {total} runs are stored in {path}, which is whole")
+
+
+def run_study(
+    study: Study,
+    store: str | Path,
+    *,
+    workers: int | None = None,
+    executor: Executor | Callable[[], Executor] | None = None,
+    window: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    many: bool = False,
+    journal: str = "wal",
+    mixed: bool = False,
+    time_limit: float | None = None,
+    retries: int = 0,
+    retry_failed: bool = False,
+) -> Progress:
+    """Run what a study asks for and its store has not, and store each run when its chunk ends.
+
+    A run's numbers depend on its own coordinates and the seed alone: neither on chunks, workers
+    and their order, nor, bit for bit for one instruction set, on the machine. Called again after
+    whatever stopped it, it goes on; several processes may work on one store at a time. A study
+    with more repetitions or more values of an axis goes on in the store of the smaller one; any
+    other change is refused.
+
+    A run that diverges or cannot be made is a result. A run has failed where its measure, or
+    another function of the study, raised anything but a `CompensatorError`, where memory or time
+    ran out, or its process died: it is counted, it is in no table, and it can be run again.
+
+    Parameters
+    ----------
+    study : Study
+    store : path
+        An SQLite file; made where there is none.
+    workers : int, optional
+        Processes; as many as there are processors by default, and 0 for this process alone.
+    executor : concurrent.futures.Executor, or a function that makes one; optional
+        In place of processes of our own: `distributed.Client(...).get_executor(pure=False)`, or
+        that of `mpi4py.futures`. It is not shut down.
+    window : int, optional
+        How many chunks are under way at a time: three for each process of our own, and 64 over an
+        executor; three for each worker are enough.
+    progress : callable, optional
+        Called with a `Progress` while it goes on; `ProgressLine()` writes it down.
+    many : bool
+        That more than a million runs are meant.
+    journal : {"wal", "rollback"}
+        "rollback" for a store on a network file system, which one process alone may then use.
+    mixed : bool
+        Go on although the store was begun with other versions or instructions, so that its runs
+        agree up to rounding only; the store says so from then on.
+    time_limit : float, optional
+        Seconds that one run may take, its measures included. A process in which nothing ends for
+        so long is ended, what it was at is run again one by one, and a run that takes so long by
+        itself has failed. With workers=0 an exception (by SIGALRM) interrupts Python's code, and
+        compiled code that never returns is not reached. Workers of an executor of others cannot
+        be ended from here: it is refused there.
+    retries : int
+        How often a run that failed is run again at once.
+    retry_failed : bool
+        Run those again that had failed when they were run before.
+
+    Raises
+    ------
+    InputError
+        Where something of the study cannot be run: before anything is.
+    StoreError
+        Where the store is damaged, full, in use, or of another study.
+    StudyInterrupted
+        On Ctrl-C, within half a second.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rcac_experiments.sweeps import Axis, Kept, Study, read_table, run_study
+    >>> base = {
+    ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
+    ...     "signals": {"w": {"white_noise": 1}},
+    ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 200}}
+    >>> study = Study(
+    ...     base, [Axis("R_theta", [0.01, 100], sets="controller.R_theta")], [Kept("rms")],
+    ...     repetitions=10)
+    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> print(run_study(study, store, workers=0))
+    20 of 20 runs (100 %)
+    >>> table = read_table(store)
+    >>> len(table), sorted(set(table["R_theta"].tolist()))
+    (20, [0.01, 100.0])
+    """
+    instance_of(study, "study", Study)
+    one_of(journal, "journal", list(JOURNALS))
+    require_meant(study, many)
+    count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
+    limit = None if time_limit is None else number(time_limit, "time_limit")
+    if limit is not None and not 0 < limit < math.inf:
+        raise InputError(f"time_limit = {limit:g} must be a positive number of seconds.")
+    if limit is not None and executor is not None:
+        raise InputError(
+            "time_limit ends the process of a run that takes too long, and those of an executor "
+            "are not ours: leave out executor, or set its own limits."
+        )
+    again = integer(retries, "retries", at_least=0)
+    instance_of(retry_failed, "retry_failed", bool)
+    first = tried(study)
+    with Store(store, journal) as opened, KeyWatch():
+        run = _Running(opened, study, executor, count, limit)
+        try:
+            if not (opened.is_new and run.create(first)):
+                opened.chunks()  # before anything is written
+                differences = _require_same(opened, mixed)
+                opened.grow(study)
+                if differences:
+                    opened.note_mixed(differences)
+                if retry_failed:
+                    _free_failed(opened)
+            usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
+            under_way = usual if window is None else integer(window, "window", at_least=1)
+            instructions = "" if mixed else opened.study.instruction_set
+            return run.run(instructions, under_way, again, progress or _silence)
+        except KeyboardInterrupt:
+            run.leave()
+            counts = (0, study.runs) if opened.is_new else opened.counts()[:2]
+            raise StudyInterrupted(opened.path, *counts) from None
+        except BaseException:
+            run.leave()
+            raise
+
+
+class _Running:
+    """A study that is being run into its store, and the executor that does it."""
+
+    def __init__(
+        self,
+        store: Store,
+        study: Study,
+        executor: Executor | Callable[[], Executor] | None,
+        workers: int,
+        time_limit: float | None,
+    ) -> None:
+        self.store, self.study = store, study
+        self.pickled, self.fingerprint = pickle.dumps(study), study.fingerprint
+        # A clock that starts anew with every run is read between few of them.
+        self.at_once = 256 if time_limit is None else 8
+        self._make = _maker(executor, workers, time_limit, self._progressed)
+        self._own = executor is None  # what somebody else made, somebody else ends
+        self._executor: Executor | None = None
+        self.claims: Claims | None = None
+        self.schedule: Schedule | None = None
+
+    @property
+    def executor(self) -> Executor:
+        """Made when the first run is to be run."""
+        if self._executor is None:
+            self._executor = self._make()
+        return self._executor
+
+    def create(self, first: Cell) -> bool:
+        """Make the store; False where another process just did."""
+        return self.store.create(
+            self.study, instruction_set(), _chunk_size(self.study, first, self.executor)
+        )
+
+    def run(
+        self, instructions: str, window: int, retries: int, progress: Callable[[Progress], None]
+    ) -> Progress:
+        """Until the store has nothing left to do."""
+        store = self.store
+        ended = [chunk.state == DONE for chunk in store.chunks()]
+        done, total, failed = store.counts()
+        meter = Meter(total, done, failed=failed)
+        progress(meter.now())
+        if not all(ended):
+            self.claims = Claims(store)
+            self.claims.take_over()
+
+            def task_of(claim: Claim) -> ChunkTask:
+                plan = store.study.plan
+                places = plan.places(claim.first, claim.last)
+                by_cell = groupby(places, key=lambda place: place[1])
+                runs = [[(run, repetition) for run, _, repetition in some] for _, some in by_cell]
+                cells = plan.coordinates(range(places[0][1], places[-1][1] + 1))
+                return ChunkTask(
+                    self.pickled, self.fingerprint, instructions,
+                    list(zip(cells, runs, strict=True)), self.at_once,
+                )  # fmt: skip
+
+            self.schedule = Schedule(
+                self.claims, self.executor, task_of, window, retries, meter, progress
+            )
+            self.schedule.run()
+            self.claims.close()
+        if self._own and isinstance(self._executor, WorkerPool):
+            self._executor.shutdown()
+        meter.done, meter.total, meter.failed = store.counts()
+        return meter.now()
+
+    def leave(self) -> None:
+        """Let go of everything at once."""
+        if self.schedule is not None:
+            self.schedule.leave()
+        if self._own and isinstance(self._executor, WorkerPool):
+            self._executor.leave()
+        if self.claims is not None:
+            self.claims.close_quietly()
+
+    def _progressed(self) -> None:
+        if self.claims is not None:
+            self.claims.progressed()
+
+
+def _maker(
+    executor: Executor | Callable[[], Executor] | None,
+    workers: int,
+    time_limit: float | None,
+    on_progress: Callable[[], None],
+) -> Callable[[], Executor]:
+    if isinstance(executor, Executor):
+        return lambda: executor
+    if executor is not None:
+        if not callable(executor):
+            raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
+        return executor
+    if workers == 0:
+        return lambda: InProcess(time_limit, on_progress)
+    return lambda: WorkerPool(workers, time_limit, on_progress)
+
+
+def _free_failed(store: Store) -> None:
+    """Let the chunks be run again in which a run has failed; all others of them come out alike."""
+    store.set_free([(c.chunk, c.first, c.last) for c in store.chunks() if c.failed])
+
+
+def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
+    """As many runs as take a fraction of a second, found by running a few; their memory too.
+
+    They are run where all others will be, as long as that is ours: they may end their process.
+    """
+    ours = executor if isinstance(executor, WorkerPool) else InProcess()
+    if isinstance(executor, InProcess):
+        ours = executor
+    runs, seconds = 1, 0.0
+    for attempt in range(5):
+        numbers = [(i, i % study.repetitions) for i in range(runs)]
+        task = ChunkTask(pickle.dumps(study), study.fingerprint, instruction_set(),
+                         [(first.coordinates, numbers)])  # fmt: skip
+        future: Future[ChunkResult] = ours.submit(run_chunk, task)
+        while not wait([future], timeout=0.1).done:
+            pass  # here Ctrl-C is answered
+        try:
+            seconds = future.result().seconds
+        except BrokenExecutor as error:
+            raise InputError(
+                f"worker processes cannot be started: {error} workers=0 does all in one process."
+            ) from None
+        except WorkerLost:
+            seconds = CHUNK_SECONDS  # one by one, where it is recorded what is wrong with them
+        if attempt == 0 and seconds < 10 * CHUNK_SECONDS:
+            continue  # it read libraries
+        if seconds > CHUNK_SECONDS / 8 or runs * 8 > study.runs:
+            break
+        runs *= 8
+    by_time = CHUNK_SECONDS * runs / max(seconds, 1e-9)
+    case = first.case(0)
+    steps, plant = len(np.asarray(case.w)), case.plant
+    width = plant.l_w + 2 * plant.l_u + plant.l_y + plant.l_z
+    by_memory = CHUNK_BYTES / (8 * max(steps * width, 1))
+    fair = math.ceil(study.runs / 8)  # for two workers and a few chunks each
+    size = min(by_time, by_memory, LARGEST_CHUNK, fair)
+    return max(1, int(size) // 8 * 8 or int(size))
+
+
+def _require_same(store: Store, mixed: bool) -> list[str]:
+    """What would give other bits; refuse to go on with it, unless that is meant."""
+    row = store.study
+    differences = [
+        f"{name} {before} then, {now} now"
+        for name, (before, now) in differing(row.versions, versions()).items()
+    ]
+    if instruction_set() != row.instruction_set:
+        differences.append(
+            f"instructions {row.instruction_set} then, {instruction_set()} now (the environment "
+            f"variable {VARIABLE} chooses them)"
+        )
+    if differences and not mixed:
+        raise StoreError(
+            f"{store.path} was begun elsewhere: {'; '.join(differences)}. Its runs would agree up "
+            "to rounding only. To go on all the same: mixed=True, or --mixed on the command line."
+        )
+    return differences
+
+
+def _silence(progress: Progress) -> None:
+    """Say nothing of how far it is."""
+
+
+def tried(study: Study) -> Cell:
+    """The first cell, after every value of every axis was tried once, the others at their first.
+
+    A combination of values that cannot be made shows only where it is run, as an outcome.
+    """
+    try:
+        pickle.dumps(study)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise InputError(f"the study cannot be sent to another process: {error}.") from None
+    cells = Cells(study)
+    first = {axis.name: axis.values[0] for axis in study.axes}
+    if isinstance(study.base, dict):
+        # The whole file once: keys that no run reads, and what one run takes.
+        build(study.document(first), study.file)
+    for name, coordinates in _trials(study, first):
+        try:
+            cells.cell(coordinates).case(0)
+        except CompensatorError as error:
+            raise type(error)(
+                f"the axis {name!r} at {coordinates[name]!r}: {error}" if name else str(error)
+            ) from None
+    cell = cells.cell(first)
+    canonical_json(study.resolved)
+    return cell
+
+
+def _trials(study: Study, first: Coordinates) -> Iterator[tuple[str, Coordinates]]:
+    yield "", first
+    for axis in study.axes:
+        step = max(1, -(-len(axis) // TRIED))
+        for i in sorted({*range(0, len(axis), step), len(axis) - 1} - {0}):
+            yield axis.name, {**first, axis.name: axis.values[i]}

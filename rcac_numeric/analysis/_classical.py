@@ -1,0 +1,254 @@
+"""Gain, phase and delay margins of a discrete loop, each with the poles that show it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from compensator_theory import figures
+from rcac_numeric.analysis._boundaries import (
+    StabilityBoundary,
+    delay_boundary,
+    gain_boundary,
+    gain_crossovers,
+    phase_boundary,
+    phase_crossovers,
+)
+from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._disk import DiskMargin, disk_margin_of
+from rcac_numeric.analysis._loop_analysis import attempted
+from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._showing import notebook_of, picture_of
+from rcac_numeric.arrays._validation import positive_time
+from rcac_numeric.arrays._values import Value
+
+
+@dataclass(frozen=True, eq=False)
+class Margins(Value):
+    """How far a loop is from instability, and the evidence.
+
+    Attributes
+    ----------
+    loop : OpenedLoop
+    is_stable : bool
+        Whether the nominal loop is stable, by `decide_stability`. An unstable loop has no
+        margins: they are None.
+    spectral_radius : float
+        Of the nominal loop, from computed eigenvalues.
+    gain_up, gain_down : StabilityBoundary or None
+        The nearest factors above and below 1 by which L may be multiplied before a pole reaches
+        the unit circle; infinite and 0 where there is none. Of a loop that is stable without
+        gain, or unstable with any less, gain_down shows which.
+    phase_lag, phase_lead : StabilityBoundary or None
+        The least turn of L, in degrees within (0, 360), at positive frequencies backward (lag) and
+        forward (lead); infinite without a gain crossover. Table 5.1's PM is a lag.
+    delay : StabilityBoundary or None
+        The least additional delay, in steps, at which a pole reaches the unit circle:
+        min over the gain crossovers of lag / omega, as in Table 5.1. Where abs(L(-1)) > 1 that is
+        not the whole truth, and whole steps decide; see `StabilityBoundary.jumps`.
+    disk : DiskMargin or None
+        None for an unstable loop, and where it was not asked for.
+    gain_crossovers, phase_crossovers : arrays
+        All omega in [0, pi] with abs(L) = 1, and with L real and negative; rad/sample.
+    sample_time : float or None
+        In seconds.
+    """
+
+    loop: OpenedLoop
+    is_stable: bool
+    spectral_radius: float
+    gain_up: StabilityBoundary | None
+    gain_down: StabilityBoundary | None
+    phase_lag: StabilityBoundary | None
+    phase_lead: StabilityBoundary | None
+    delay: StabilityBoundary | None
+    disk: DiskMargin | None
+    gain_crossovers: Array
+    phase_crossovers: Array
+    sample_time: float | None
+
+    @property
+    def phase(self) -> StabilityBoundary | None:
+        """The lesser of lag and lead: the phase margin in the usual sense, at most 180 degrees."""
+        if self.phase_lag is None or self.phase_lead is None:
+            return None
+        return min(self.phase_lag, self.phase_lead, key=lambda b: b.value)
+
+    @property
+    def delay_time(self) -> float | None:
+        """The delay margin in seconds; None without a sample time or without a margin."""
+        if self.delay is None or self.sample_time is None:
+            return None
+        return self.delay.value * self.sample_time
+
+    @property
+    def worst_gap(self) -> float:
+        """Largest distance from 1 of the pole radius at a margin: how well they are verified."""
+        found = (self.gain_up, self.gain_down, self.phase, self.delay)
+        return max(
+            (abs(b.radius_at - 1) for b in found if b is not None and b.is_reached and not b.jumps),
+            default=0.0,
+        )
+
+    def __str__(self) -> str:
+        if not self.is_stable:
+            return (
+                f"The loop is unstable, spectral radius {self.spectral_radius:.6g}: it has no "
+                "margins."
+            )
+        assert self.gain_up and self.gain_down and self.phase_lag and self.phase_lead
+        assert self.delay
+        seconds = "" if self.delay_time is None else f" = {self.delay_time:.6g} s"
+        lines = [
+            f"gain up     {self.gain_up.value:.6g}{_at(self.gain_up)}",
+            f"gain down   {self.gain_down.value:.6g}{_at(self.gain_down)}",
+            f"phase lag   {self.phase_lag.value:.6g} deg{_at(self.phase_lag)}",
+            f"phase lead  {self.phase_lead.value:.6g} deg{_at(self.phase_lead)}",
+            f"delay       {self.delay.value:.6g} steps{seconds}{_at(self.delay)}",
+            *([] if self.disk is None else [f"disk        {self.disk}"]),
+            f"at these margins a pole is on the unit circle to {self.worst_gap:.1e}",
+        ]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the table of margins and the Nyquist curve."""
+        return notebook_of(self, self.plot)
+
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Nyquist's curve and Bode's plot of L with the margins marked.
+
+        Parameters
+        ----------
+        view : {"all", "nyquist", "bode", "disk"}
+            The first two together, one of them, or the gains and turns of phase that the disk
+            margin says may change together.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: two pairs of axes for Bode's plot, three
+            for "all", one for the others.
+        width : float
+            Of the figure in inches; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            Where the view is none of these or there is no disk margin to show, `ax` has not as
+            many axes, or the figure is narrower than 3 inches.
+
+        Examples
+        --------
+        >>> import control
+        >>> from rcac_numeric import stability_margins
+        >>> margins = stability_margins(control.tf([0.5], [1, -1], True), feedback=-1)
+        >>> [axis.get_title() for axis in margins.plot("bode").axes]
+        ['gain margin 4 at 3.14', 'phase margin 75.5 degrees at 0.505']
+        """
+        return picture_of(self, view, **options)
+
+
+def stability_margins(
+    loop: Any,
+    *,
+    at: str = "u",
+    channel: int = 0,
+    feedback: int | None = None,
+    sample_time: float | None = None,
+    disk: bool = True,
+) -> Margins:
+    """The margins of a loop with a fixed or frozen controller, opened at one scalar signal.
+
+    Crossovers are roots, never points of a grid, and every margin is to the nearest
+    boundary of stability in its direction, also for conditionally stable loops: whether a
+    crossing ends stability is decided by the poles of the perturbed loop, which are kept.
+
+    Parameters
+    ----------
+    loop : Run, ClosedLoop, pair of a plant and a Compensator, or python-control system
+        Of a run it is the loop of its last controller. A TransferFunction or StateSpace of
+        python-control is the scalar loop transfer function L in discrete time.
+    at : {"u", "y"}, channel : int
+        Where a closed loop is opened; its other channels stay closed.
+    feedback : {+1, -1}
+        For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
+    sample_time : float, optional
+        In seconds; taken from a python-control system that has one.
+    disk : bool
+        Whether the disk margin is found too.
+
+    Raises
+    ------
+    InputError
+        Where the loop is not scalar, not in discrete time, or has abs(L) = 1 at every frequency.
+    ImproperError
+        Where the opened loop is not well posed.
+
+    Notes
+    -----
+    The text's tables count the phase as a lag in [0, 360) degrees and DM = PM in radians over
+    omega. Table 5.2 calls seconds steps: 129.12 degrees at 0.3708 rad/s are 6.08 s, which are 60.8
+    steps of 0.1 s.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
+    >>> loop = ClosedLoop(
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
+    >>> margins = stability_margins(loop)     # q^2 - q - 2 + 2.5 gain: stable for 0.8 < gain < 1.2
+    >>> round(margins.gain_down.value, 9), round(margins.gain_up.value, 9)
+    (0.8, 1.2)
+    """
+    opened = broken_loop(loop, at=at, channel=channel, feedback=feedback)
+    if sample_time is None and isinstance(getattr(loop, "dt", None), float):
+        sample_time = loop.dt
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
+    gains, phases = gain_crossovers(opened), phase_crossovers(opened)
+    radius = opened.radius()
+    stable = opened.is_stable
+    return Margins(
+        loop=opened,
+        is_stable=stable,
+        spectral_radius=radius,
+        gain_up=gain_boundary(opened, phases, up=True) if stable else None,
+        gain_down=gain_boundary(opened, phases, up=False) if stable else None,
+        phase_lag=phase_boundary(opened, gains, lead=False) if stable else None,
+        phase_lead=phase_boundary(opened, gains, lead=True) if stable else None,
+        delay=delay_boundary(opened, gains) if stable else None,
+        disk=disk_margin_of(opened) if stable and disk else None,
+        gain_crossovers=gains,
+        phase_crossovers=phases,
+        sample_time=None if sample_time is None else float(sample_time),
+    )
+
+
+def _at(boundary: StabilityBoundary) -> str:
+    return f" at {boundary.omega:.6g} rad/sample" if np.isfinite(boundary.omega) else ""
+
+
+def channel_margins(
+    loop: ClosedLoop, sample_time: float | None = None, *, disk: bool = True
+) -> tuple[dict[str, Margins], dict[str, str]]:
+    """The margins at each component of u, and why there are none at the others.
+
+    Of time the plant's own sample time is taken where none is given.
+    """
+    sample_time = loop.plant.sample_time if sample_time is None else sample_time
+    found, reasons = {}, {}
+    for i in range(loop.plant.l_u):
+        name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
+        margins, reason = attempted(
+            partial(stability_margins, loop, channel=i, sample_time=sample_time, disk=disk)
+        )
+        if margins is None:
+            reasons[f"margins at {name}"] = reason
+        else:
+            found[name] = margins
+    return found, reasons

@@ -1,0 +1,233 @@
+"""What RCAC converged to, held against the exact prediction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from sympy import Poly
+
+import compensator_theory as exact
+from compensator_theory import figures
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._pairing import pairing
+from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.targets._model import TargetModel
+
+
+@dataclass(frozen=True, eq=False)
+class ExactComparison(Value):
+    """A converged controller beside the exact answer; scalar loops.
+
+    Attributes
+    ----------
+    reached : sympy.Poly
+        D D_c - N_yu N_c, exact: the float64 coefficients of the controller are dyadic rationals.
+    asked : sympy.Poly or None
+        The characteristic polynomial at which the intercalated transfer function equals G_f.
+        None where no controller of this order reaches G_f; `obstacle` says why.
+    compensators : PolePlacement or None
+        Every compensator of this order that places exactly `asked`.
+    poles : array of complex
+        Roots of `reached`, from certified isolation.
+    zeros : mapping from channel of w to array of complex
+        Closed-loop zeros from that channel to z.
+    target_poles : array of complex
+        The poles of G_f, which the controller is asked to assign.
+    """
+
+    plant: Plant
+    compensator: Compensator
+    target: TargetModel
+    reached: Poly
+    asked: Poly | None
+    obstacle: str
+    compensators: exact.results.PolePlacement | None
+    poles: ComplexArray
+    zeros: dict[str, ComplexArray]
+    target_poles: ComplexArray
+
+    def report(self) -> str:
+        """The polynomials, poles and zeros in words and numbers; missed poles first."""
+        return report_of(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return f"ExactComparison(worst_distance={self.worst_distance:.3g})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the map of poles."""
+        return notebook_of(self, self.plot)
+
+    def plot(self, *, width: float = 5.0) -> figures.Figure:
+        """The closed-loop poles and zeros beside the poles that the target asks for."""
+        return picture_of(self, width=width)
+
+    @property
+    def asked_poles(self) -> ComplexArray:
+        """Every pole that the target asks for; only those of G_f where it cannot be reached."""
+        return self.target_poles if self.asked is None else _roots(self.asked)
+
+    @property
+    def assigned(self) -> list[tuple[complex, complex]]:
+        """Pairs (pole of G_f, closed-loop pole assigned to it), matched one to one."""
+        return pairing(self.target_poles, self.poles)
+
+    @property
+    def worst_distance(self) -> float:
+        """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
+        return _worst(self.assigned)
+
+    @property
+    def spectrum_distance(self) -> float:
+        """The same over all n + n_c poles, the unassigned ones included; NaN without `asked`."""
+        return float("nan") if self.asked is None else _worst(pairing(self.asked_poles, self.poles))
+
+    @property
+    def unassigned(self) -> ComplexArray:
+        """The closed-loop poles that no pole of G_f claims."""
+        rest = list(self.poles)
+        for _, pole in self.assigned:
+            rest.remove(pole)
+        return np.array(rest, dtype=np.complex128)
+
+    @property
+    def controller_distance(self) -> float:
+        """Euclidean distance of (D_c, N_c) to the set of compensators that place `asked`."""
+        if self.compensators is None:
+            return float("nan")
+        one, directions = self._placing(self.compensators)
+        own = np.concatenate([self.compensator.denominator, self.compensator.numerator])
+        return _distance(own - one, directions)
+
+    def can_be_placed_by(self, structure: Structure) -> bool | None:
+        """Whether coefficients of this structure place `asked`; None for one not from y to u alone.
+
+        Its compensators and those that place `asked` are two affine sets; they meet, or they are
+        apart: by more than 1e-9 of their entries.
+        """
+        if (structure.l_u, structure.l_y, structure.l_r) != (1, 1, 0) or self.asked is None:
+            return None
+        if self.compensators is None:
+            return False
+        one, directions = self._placing(self.compensators)
+
+        def vector(theta: Array) -> Array:
+            made = structure.compensator(theta)
+            return np.concatenate([made.denominator, made.numerator])
+
+        rest = vector(np.zeros(structure.l_theta))
+        free = np.array([vector(row) - rest for row in np.eye(structure.l_theta)]).T
+        gap = _distance(rest - one, np.hstack([directions, free]))
+        return bool(gap <= SAME * (np.linalg.norm(rest) + np.linalg.norm(one)))
+
+    def _placing(self, found: exact.results.PolePlacement) -> tuple[Array, Array]:
+        """(D_c, N_c) of one compensator that places `asked`, and what may be added to it."""
+        length = self.compensator.n_c + 1
+
+        def vector(denominator: Poly, numerator: Poly) -> Array:
+            parts = [
+                [float(p.nth(length - 1 - i)) for i in range(length)]
+                for p in (denominator, numerator)
+            ]
+            return np.concatenate(parts)
+
+        directions = [vector(dD, dN) for dN, dD in found.homogeneous]
+        shape = (len(directions), 2 * length)
+        return vector(found.denominator, found.numerator), np.reshape(directions, shape).T
+
+
+SAME = 1e-9
+
+
+def _distance(gap: Array, directions: Array) -> float:
+    """How far a point is from the span of directions."""
+    if directions.shape[1]:
+        gap = gap - directions @ np.linalg.lstsq(directions, gap, rcond=None)[0]
+    return float(np.linalg.norm(gap))
+
+
+def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:
+    """A compensator beside the exact prediction for its target model."""
+    if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
+        raise InputError(
+            f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
+            "comparison is for scalar signals. Use ClosedLoop(...).poles() instead."
+        )
+    problem = plant.problem
+    N_c, D_c = exact_polynomials(compensator)
+    reached = exact.closed_loop_polynomial(problem, N_c, D_c)
+    asked, placed, obstacle = None, None, ""
+    try:
+        if not isinstance(target.exact, exact.TransferFunction):
+            raise InputError(
+                "the target model was given by float64 coefficients only."
+                if target.exact is None
+                else f"the target model is {target.l_z} x {target.l_u}, not scalar."
+            )
+        asked = exact.loops.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        strictness = _strictness(compensator)
+        placed = exact.place_poles(
+            problem.transfer_function("yu"),
+            asked,
+            compensator.n_c,
+            feedback=+1,
+            numerator_degree=compensator.n_c - strictness,
+        )
+    except CompensatorError as error:
+        obstacle = str(error)
+    zeros = {}
+    for index, name in enumerate(plant.channels):
+        polynomial = exact.loops.closed_loop_zero_polynomial(problem, N_c, D_c, index)
+        if not polynomial.is_zero:
+            zeros[name] = _roots(polynomial)
+    return ExactComparison(
+        plant=plant,
+        compensator=compensator,
+        target=target,
+        reached=reached,
+        asked=asked,
+        obstacle=obstacle,
+        compensators=placed,
+        poles=_roots(reached),
+        zeros=zeros,
+        target_poles=_target_poles(target),
+    )
+
+
+def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
+    """(N_c, D_c) in q with the exact values of their float64 coefficients."""
+    N_c, D_c = (
+        exact.polynomial([exact.exact_number(float(c), binary=True) for c in coefficients], "q")
+        for coefficients in (compensator.numerator, compensator.denominator)
+    )
+    return N_c, D_c
+
+
+def _worst(pairs: list[tuple[complex, complex]]) -> float:
+    return max((abs(a - b) for a, b in pairs), default=0.0)
+
+
+def _roots(polynomial: Poly) -> ComplexArray:
+    if polynomial.degree() < 1:
+        return np.zeros(0, dtype=np.complex128)
+    roots = [r.value for r in exact.certified_roots(polynomial) for _ in range(r.multiplicity)]
+    return np.array(roots, dtype=np.complex128)
+
+
+def _target_poles(target: TargetModel) -> ComplexArray:
+    if target.exact is not None:
+        return _roots(target.exact.denominator)
+    return np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
+
+
+def _strictness(compensator: Compensator) -> int:
+    """k_c as the coefficients show it: 0 where Q_0 is used, else 1."""
+    return 0 if compensator.past_y[0].any() else 1

@@ -1,0 +1,208 @@
+"""Why a discrete-time Riccati equation has no stabilising solution: the mode, rank or zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensator_theory.errors import (
+    CompensatorError,
+    NoSolutionError,
+    NotControllableError,
+    NotObservableError,
+    UnitCircleError,
+)
+from rcac_numeric.arrays._array_types import Array
+
+EPS = float(np.finfo(float).eps)
+# How close to the circle a computed zero may be one on it; a multiple one comes as a cluster.
+NEXT = 1e-3
+# How far from each other the members of such a cluster may be.
+ABOUT = 0.1
+# Steps of the search below this are about digits that decide nothing.
+SETTLED = 1e-10
+# Points at which the normal rank is read off; any but finitely many serve.
+PROBES = (0.41 + 0.83j, -1.37 + 0.29j, 0.07 - 1.61j)
+
+
+@dataclass(frozen=True)
+class Role:
+    """The words for one of the two equations; the estimator is the dual regulator."""
+
+    pair: str
+    hidden: str
+    error: type[CompensatorError]
+    map: str
+    inputs: str
+    outputs: str
+    remedy: str
+
+
+REGULATOR = Role(
+    pair="(A, B)",
+    hidden="not stabilisable",
+    error=NotControllableError,
+    map="G_zu",
+    inputs="u",
+    outputs="z",
+    remedy="Weight u (R_2 > 0), drop an input, or give z another component",
+)
+ESTIMATOR = Role(
+    pair="(A, C)",
+    hidden="not detectable",
+    error=NotObservableError,
+    map="G_yw",
+    inputs="y",
+    outputs="w",
+    remedy="Add noise to the measurements (V_2 > 0), drop a measurement, or add a noise",
+)
+
+
+def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
+    """Refuse a mode on or outside the unit circle that no gain moves, by name.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.analysis._obstacles import require_stabilisable
+    >>> require_stabilisable(np.diag([1.5, 0.5]), np.array([[0.0], [1.0]]))
+    Traceback (most recent call last):
+    ...
+    compensator_theory.errors.NotControllableError: (A, B) is not stabilisable: no gain ...
+    """
+    size = max(float(np.linalg.norm(A, 2)), 1.0) if A.size else 1.0
+    widths = np.linalg.norm(B, axis=0)
+    scaled = B[:, widths > 0] / widths[widths > 0] * size
+    for mode in _suspects(np.linalg.eigvals(A), size):
+        pencil = np.hstack([A - mode * np.eye(len(A)), scaled])
+        smallest = np.linalg.svd(pencil, compute_uv=False)[len(A) - 1]
+        if smallest <= 100 * len(A) * EPS * size:
+            raise role.error(
+                f"{role.pair} is {role.hidden}: no gain moves the mode {words(mode)} of A, which "
+                f"is on or outside the unit circle (smallest singular value {smallest:.1e}). "
+                "Remove it from the plant, or move it inside if it models a disturbance."
+            )
+
+
+def require_rank(A: Array, B: Array, E_1: Array, E_2: Array, role: Role = REGULATOR) -> None:
+    """Refuse a transfer matrix with dependent columns: the weights do not determine the gain."""
+    n, columns = len(A), B.shape[1]
+    rank = max(_rank(_pencil(A, B, E_1, E_2, probe)) for probe in PROBES) - n
+    if rank < columns:
+        raise NoSolutionError(
+            f"{role.map} has rank {max(rank, 0)} at almost every q, but {role.inputs} has "
+            f"{columns} component(s): the deficient rank leaves a direction of {role.inputs} "
+            f"undetermined, and R_2 + B'PB (or V_2 + CQC') is singular. {role.remedy}."
+        )
+
+
+def require_no_zero_on_circle(
+    A: Array,
+    B: Array,
+    E_1: Array,
+    E_2: Array,
+    *,
+    near: NDArray[np.complex128],
+    role: Role = REGULATOR,
+) -> None:
+    """Refuse a zero on the unit circle that is next to one of the numbers `near`.
+
+    From each of them a zero is sought by Newton's method on the smallest singular value of the
+    system pencil; at a zero that value is rounding noise.
+    """
+    size = len(A) + B.shape[1]
+    sizes = np.linalg.svd(E_2, compute_uv=False)
+    if len(sizes) == B.shape[1] and sizes.min(initial=np.inf) > 1e-6 * sizes.max(initial=0):
+        # E_2 is one to one, and u = -E_2^+ E_1 x at a zero, which is then one of these:
+        modes = np.linalg.eigvals(A - B @ np.linalg.lstsq(E_2, E_1, rcond=None)[0])
+        near = near[np.abs(near[:, None] - modes).min(axis=1, initial=np.inf) < ABOUT]
+    for start in near:
+        zero = _nearest_zero(A, B, E_1, E_2, start)
+        if not (np.isfinite(zero) and abs(abs(zero) - 1) < NEXT):
+            continue
+        # A multiple zero is known to a root of the rounding error only; these are often meant.
+        likely = [at for at in (1, -1, 1j, -1j) if abs(at - zero) < NEXT]
+        for at in (*likely, zero / abs(zero)):
+            pencil = _balanced(_pencil(A, B, E_1, E_2, at))
+            least = float(np.linalg.svd(pencil, compute_uv=False)[size - 1])
+            if least <= 100 * size * EPS:
+                raise _zero_on_circle(at, least, role)
+
+
+def _zero_on_circle(at: complex, least: float, role: Role) -> UnitCircleError:
+    return UnitCircleError(
+        f"{role.map} has a zero on the unit circle at {words(at)} (a mode of A there that "
+        f"{role.outputs} does not show included; smallest singular value {least:.1e}). A "
+        "closed-loop pole would have to lie on it, so no solution is stabilising. "
+        f"{role.remedy}."
+    )
+
+
+def words(value: complex) -> str:
+    """A complex number, without what is rounding only.
+
+    Examples
+    --------
+    >>> from rcac_numeric.analysis._obstacles import words
+    >>> words(1 + 1e-17j), words(0.6 - 0.8j), words(-1j)
+    ('1', '0.6-0.8j', '-1j')
+    """
+    value = complex(value)
+    if abs(value.imag) < 1e-12 * max(abs(value), 1.0):
+        return f"{value.real:.12g}"
+    if abs(value.real) < 1e-12 * abs(value):
+        return f"{value.imag:.12g}j"
+    return f"{value.real:.12g}{value.imag:+.12g}j"
+
+
+def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) -> complex:
+    """A zero of the system pencil; a number that is none where the iteration does not settle."""
+    n, at, before = len(A), complex(start), np.inf
+    for _ in range(60):
+        left, values, right = np.linalg.svd(_pencil(A, B, E_1, E_2, at))
+        u, v = left[:, len(values) - 1], right[len(values) - 1].conj()
+        slope = np.vdot(u[:n], v[:n])
+        if values[-1] == 0:
+            break
+        if values[-1] >= 10 * abs(slope):
+            return complex(np.nan)  # none is near
+        step = values[-1] / slope
+        at += step
+        if abs(step) < SETTLED and not abs(step) < before / 2:  # rounding, or a multiple zero
+            break
+        before = abs(step)
+    return at
+
+
+def _suspects(modes: NDArray[Any], size: float) -> list[complex]:
+    """The modes on or outside the circle, and the centres of clusters of them.
+
+    A multiple eigenvalue is computed as a cluster, off by a root of the rounding error; its centre
+    is not.
+    """
+    found = []
+    for mode in modes:
+        cluster = modes[np.abs(modes - mode) < 1e-4 * size]
+        found += [value for value in (mode, cluster.mean()) if abs(value) >= 1 - 1e-12]
+    return found
+
+
+def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[np.complex128]:
+    return np.block([[A - at * np.eye(len(A)), B], [E_1, E_2]])
+
+
+def _balanced(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The matrix with rows and columns of size one, which changes no rank."""
+    for _ in range(3):
+        for axis in (1, 0):
+            sizes = np.linalg.norm(pencil, axis=axis, keepdims=True)
+            pencil = pencil / np.where(sizes > 0, sizes, 1.0)
+    return pencil
+
+
+def _rank(pencil: NDArray[np.complex128]) -> int:
+    values = np.linalg.svd(_balanced(pencil), compute_uv=False)
+    return int(np.sum(values > 10 * max(pencil.shape) * EPS * values.max(initial=0.0)))

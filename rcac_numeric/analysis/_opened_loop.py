@@ -1,0 +1,217 @@
+"""A loop opened at one scalar signal: its open-loop response, and its poles once closed again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis, closed_loop
+from rcac_numeric.analysis._stability import decide_stability
+from rcac_numeric.arrays._algebraic_loops import closes
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._validation import integer, one_of, real_array
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.engine._runs import Run
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedLoop(Value):
+    """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+
+    def response(self, omega: ArrayLike) -> ComplexArray:
+        """L(e^{j omega}), shape that of omega (rad/sample); infinite at a pole."""
+        return self.at(np.exp(1j * np.atleast_1d(np.asarray(omega, dtype=np.float64))))
+
+    def at(self, z: ComplexArray) -> ComplexArray:
+        """L at points of the plane."""
+        return self._resolvent(z, 1)
+
+    def slope(self, z: ComplexArray) -> ComplexArray:
+        """dL/dz at points of the plane."""
+        return self._resolvent(z, 2)
+
+    def _resolvent(self, z: ComplexArray, power: int) -> ComplexArray:
+        direct = self.D[0, 0] if power == 1 else 0.0
+        if not len(self.A):
+            return np.full(len(z), direct, dtype=np.complex128)
+        pencils = np.asarray(z)[:, None, None] * np.eye(len(self.A)) - self.A
+        try:
+            states = self._states(pencils, power)
+        except np.linalg.LinAlgError:  # a pole among the points
+            return np.array([self._value_or_infinity(pencil, power) for pencil in pencils])
+        return np.asarray((self.C @ states)[:, 0, 0] + direct, dtype=np.complex128)
+
+    def _states(self, pencils: ComplexArray, power: int) -> ComplexArray:
+        states = np.linalg.solve(pencils, np.broadcast_to(self.B, (*pencils.shape[:-1], 1)))
+        if power == 2:
+            states = -np.linalg.solve(pencils, states)
+        return np.asarray(states, dtype=np.complex128)
+
+    def _value_or_infinity(self, pencil: ComplexArray, power: int) -> complex:
+        try:
+            value = (self.C @ self._states(pencil[None], power))[0, 0, 0]
+        except np.linalg.LinAlgError:
+            return complex(np.inf)
+        return complex(value + (self.D[0, 0] if power == 1 else 0.0))
+
+    @cached_property
+    def open_poles(self) -> ComplexArray:
+        """The eigenvalues of the opened loop."""
+        return np.linalg.eigvals(self.A).astype(np.complex128)
+
+    def closed_poles(self, gain: complex = 1.0) -> ComplexArray:
+        """The roots of 1 + gain L = 0 with the hidden modes; infinite where it is not well posed.
+
+        A complex gain turns the phase at every positive frequency and is no real system; its
+        poles show where phase and disk margins end.
+        """
+        direct = 1 + gain * self.D[0, 0]
+        if direct == 0:
+            return np.full(max(len(self.A), 1), np.inf, dtype=np.complex128)
+        poles = np.linalg.eigvals(self.A - (gain / direct) * (self.B @ self.C))
+        return np.asarray(poles, dtype=np.complex128)
+
+    def radius(self, gain: complex = 1.0) -> float:
+        """The spectral radius of the loop closed with an extra gain."""
+        return float(np.abs(self.closed_poles(gain)).max(initial=0.0))
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the loop is stable when it is closed as it is, decided for its float64 matrix."""
+        direct = 1 + self.D[0, 0]
+        return bool(direct) and decide_stability(self.A - self.B @ self.C / direct).is_stable
+
+    def delayed(self, steps: int) -> OpenedLoop:
+        """The same loop with `steps` more steps of delay."""
+        if steps == 0:
+            return self
+        n = len(self.A)
+        A = np.zeros((n + steps, n + steps))
+        A[:n, :n] = self.A
+        A[n:, n:] = np.eye(steps, k=-1)
+        A[n, :n] = self.C[0]
+        B = np.vstack([self.B, self.D, np.zeros((steps - 1, 1))])
+        C = np.zeros((1, n + steps))
+        C[0, -1] = 1.0
+        return OpenedLoop(A, B, C, np.zeros((1, 1)))
+
+
+def broken_loop(
+    loop: Any, *, at: str = "u", channel: int = 0, feedback: int | None = None
+) -> OpenedLoop:
+    """Open a closed loop at one component of u or y, or read a loop transfer function.
+
+    Parameters
+    ----------
+    loop : what `closed_loop` reads, or a python-control system
+        Of a closed loop the other components stay closed. A python-control system is the whole
+        loop transfer function: scalar, in discrete time.
+    at : {"u", "y"}
+        Where a ClosedLoop is opened: between controller and plant input, or between plant output
+        and controller.
+    channel : int
+        Which component, from 0 on.
+    feedback : {+1, -1}, for a loop transfer function only
+        -1 where the loop is closed by 1 + L = 0, +1 where it is closed by 1 - L = 0. A ClosedLoop
+        knows its own sign (+1 everywhere in this package).
+    """
+    if isinstance(loop, ClosedLoop | LoopAnalysis | Run | tuple):
+        if feedback is not None:
+            raise InputError("a closed loop knows its sign of feedback; leave feedback out.")
+        return _opened(closed_loop(loop), one_of(at, "at", ("u", "y")), channel)
+    A, B, C, D = _matrices(loop)
+    if feedback not in (1, -1):
+        raise InputError(
+            f"feedback = {feedback!r}: a loop transfer function L does not say how it is closed; "
+            "give -1 for 1 + L = 0 or +1 for 1 - L = 0."
+        )
+    return OpenedLoop(A, B, -feedback * C, -feedback * D)
+
+
+def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
+    kind = type(system).__name__
+    if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
+        raise InputError(
+            f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
+            "Compensator, or a python-control TransferFunction or StateSpace."
+        )
+    if system.dt is None or not system.isdtime(strict=True):
+        raise InputError(
+            f"the {kind} is not in discrete time; discretise it with control.c2d, or give dt=True "
+            "where it is already a function of q."
+        )
+    if (system.ninputs, system.noutputs) != (1, 1):
+        raise InputError(
+            f"the {kind} has {system.ninputs} inputs and {system.noutputs} outputs; margins are "
+            "for one scalar loop. Give a ClosedLoop, and name the channel to be opened."
+        )
+    if hasattr(system, "A"):
+        parts = (system.A, system.B, system.C, system.D)
+        A, B, C, D = (
+            real_array(part, f"{n} of the loop") for part, n in zip(parts, "ABCD", strict=True)
+        )
+        return A, B, C, D
+    if not hasattr(system, "num"):
+        raise InputError(f"a {kind} has no poles; give a TransferFunction or a StateSpace.")
+    from scipy.signal import tf2ss
+
+    numerator = np.trim_zeros(real_array(system.num[0][0], "the numerator"), "f")
+    denominator = np.trim_zeros(real_array(system.den[0][0], "the denominator"), "f")
+    if len(numerator) > len(denominator):
+        raise ImproperError(
+            f"the loop transfer function has {len(numerator) - 1} zeros and only "
+            f"{len(denominator) - 1} poles: it would use future values."
+        )
+    if len(denominator) == 1 or not len(numerator):
+        n = len(denominator) - 1
+        direct = numerator[0] / denominator[0] if len(numerator) else 0.0
+        A = np.zeros((n, n))
+        if n:  # L = 0: what is left is the modes of the denominator
+            A[0], A[1:, :-1] = -denominator[1:] / denominator[0], np.eye(n - 1)
+        return A, np.zeros((n, 1)), np.zeros((1, n)), np.array([[direct]])
+    A, B, C, D = tf2ss(numerator, denominator)
+    return A, B, C, D
+
+
+def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
+    plant = loop.plant
+    A_c, B_c, C_c, D_c = loop.compensator.state_space()
+    # (first) is where the opened signal enters, (second) where it comes from; D_0 and Q_0 swap.
+    first = (plant.A, plant.B, plant.C, plant.D_0)
+    second = (A_c, B_c, C_c, D_c)
+    if at == "y":
+        first, second = second, first
+    A_1, B_1, C_1, D_1 = first
+    A_2, B_2, C_2, D_2 = second
+    width = B_1.shape[1]
+    i = integer(channel, f"channel of {at}", at_most=width - 1)
+    stays = np.eye(width)
+    stays[i, i] = 0.0
+    enters = np.eye(width)[:, [i]]
+    # s = C_2 x_2 + D_2 (C_1 x_1 + D_1 (stays s + enters v)) is the whole signal, v the opened one.
+    if not closes(D_2, D_1 @ stays):
+        raise ImproperError(
+            f"with {at}[{i}] opened, the other channels depend on each other in a circle."
+        )
+    closing = np.eye(width) - D_2 @ D_1 @ stays
+    s_x = np.asarray(np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2])), dtype=np.float64)
+    s_v = np.asarray(np.linalg.solve(closing, D_2 @ D_1 @ enters), dtype=np.float64)
+    in_x, in_v = stays @ s_x, stays @ s_v + enters
+    out_x = np.hstack([C_1, np.zeros((len(C_1), len(A_2)))]) + D_1 @ in_x
+    out_v = D_1 @ in_v
+    n_1, n_2 = len(A_1), len(A_2)
+    A = np.block([[A_1, np.zeros((n_1, n_2))], [np.zeros((n_2, n_1)), A_2]])
+    A = A + np.vstack([B_1 @ in_x, B_2 @ out_x])
+    B = np.vstack([B_1 @ in_v, B_2 @ out_v])
+    return OpenedLoop(A, B, -s_x[[i]], -s_v[[i]])  # positive feedback: 1 + L = 0 with L = -G_c G

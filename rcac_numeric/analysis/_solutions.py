@@ -1,0 +1,98 @@
+"""The stabilising solution of a Riccati equation and how well it is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._values import Value
+
+
+@dataclass(frozen=True, eq=False)
+class StabilisingSolution(Value):
+    """The stabilising solution of a Riccati equation, with what says how good it is.
+
+    Attributes
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    R_1, R_12, R_2 : arrays of shape (n, n), (n, m), (m, m)
+    P : array, shape (n, n)
+    gain : array, shape (m, n)
+        K = -(R_2 + B'PB)^{-1} (R_12' + B'PA).
+    innovation : array, shape (m, m)
+        R_2 + B'PB.
+    residual : float
+        Norm of what is left of the equation over the sum of the norms of its terms.
+    factor : array, shape (n, n), or None
+        S with P = S'S, where the solution was found in square roots.
+    """
+
+    A: Array
+    B: Array
+    R_1: Array
+    R_12: Array
+    R_2: Array
+    P: Array
+    gain: Array
+    innovation: Array
+    residual: float
+    factor: Array | None = None
+
+    @property
+    def closed_loop(self) -> Array:
+        """A + BK, shape (n, n)."""
+        return np.asarray(self.A + self.B @ self.gain)
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """The n eigenvalues of A + BK."""
+        return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
+
+    @property
+    def margin(self) -> float:
+        """Distance of the closed-loop poles to the unit circle, 1 - spectral radius."""
+        return 1.0 - float(np.abs(self.poles).max(initial=0.0))
+
+    @property
+    def innovation_condition(self) -> float:
+        """Condition number of R_2 + B'PB with its diagonal scaled to one."""
+        scale = np.sqrt(np.abs(np.diag(self.innovation)))
+        scale = np.where(scale > 0, scale, 1.0)
+        return float(np.linalg.cond(self.innovation / np.outer(scale, scale)))
+
+    @cached_property
+    def condition(self) -> float:
+        """Bound on the relative change of P for relative changes of A, B and the weights.
+
+        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I and R the full weight,
+        norm(X) norm([I; K]) (norm(R) norm([I; K]) + 2 norm((A+BK)'P) norm([A B])) over norm(P),
+        or over norm(R_1) where that is larger: cross terms can make P vanish.
+        """
+        if not self.P.any():
+            return 0.0
+        if not self.margin > 0:
+            return np.inf
+        closed = self.closed_loop
+        X = stein_solution(closed.T, np.eye(len(closed)))
+        graph = norm(np.vstack([np.eye(len(closed)), self.gain]))
+        weight = norm(np.block([[self.R_1, self.R_12], [self.R_12.T, self.R_2]]))
+        data = 2 * norm(closed.T @ self.P) * norm(np.hstack([self.A, self.B]))
+        size = max(norm(self.P), norm(self.R_1))
+        return norm(X) * graph * (weight * graph + data) / size
+
+    def __repr__(self) -> str:
+        return (
+            f"StabilisingSolution(n={len(self.A)}, residual={self.residual:.1e}, "
+            f"margin={self.margin:.3g}, condition={self.condition:.1e})"
+        )
+
+
+def norm(value: Array) -> float:
+    """The 2-norm; zero for an empty matrix, infinite where an entry is not finite."""
+    if not np.isfinite(value).all():
+        return np.inf
+    return float(np.linalg.norm(value, 2)) if value.size else 0.0

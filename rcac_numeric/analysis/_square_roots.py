@@ -1,0 +1,186 @@
+"""Riccati equations in square roots: no weight is squared, no P is formed from what cancels.
+
+With weights [E_1 E_2]'[E_1 E_2] and P = S'S the recursion of the discrete-time regulator is one
+least-squares problem,
+
+    K = argmin norm([E_2; S B] K + [E_1; S A]),   S+ = the triangle of its residual,
+
+so that a weight R_2 = E_2'E_2 of 1e-28 enters as 1e-14. The stationary P is the limit of
+Kleinman's iteration (IEEE Trans. Automatic Control 13, 1968), Newton's method on the Riccati
+equation: P of a stable loop A + BK from its Lyapunov equation, by doubling of its factor, then the
+best K for that P. From any stabilising K it converges, monotonically and in the end quadratically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy import linalg
+
+from rcac_numeric.arrays._array_types import Array
+
+STEPS = 60  # of Kleinman's iteration: twenty from far away, five from near
+SETTLED = 1e-15  # relative change of the gain, as z sees it
+DOUBLINGS = 60  # 2^60 steps: more than any spectral radius in float64 asks for
+
+
+def triangle(rows: Array) -> Array:
+    """An upper triangular S with S'S = rows'rows, as wide as they are."""
+    n = rows.shape[1]
+    if not len(rows):
+        return np.zeros((n, n))
+    # Householder's method is accurate row by row where the large rows come first.
+    order = np.argsort(-np.abs(rows).max(axis=1, initial=0.0), kind="stable")
+    S = np.zeros((n, n))
+    made = linalg.qr(rows[order], mode="r", check_finite=False)[0][:n]
+    S[: len(made)] = made
+    return S
+
+
+def stein_factor(A: Array, E: Array) -> Array:
+    """S with S'S = sum over i of A'^i E'E A^i, for a spectral radius below 1."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _doubled(triangle(E), A)
+
+
+def _doubled(S: Array, power: Array) -> Array:
+    for _ in range(DOUBLINGS):
+        added = S @ power
+        if not np.isfinite(added).all():
+            raise np.linalg.LinAlgError("the sum leaves float64")
+        S = triangle(np.vstack([S, added]))
+        # Column by column, since a state may be seen far less than another.
+        is_small = np.abs(added).max(axis=0) <= 1e-18 * np.linalg.norm(S, axis=0)
+        if is_small.all() and np.abs(power).max(initial=0.0) < 1e-9:
+            return S
+        power = power @ power
+    raise np.linalg.LinAlgError("the sum does not end")
+
+
+def least_squares(X: Array, Y: Array) -> Array:
+    """The K that minimises the norm of X K + Y, X of full column rank, rows of any sizes."""
+    columns = np.linalg.norm(X, axis=0)
+    if not (columns > 0).all():
+        raise np.linalg.LinAlgError("a column of zeros")
+    scale = np.exp2(-np.round(np.log2(columns)))
+    scaled = X * scale
+    order = np.argsort(-np.abs(scaled).max(axis=1, initial=0.0), kind="stable")
+    Q, R, pivots = linalg.qr(scaled[order], mode="economic", pivoting=True, check_finite=False)
+    diagonal = np.abs(np.diag(R))
+    if len(diagonal) < X.shape[1] or not diagonal.min() > 0:
+        raise np.linalg.LinAlgError("dependent columns")
+    K = np.zeros((X.shape[1], Y.shape[1]))
+    K[pivots] = -linalg.solve_triangular(R, Q.T @ Y[order], check_finite=False)
+    return np.asarray(K * scale[:, None])
+
+
+def best_gain(A: Array, B: Array, E_1: Array, E_2: Array, S: Array) -> Array:
+    """The gain that is best for one step, with S'S as the cost of all later ones."""
+    return least_squares(np.vstack([E_2, S @ B]), np.vstack([E_1, S @ A]))
+
+
+def kleinman(A: Array, B: Array, E_1: Array, E_2: Array, K: Array) -> tuple[Array, Array]:
+    """(K, S) of the stabilising solution, from a stabilising K."""
+    best: tuple[float, Array, Array] | None = None
+    for _ in range(STEPS):
+        if not is_stable(A + B @ K):
+            break
+        S = stein_factor(A + B @ K, E_1 + E_2 @ K)
+        new = best_gain(A, B, E_1, E_2, S)
+        # The gain changes by something of which z sees so much, relative to what it sees at all.
+        change = np.vstack([E_2, S @ B]) @ (new - K)
+        whole = np.vstack([E_1 + E_2 @ K, S @ (A + B @ K)])
+        seen = np.linalg.norm(change, axis=0) / np.maximum(np.linalg.norm(whole, axis=0), 1e-300)
+        moved = float(seen.max(initial=0.0))
+        if best is not None and moved >= 0.5 * best[0] and best[0] < 1e-8:
+            break  # rounding is all that is left
+        if best is None or moved < best[0]:
+            best = moved, new, S
+        if moved <= SETTLED:
+            break
+        K = new
+    if best is None or not is_stable(A + B @ best[1]):
+        raise np.linalg.LinAlgError("no stabilising gain")
+    return best[1], best[2]
+
+
+def starting_gains(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array]:
+    """Gains that may be stabilising: of the structured pencil, and of larger weights of u."""
+    yield from _attempt(A, B, E_1, E_2)
+    size = max(np.abs(E_1).max(initial=0.0), np.abs(E_2).max(initial=0.0)) or 1.0
+    for share in (1e-6, 1e-3, 1.0):
+        more = share * size * np.eye(B.shape[1])
+        seen = np.vstack([E_1, np.zeros((len(more), len(A))), 1e-3 * share * size * np.eye(len(A))])
+        weighed = np.vstack([E_2, more, np.zeros((len(A), B.shape[1]))])
+        yield from _attempt(A, B, seen, weighed)
+
+
+def _attempt(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array]:
+    for balanced in (True, False):
+        try:
+            K = pencil_gain(A, B, E_1, E_2, balanced=balanced)
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        if is_stable(A + B @ K):
+            yield K
+
+
+def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -> Array:
+    """K from the stable deflating subspace of the pencil in (x, lambda, u, z), nothing squared.
+
+    x+ = A x + B u,  lambda = A' lambda+ + E_1' z,  0 = B' lambda+ + E_2' z,  z = E_1 x + E_2 u.
+    """
+    n, m, p = len(A), B.shape[1], len(E_1)
+    Z = np.zeros
+    left = np.block([
+        [A, Z((n, n)), B, Z((n, p))],
+        [Z((n, n)), -np.eye(n), Z((n, m)), E_1.T],
+        [Z((m, 2 * n)), Z((m, m)), E_2.T],
+        [E_1, Z((p, n)), E_2, -np.eye(p)],
+    ])  # fmt: skip
+    right = np.block([
+        [np.eye(n), Z((n, n + m + p))],
+        [Z((n, n)), -A.T, Z((n, m + p))],
+        [Z((m, n)), -B.T, Z((m, m + p))],
+        [Z((p, 2 * n + m + p))],
+    ])  # fmt: skip
+    columns = np.ones(len(left))
+    if balanced:
+        left, right, columns = _balanced(left, right)
+    # What multiplies u and z without a step is eliminated by an orthogonal transformation.
+    Q = linalg.qr(left[:, 2 * n :], check_finite=False)[0][:, m + p :].T
+    H, J = Q @ left[:, : 2 * n], Q @ right[:, : 2 * n]
+    vectors = linalg.ordqz(H, J, sort="iuc", output="real", check_finite=False)[5]
+    x, costate = vectors[:n, :n], vectors[n:, :n]
+    # A later lambda is that of x+ on the subspace; u and z from the rows that hold no other step.
+    x_next = np.linalg.lstsq(J @ vectors[:, :n], H @ vectors[:, :n], rcond=None)[0]
+    rest = right[:, : 2 * n] @ np.vstack([x, costate]) @ x_next - left[:, : 2 * n] @ np.vstack(
+        [x, costate]
+    )
+    uz = np.linalg.lstsq(left[:, 2 * n :], rest, rcond=None)[0]
+    state = x * columns[:n, None]
+    if np.linalg.cond(state) > 1e15:
+        raise np.linalg.LinAlgError("the subspace has no basis in x")
+    u = uz[:m] * columns[2 * n : 2 * n + m, None]
+    return np.asarray(np.linalg.solve(state.T, u.T).T)
+
+
+def _balanced(left: Array, right: Array) -> tuple[Array, Array, Array]:
+    """Rows and columns of like size, by powers of two."""
+    columns = np.ones(left.shape[1])
+    for _ in range(3):
+        both = np.abs(left) + np.abs(right)
+        rows = np.exp2(-np.round(np.log2(np.maximum(both.max(axis=1), 1e-300))))
+        left, right = rows[:, None] * left, rows[:, None] * right
+        both = np.abs(left) + np.abs(right)
+        scale = np.exp2(-np.round(np.log2(np.maximum(both.max(axis=0), 1e-300))))
+        left, right, columns = left * scale, right * scale, columns * scale
+    return left, right, columns
+
+
+def is_stable(A: Array) -> bool:
+    """Whether all eigenvalues are inside the unit circle."""
+    if not np.isfinite(A).all():
+        return False
+    return bool(np.abs(np.linalg.eigvals(A)).max(initial=0.0) < 1)

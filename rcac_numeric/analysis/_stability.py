@@ -1,0 +1,131 @@
+"""Whether a float64 matrix has all its eigenvalues inside the unit circle, with a proof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from flint import fmpq_mat
+from scipy.linalg import matrix_balance
+from sympy import Poly, Rational, Symbol
+
+import compensator_theory as exact
+from compensator_theory.errors import IllConditionedError, InputError
+from rcac_numeric.analysis._gramians import rational
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._values import Value
+
+EPS = float(np.finfo(float).eps)
+# Squarings that are tried: 2^64 steps, more than float64 entries ask for.
+SQUARINGS = 64
+# Largest order for which eigenvalues are counted over the rationals.
+LARGEST = 150
+
+
+@dataclass(frozen=True, eq=False)
+class Stability(Value):
+    """Whether every eigenvalue is inside the unit circle, and how that is known.
+
+    Attributes
+    ----------
+    is_stable : bool
+    evidence : {"powers", "eigenvalues", "exact count"}
+        A power of the matrix with norm below 1, or with a trace above n, rounding included; the
+        computed eigenvalues, which are further from the circle than rounding has moved them; or
+        the exact count of roots of the characteristic polynomial.
+    """
+
+    is_stable: bool
+    evidence: str
+
+
+def decide_stability(A: Array, uncertainty: Array | None = None) -> Stability:
+    """Decide whether the spectral radius of A is below 1, for these float64 numbers.
+
+    The computed eigenvalues of a strongly non-normal matrix are wrong by far more than rounding,
+    so that a radius below 1 shows nothing by itself. In turn, until one decides:
+
+    - A^2, A^4, A^8, ... with a running bound of their rounding: stable once a norm is below 1,
+      unstable once a trace is above n;
+    - the eigenvalues with the bound of Bauer and Fike, from the residual of the eigenvectors;
+    - the count of roots of det(qI - A) inside the circle, over the rationals.
+
+    Parameters
+    ----------
+    A : array, shape (n, n)
+    uncertainty : array, shape (n, n), optional
+        How far each entry of the matrix that is meant may be from that of A, such as by the
+        rounding that made A; the first two then decide for all these matrices at once.
+    """
+    if not np.isfinite(A).all():
+        raise InputError("the matrix has entries that are not finite; it has no stability.")
+    found = _decided(A, np.zeros_like(A) if uncertainty is None else uncertainty)
+    if found is not None:
+        return found
+    if uncertainty is not None or len(A) > LARGEST:
+        raise IllConditionedError(
+            f"whether the eigenvalues of a {len(A)} x {len(A)} matrix are inside the unit circle "
+            "is decided by rounding. Scale the states to like size, or use exact data."
+        )
+    return Stability(counted_stable(rational(A)), "exact count")
+
+
+def _decided(A: Array, uncertainty: Array) -> Stability | None:
+    """By floating point alone, for every matrix within the uncertainty; None where it cannot."""
+    if not A.size:
+        return Stability(True, "powers")
+    with np.errstate(all="ignore"):  # what overflows decides nothing
+        scaled, (scale, _) = matrix_balance(A, permute=False, separate=True)
+        off = float(np.linalg.norm(uncertainty * scale / scale[:, None]))
+        verdict, evidence = _by_powers(scaled, off), "powers"
+        if verdict is None:
+            verdict, evidence = _by_eigenvalues(scaled, off), "eigenvalues"
+    return None if verdict is None else Stability(verdict, evidence)
+
+
+def _by_powers(A: Array, off: float) -> bool | None:
+    n, power, error = len(A), A, off
+    for _ in range(SQUARINGS):
+        size = float(np.linalg.norm(power))
+        if size + error < 1:
+            return True
+        trace = abs(float(np.trace(power)))
+        if trace - np.sqrt(n) * error > n * (1 + n * EPS):
+            return False
+        # (F + E)^2 - F^2 in the Frobenius norm, and the rounding of F^2 itself
+        error = 2 * size * error + error**2 + (n + 2) * EPS * size**2
+        if not error < size**2 * 1e3 + 1:  # nothing is known of the entries any more
+            return None
+        power = power @ power
+        if not np.isfinite(power).all():
+            return None
+    return None
+
+
+def _by_eigenvalues(A: Array, off: float) -> bool | None:
+    n = len(A)
+    try:
+        values, vectors = np.linalg.eig(A)
+        singular = np.linalg.svd(vectors, compute_uv=False)
+    except np.linalg.LinAlgError:
+        return None
+    if not singular[-1] > n * EPS * singular[0] * 10:
+        return None
+    residual = float(np.linalg.norm(A @ vectors - vectors * values))
+    residual += 4 * (n + 2) * EPS * float(np.linalg.norm(A) + np.abs(values).max()) * singular[0]
+    # vectors diag(values) vectors^-1 = A + E, norm(E) <= residual / least singular value
+    moved = 2 * singular[0] / singular[-1] * (residual / singular[-1] + off)
+    radius = float(np.abs(values).max())
+    if radius + moved < 1:
+        return True
+    # a chain of n overlapping disks of that radius still stays outside
+    return False if radius - 2 * n * moved > 1 else None
+
+
+def counted_stable(A: fmpq_mat) -> bool:
+    """Whether all roots of det(qI - A) are inside the unit circle, over the rationals."""
+    if not A.nrows():
+        return True
+    coefficients = [Rational(int(c.p), int(c.q)) for c in reversed(A.charpoly().coeffs())]
+    count = exact.locate_roots(Poly(coefficients, Symbol("q"), domain="QQ"), time="discrete")
+    return bool(count.unstable + count.boundary == 0)

@@ -1,0 +1,27 @@
+"""Whether signals that depend on each other within one step determine each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array
+
+
+def closes(feedback: Array, feedthrough: Array) -> bool:
+    """Whether I - F D is nonsingular beyond the rounding of the product and the difference.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.arrays._algebraic_loops import closes
+    >>> F, D = np.array([[1 / 49]]), np.array([[49.0]])
+    >>> 1 - F.item() * D.item() == 0.0, closes(F, D), closes(F, -D)
+    (False, False, True)
+    """
+    loop = np.eye(len(feedback)) - feedback @ feedthrough
+    if not loop.size:
+        return True
+    terms = 1.0 + np.max(np.abs(feedback) @ np.abs(feedthrough))
+    rounding = (len(feedthrough) + 1) * len(loop) * np.finfo(float).eps * terms
+    # What is beyond float64 is for the caller to refuse.
+    return not np.isfinite(terms) or bool(np.linalg.svd(loop, compute_uv=False)[-1] > rounding)

@@ -1,0 +1,29 @@
+"""Which of two sets of numbers belong together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+
+
+def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
+    """Assign to each wanted pole one available pole with the least total distance."""
+    distances = np.abs(wanted[:, None] - available[None, :])
+    rows, columns = np.arange(len(wanted)), _nearest(distances)
+    if columns is None:
+        from scipy.optimize import linear_sum_assignment  # a sixth of a second
+
+        rows, columns = linear_sum_assignment(distances)
+    return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def _nearest(distances: Array) -> np.ndarray | None:
+    """The nearest of each, which is the one best assignment if no two share it and none is tied."""
+    if distances.shape[1] < 2 or not np.isfinite(distances).all():
+        return None
+    nearest = distances.argmin(axis=1)
+    least, second = np.partition(distances, 1, axis=1)[:, :2].T
+    if len(set(nearest)) < len(nearest) or not (least < second).all():
+        return None
+    return np.asarray(nearest)

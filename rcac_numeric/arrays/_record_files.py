@@ -1,0 +1,152 @@
+"""Records in .npz files: no pickle, a checksum, and replaced as a whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._files import replacing, require_readable
+from rcac_numeric.arrays._records import Records
+from rcac_numeric.arrays._untrusted import (
+    MOST_CHARACTERS,
+    MOST_NUMBERS,
+    names_in,
+    parsed_json,
+    read_npz,
+)
+from rcac_numeric.arrays._values import fingerprint
+from rcac_numeric.arrays._wording import shortened
+
+KEY = "rcac_record"
+VERSION = 1
+
+
+def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records: Records) -> None:
+    """Write parts by name: arrays under their own names, and everything else as a tree.
+
+    A part that is made of functions is kept by its fingerprint alone.
+    """
+    if Path(path).suffix.lower() != ".npz":
+        raise InputError(f"{path}: the name of a saved {kind} must end in .npz.")
+    arrays = {name: part for name, part in parts.items() if isinstance(part, np.ndarray)}
+    tree: dict[str, Any] = {}
+    for name, part in parts.items():
+        if name not in arrays:
+            try:
+                tree[name] = {"is": records.tree(part, arrays)}
+            except InputError:
+                tree[name] = {"left out": fingerprint(part), "words": repr(part)[:200]}
+    arrays = {name: np.ascontiguousarray(part) for name, part in arrays.items()}
+    text = json.dumps({"kind": kind, "version": VERSION, "parts": tree})
+    _require_readable_again(path, kind, text, arrays)
+    signed = json.dumps({"checksum": _checksum(text, arrays), "record": text})
+    stored: dict[str, Any] = {KEY: np.array(signed), **arrays}
+    with replacing(path) as file, file.open("wb") as stream:
+        np.savez(stream, **stored)
+
+
+def _require_readable_again(
+    path: str | Path, kind: str, text: str, arrays: Mapping[str, Array]
+) -> None:
+    """Refuse to write what the budget of reading has no room for."""
+    try:
+        parsed_json(text)
+    except ValueError as error:
+        raise InputError(f"{path}: this {kind} would not be read again: {error}.") from None
+    numbers = sum(part.nbytes // 8 for part in arrays.values())
+    if numbers > MOST_NUMBERS or 2 * len(text) > MOST_CHARACTERS:
+        raise InputError(
+            f"{path}: this {kind} would not be read again: it holds {numbers} numbers and a text "
+            f"of {len(text)} characters; {MOST_NUMBERS} and {MOST_CHARACTERS // 2} are read. Run "
+            "it in pieces with start=, or keep theta less often with stride=."
+        )
+
+
+def is_record(path: str | Path) -> bool:
+    """Whether a file is an archive with a record in it, damaged or not; nothing of it is read."""
+    try:
+        require_readable(Path(path))
+        return KEY in names_in(Path(path))
+    except (InputError, OSError):
+        return False
+
+
+def read_record(
+    path: str | Path, kind: str, records: Records, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The parts that `write_record` wrote; those in `given` stand for what was left out."""
+    try:
+        arrays = read_npz(Path(path))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except InputError as error:
+        raise InputError(f"{path} holds no saved {kind}, or is damaged: {error}") from None
+    try:
+        signed = parsed_json(_text(arrays.pop(KEY)))
+        text, checksum = signed["record"], signed["checksum"]
+        if checksum != _checksum(text, arrays):
+            raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
+        whole = parsed_json(text)
+        if (whole["kind"], whole["version"]) != (kind, VERSION):
+            held = f"{whole['kind']!r:.60}, version {whole['version']!r:.20}"
+            raise InputError(f"{path} holds {held}; a {kind}, version {VERSION}, is needed.")
+        parts: dict[str, Any] = {
+            name: _part(path, name, tree, records, arrays, given)
+            for name, tree in whole["parts"].items()
+        }
+    except InputError as error:
+        words = str(error)
+        raise InputError(words if str(path) in words else f"{path}: {words}") from None
+    except KeyError as error:
+        raise InputError(f"{path} holds no saved {kind}: it has no {error}.") from None
+    # The constructors are those of the packages, and what is handed to them is anything at all.
+    except Exception as error:
+        words = shortened(str(error) or type(error).__name__, 200)
+        raise InputError(f"{path} holds no {kind} that this version can read: {words}.") from None
+    used = {name for name in arrays if not name.startswith("part_")}
+    return {**parts, **{name: arrays[name] for name in used}}
+
+
+def _part(
+    path: str | Path,
+    name: str,
+    tree: Mapping[str, Any],
+    records: Records,
+    arrays: Mapping[str, Array],
+    given: Mapping[str, Any],
+) -> Any:
+    if set(tree) == {"is"}:
+        return records.value(tree["is"], arrays)
+    if set(tree) != {"left out", "words"}:
+        raise ValueError(f"its {name!r:.60} is nothing that can be read")
+    if given.get(name) is None:
+        raise InputError(
+            f"{path}: its {name} is made of functions, which a file cannot hold: "
+            f"{str(tree['words'])[:200]}. "
+            f"Give it with {name}=."
+        )
+    if fingerprint(given[name]) != tree["left out"]:
+        raise InputError(f"{path} was saved with another {name} than the one given.")
+    return given[name]
+
+
+def _text(array: Array) -> str:
+    if array.ndim or array.dtype.kind != "U":
+        raise ValueError("its record is no text")
+    return str(array[()])
+
+
+def _checksum(text: str, arrays: Mapping[str, Array]) -> str:
+    digest = hashlib.sha256(text.encode())
+    for name in sorted(arrays):
+        part = arrays[name]
+        digest.update(f"{name} {part.dtype.str} {part.shape}".encode())
+        digest.update(np.ascontiguousarray(part).reshape(-1).view(np.uint8).data)
+    return digest.hexdigest()

@@ -1,0 +1,223 @@
+"""Data by what they hold: equality, a short name that equal data share, and how they are shown."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from dataclasses import replace as dataclass_replace
+from html import escape
+from typing import Any, ClassVar, TypeVar
+
+import attrs
+import numpy as np
+
+from compensator_theory._wording import in_a_line
+from rcac_numeric.arrays._wording import shortened
+
+T = TypeVar("T")
+
+MOST = 9  # entries of an array that is written out
+WIDTH = 90  # characters of a field
+
+
+class Value:
+    """A base for data classes with arrays in them: equal where all that they hold is equal.
+
+    Two arrays are equal where shape, type and every entry are; not a number equals itself, as it
+    must for a result to equal its own copy.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or equal(_contents(self), _contents(other))
+
+    def __hash__(self) -> int:
+        return hash((type(self).__qualname__, fingerprint(self)))
+
+    def __str__(self) -> str:
+        text = repr(self)
+        return text if len(text) <= WIDTH and "\n" not in text else overview(self)
+
+    def _repr_html_(self) -> str | None:
+        if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
+            return None
+        return html_table(type(self).__name__, _rows(self, depth=1))
+
+
+class Standing:
+    """What works on from step to step, shown by where it stands: the attributes in `SHOWN`."""
+
+    SHOWN: ClassVar[tuple[str, ...]] = ()
+
+    def __repr__(self) -> str:
+        fields = (f"{name}={_shown(getattr(self, name), 0)}" for name in self.SHOWN)
+        return f"{type(self).__name__}({', '.join(fields)})"
+
+    def _repr_html_(self) -> str:
+        rows = ((name, _shown(getattr(self, name), 0)) for name in self.SHOWN)
+        return html_table(type(self).__name__, rows)
+
+
+def equal(a: Any, b: Any) -> bool:
+    """Whether two pieces of data hold the same, arrays entry by entry."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return (
+            isinstance(a, np.ndarray)
+            and isinstance(b, np.ndarray)
+            and a.dtype == b.dtype
+            and np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+        )
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, Mapping):
+        return list(a) == list(b) and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(equal, a, b))
+    return bool(a == b or (a != a and b != b))  # noqa: PLR0124
+
+
+def fingerprint(value: Any) -> str:
+    """The first 16 hexadecimal digits of the SHA-256 of everything that `value` holds.
+
+    The same on every machine. Functions count by their name: their code cannot be compared.
+    """
+    digest = hashlib.sha256()
+    for piece in _pieces(value):
+        digest.update(len(piece).to_bytes(8, "little") + piece)
+    return digest.hexdigest()[:16]
+
+
+def is_record(value: object) -> bool:
+    """Whether something is an instance of a class of fields, attrs' or a dataclass."""
+    return not isinstance(value, type) and (attrs.has(type(value)) or is_dataclass(value))
+
+
+def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False) -> list[str]:
+    """The names of a class's fields; those that are compared, or that its constructor takes."""
+    if attrs.has(cls):
+        every = [(f.name, bool(f.eq), f.init) for f in attrs.fields(cls)]
+    else:
+        every = [(f.name, f.compare, f.init) for f in fields(cls)]
+    return [name for name, eq, init in every if (eq or not compared) and (init or not made_of)]
+
+
+def replaced(value: T, **changes: Any) -> T:
+    """The same with some fields changed, checked like any other."""
+    if attrs.has(type(value)):
+        made: T = attrs.evolve(value, **changes)  # type: ignore[misc]
+        return made
+    return dataclass_replace(value, **changes)  # type: ignore[type-var]
+
+
+def overview(value: Any, depth: int = 1) -> str:
+    """The class and its fields, one in a line: large arrays by size and range, None left out.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Saturation
+    >>> from rcac_numeric.arrays._values import overview
+    >>> print(overview(Saturation(low=-1.0, high=2.0)))
+    Saturation
+      low   [-1.]
+      high  [2.]
+    """
+    rows = _rows(value, depth)
+    width = max((len(name) for name, _ in rows), default=0)
+    lines = [
+        f"  {name:<{width}}  " + text.replace("\n", "\n  " + " " * (width + 2))
+        for name, text in rows
+    ]
+    return "\n".join([type(value).__name__, *lines])
+
+
+def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
+    """Names and texts as a notebook shows them, all characters escaped."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
+        f"<td style='text-align:left'><pre style='margin:0'>{escape(text)}</pre></td></tr>"
+        for name, text in rows
+    )
+    return f"<table><caption>{escape(caption)}</caption>{cells}</table>"
+
+
+def _rows(value: Any, depth: int) -> list[tuple[str, str]]:
+    held = ((name, getattr(value, name)) for name in field_names(type(value)))
+    rows = [(name, _shown(part, depth)) for name, part in held if not name.startswith("_")]
+    return [(name, text) for name, text in rows if text]
+
+
+def _shown(part: Any, depth: int) -> str:
+    """A few words; empty where there is nothing to show."""
+    if part is None:
+        return ""
+    if isinstance(part, np.ndarray):
+        return shown_array(part)
+    if is_record(part):
+        if next(cls for cls in type(part).__mro__ if "__str__" in vars(cls)) not in (Value, object):
+            return _words(str(part))
+        if "\n" not in (text := repr(part)) and len(text) <= WIDTH:
+            return text
+        return overview(part, depth - 1) if depth else type(part).__name__
+    if isinstance(part, str):
+        return _words(part)
+    if isinstance(part, float | complex):
+        return f"{part:.6g}"
+    if isinstance(part, Mapping):
+        return _words(", ".join(map(str, part)))
+    if isinstance(part, list | tuple):
+        return shortened(", ".join(filter(None, (_shown(item, 0) for item in part))), WIDTH)
+    if callable(part) and hasattr(part, "__name__"):
+        return str(part.__name__)
+    return _words(str(part))
+
+
+def _words(text: str) -> str:
+    """A text, perhaps a stranger's: in a line, its control characters written out."""
+    return shortened(in_a_line(" ".join(text.split())), WIDTH)
+
+
+def shown_array(part: np.ndarray) -> str:
+    """An array in a few words: its entries, or its shape and range where there are many."""
+    if not part.size:
+        return ""
+    if part.size <= MOST:
+        return np.array2string(
+            part, precision=6, suppress_small=False, separator=", ", max_line_width=WIDTH
+        ).replace("\n ", " ")
+    shape = " x ".join(map(str, part.shape))
+    if part.dtype.kind not in "iuf" or not (finite := part[np.isfinite(part)]).size:
+        return shape
+    unknown = f", {part.size - finite.size} not finite" if finite.size < part.size else ""
+    return f"{shape}, from {finite.min():.6g} to {finite.max():.6g}{unknown}"
+
+
+def _contents(value: Any) -> dict[str, Any]:
+    return {name: getattr(value, name) for name in field_names(type(value), compared=True)}
+
+
+def _pieces(value: Any) -> list[bytes]:
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "biufc":  # texts and objects
+            return [str(value.shape).encode(), *_pieces(value.tolist())]
+        kind = "<c16" if value.dtype.kind == "c" else "<f8"
+        return [str(value.shape).encode(), np.ascontiguousarray(value, dtype=kind).tobytes()]
+    if is_record(value):
+        if not isinstance(value, Value):  # without an array in it, so that its repr says it all
+            return [repr(value).encode()]
+        return [
+            type(value).__name__.encode(),
+            # The exact form of a float64 object changes nothing of what it does.
+            *(p for k, v in _contents(value).items() if k != "exact" for p in _pieces(v)),
+        ]
+    if isinstance(value, Mapping):
+        return [b"map", *(p for item in value.items() for part in item for p in _pieces(part))]
+    if type(value).__name__ == "LowLevelCallable":  # a tuple with an address in it
+        name = getattr(value.function, "__name__", type(value.function).__name__)
+        return [b"compiled", name.encode(), value.signature.encode()]
+    if isinstance(value, list | tuple):
+        return [b"list", *(piece for item in value for piece in _pieces(item))]
+    if callable(value):
+        return [getattr(value, "__qualname__", type(value).__name__).encode()]
+    return [repr(value).encode()]

@@ -1,0 +1,296 @@
+"""The health of a loop as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rcac_numeric.analysis._classical import Margins
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._showing import notebook_of, sheet_of
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.checks._trials import NextDisturbance
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._regressor import (
+    filtered_regressor,
+    has_common_filter,
+    regressor_of,
+)
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._supervision import SupervisionRecord
+from rcac_numeric.engine._compatibility import command_position
+from rcac_numeric.engine._runs import Run
+from rcac_numeric.engine._simulation import simulate
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+
+
+@dataclass(frozen=True)
+class SignalSize:
+    """The largest entry and the root mean square of a signal over some steps."""
+
+    peak: float
+    rms: float
+
+    @classmethod
+    def of(cls, values: Array) -> SignalSize | None:
+        """The size of these rows; None where there are none."""
+        if not len(values):
+            return None
+        with np.errstate(over="ignore"):
+            power = np.sqrt(np.mean(np.sum(values**2, axis=1)))
+        return cls(float(np.abs(values).max(initial=0.0)), float(power))
+
+
+@dataclass(frozen=True)
+class SignalHealth:
+    """A signal before and after step k_w, at which the control begins.
+
+    Attributes
+    ----------
+    before, after : SignalSize or None
+        None where there is no such step.
+    late : SignalSize or None
+        Over the last tenth of the run.
+    """
+
+    before: SignalSize | None
+    after: SignalSize | None
+    late: SignalSize | None
+
+    def __str__(self) -> str:
+        said = []
+        if self.before is not None and self.before.peak:
+            said.append(f"peak {self.before.peak:.3g}, rms {self.before.rms:.3g} before control")
+        if self.after is not None:
+            said.append(f"peak {self.after.peak:.3g}, rms {self.after.rms:.3g} under control")
+        if self.late is not None:
+            said.append(f"rms {self.late.rms:.3g} at the end")
+        return "; ".join(said) or "no step"
+
+
+def signal_health(values: Array, start: int) -> SignalHealth:
+    """The sizes of a signal whose control begins at row `start`."""
+    start = min(max(start, 0), len(values))
+    last = values[start:][-max(len(values) // 10, 1) :]
+    return SignalHealth(
+        SignalSize.of(values[:start]), SignalSize.of(values[start:]), SignalSize.of(last)
+    )
+
+
+def without_control(run: Run) -> Array | None:
+    """The z of the same run with u = 0; None where it is unbounded, or takes a user's code."""
+    if type(run.plant) not in (Plant, PlantSchedule) or run.first_step or not run.steps:
+        return None
+
+    plant = run.plant
+    idle = Compensator(np.zeros((0, plant.l_u, plant.l_u)), np.zeros((1, plant.l_u, plant.l_y)))
+    free = simulate(plant, FixedController(idle), run.w, x_0=run.x_0)
+    return free.z if free.outcome == "completed" else None
+
+
+ROWS = 20_000  # steps that are looked at: the first ones from k_w on
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """How much the data of a run say of theta.
+
+    Attributes
+    ----------
+    l_theta : int
+        Number of coefficients.
+    outweighed : int
+        Number of directions of theta in which sum Phi_f' R_z Phi_f exceeds R_theta: there the data
+        move theta, in the others theta stays near theta(0).
+    excited : int
+        Number of directions that the data excite by more than rounding.
+    """
+
+    l_theta: int
+    outweighed: int
+    excited: int
+
+    def __str__(self) -> str:
+        words = f"the data outweigh R_theta in {self.outweighed} of {self.l_theta} directions"
+        if self.excited < self.l_theta:
+            words += f", and excite {self.excited} of them by more than rounding"
+        return words
+
+
+def excitation_of(run: Run) -> Excitation | None:
+    """The excitation of a run with recursive least squares and constant weights; else None.
+
+    None too with a fixed compensator in parallel, whose part of u the run does not tell apart.
+    """
+    settings = run.settings
+    if not isinstance(settings, ControllerSettings) or not run.steps:
+        return None
+    R_theta, R_z = getattr(settings.update, "R_theta", None), settings.R_z
+    structure, target = settings.structure, settings.target
+    if settings.learning is not None:
+        told = [one.change.target for one in run.changes if one.change.target is not None]
+        if not told:
+            return None
+        target = told[-1]
+    if R_theta is None or not isinstance(R_z, np.ndarray) or not has_common_filter(target):
+        return None
+    if settings.fixed is not None:
+        return None
+    start = max(settings.k_update - run.first_step, 0)
+    rows = slice(0, start + ROWS)
+    r = None
+    if structure.l_r:
+        at = command_position(run.plant, structure.l_r)
+        r = run.w[rows, at : at + structure.l_r]
+    phi = regressor_of(structure, {"u": run.u_applied[rows], "y": run.y[rows], "r": r}, np.asarray)
+    size = structure.l_theta
+    information = np.zeros((size, size))
+    with np.errstate(all="ignore"):
+        root = np.linalg.cholesky(R_z)
+        Phi_f = np.einsum("zs,ksj->kzj", root.T, filtered_regressor(phi, target)[start:])
+        for block in np.array_split(Phi_f.reshape(-1, size), max(len(Phi_f) // 1000, 1)):
+            information += block.T @ block
+        if not np.isfinite(information).all():
+            return None
+        scale = np.eye(size) * R_theta if np.ndim(R_theta) == 0 else np.asarray(R_theta)
+        inverse = np.linalg.inv(np.linalg.cholesky(scale))
+        outweighed = np.linalg.eigvalsh(inverse @ information @ inverse.T) > 1
+        spread = np.sqrt(np.diag(information))
+        spread[spread == 0] = 1.0
+        values = np.linalg.eigvalsh(information / np.outer(spread, spread))
+    return Excitation(size, int(outweighed.sum()), int((values > 1e-13 * size).sum()))
+
+
+HELD = 0.1  # share of the steps in which bounds moved theta
+
+
+@dataclass(frozen=True)
+class HealthWarning:
+    """What the reader of a report must not miss.
+
+    Attributes
+    ----------
+    code : str
+        Its name, for programs: "diverged", "unstable", "slow", "small margins", "large transient",
+        "large control", "worse than without control", "rounding", "no excitation", "unsettled",
+        "saturated", "windup", "missed poles", "costly", "wrong sign", "wrong d_zu",
+        "unmodelled zero"; of several inputs and outputs "zero in every channel",
+        "zero in one channel", "zero on the input side", "zero in another direction"; of
+        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a
+        controller that is driven step by step "overflow", "missed samples", "stopped".
+    sentence, next_step : str
+        What was found, and what to try.
+    is_grave : bool
+        Whether the loop cannot be used as it is.
+
+    Examples
+    --------
+    >>> from rcac_numeric import HealthWarning
+    >>> print(HealthWarning("slow", "A pole is at 0.9999.", "run more steps"))
+    A pole is at 0.9999. Try next: run more steps.
+    """
+
+    code: str
+    sentence: str
+    next_step: str
+    is_grave: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.sentence} Try next: {self.next_step}."
+
+
+@dataclass(frozen=True, eq=False)
+class LoopHealth(Value):
+    """Whether a loop is healthy, and the evidence.
+
+    Attributes
+    ----------
+    is_stable : bool or None
+        Of the final controller, frozen, with the plant of the last step; None where no linear
+        plant is known.
+    spectral_radius : float or None
+    outcome : str
+        How the run ended; empty for a log.
+    steps, k_w : int
+        Number of steps, and the first one with control.
+    signals : mapping from "z", "u" and, behind a saturation, "u_applied" to SignalHealth
+    free : SignalSize or None
+        z of the same run with u = 0, where that is bounded.
+    margins : mapping from components of u to Margins
+    guard_count, guard_first_step : int
+        Updates decided by rounding, and the first of them (-1: none).
+    bounded : int
+        Updates after which theta was moved to its bounds.
+    excitation : Excitation or None
+    warnings : tuple of HealthWarning
+        The grave ones first.
+    obstacle : str
+        Why there is no verdict on stability.
+    supervision : SupervisionRecord or None
+        What was noted while it ran.
+    next_disturbance : NextDisturbance or None
+        How far z goes where w moves again, beside the same with theta held.
+    missed_by : float or None
+        The largest distance of a pole that was asked for from the one that was reached.
+    cost_ratio : float or None
+        The cost of the final controller over that of LQG, for the noise of the run.
+
+    Examples
+    --------
+    >>> from rcac_numeric import loop_health
+    >>> from rcac_experiments import verify
+    >>> from rcac_experiments.dissertation import load_example
+    >>> health = loop_health(verify(load_example("4.7")))
+    >>> health.is_stable, round(health.margins["u"].gain_up.value, 3)
+    (True, 1.041)
+    >>> [warning.code for warning in health.warnings]
+    ['small margins']
+    """
+
+    is_stable: bool | None
+    spectral_radius: float | None
+    outcome: str
+    steps: int
+    k_w: int
+    signals: Mapping[str, SignalHealth]
+    free: SignalSize | None = None
+    margins: Mapping[str, Margins] = field(default_factory=dict)
+    guard_count: int = 0
+    guard_first_step: int = -1
+    bounded: int = 0
+    excitation: Excitation | None = None
+    warnings: tuple[HealthWarning, ...] = ()
+    obstacle: str = ""
+    supervision: SupervisionRecord | None = None
+    next_disturbance: NextDisturbance | None = None
+    missed_by: float | None = None
+    cost_ratio: float | None = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether bounds moved theta in a tenth of the steps, and so decide where poles are."""
+        return self.bounded > HELD * self.steps
+
+    @property
+    def is_healthy(self) -> bool:
+        """Whether there is no warning."""
+        return not self.warnings
+
+    def report(self) -> str:
+        """The health in words and numbers, a line for each."""
+        return "\n".join(line.words for line in sheet_of(self).health)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the lines of the report, the warnings in colour."""
+        return notebook_of(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        codes = ", ".join(warning.code for warning in self.warnings) or "no warning"
+        return f"LoopHealth(is_stable={self.is_stable}, steps={self.steps}, {codes})"

@@ -1,0 +1,173 @@
+"""Which problem, sign and delay a log is of: hypotheses that are compared by what they predict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.checks._plant_residual import LONGEST, MOST_NUMBERS, inputs, one_step_errors
+from rcac_numeric.plants._linear import Plant
+
+DELAYS = (0, 1, 2, 3, -1)  # steps that u may act later than the plant says, or earlier
+AR = 8  # past errors that a disturbance may be predicted from
+BLOCKS, DECISIVE = 20, 4.0  # of the paired comparison; its Student's t
+CLEARLY = 3.0  # rms over rms that decides by itself
+FEWEST = 60  # steps
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A problem that the log may be of.
+
+    Attributes
+    ----------
+    problem : str
+        The name of the plant, "standard" or "servo" for instance.
+    delay : int
+        Steps that u acts later than that plant says.
+    rms : float
+        Of its one-step error of y, less a constant and what its own past predicts.
+    """
+
+    problem: str
+    delay: int
+    rms: float
+
+    def __str__(self) -> str:
+        late = f", u {abs(self.delay)} step{'s' * (abs(self.delay) > 1)} " if self.delay else ""
+        late += "later" if self.delay > 0 else "earlier" if self.delay < 0 else ""
+        return f"{self.problem}{late} ({self.rms:.3g})"
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What a log is of, as far as prediction tells.
+
+    Attributes
+    ----------
+    hypotheses : tuple of Hypothesis
+        The best first.
+    decided : Hypothesis or None
+        The one that predicts better than those of every other problem; None where two problems
+        explain the log as well as each other.
+    stays : float
+        Rms of y(k) - y(k-1): the error of "y stays".
+    """
+
+    hypotheses: tuple[Hypothesis, ...]
+    decided: Hypothesis | None
+    stays: float
+
+    @property
+    def is_undecided(self) -> bool:
+        """Whether two problems explain the log as well as each other."""
+        return self.decided is None
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether none of them predicts better than that y stays."""
+        return bool(self.hypotheses[0].rms > self.stays)
+
+    def __str__(self) -> str:
+        best = "; ".join(str(one) for one in self.hypotheses[:3])
+        if self.decided is None:
+            return f"UNDECIDED: the log fits more than one problem; rms errors of y: {best}."
+        worse = " It predicts worse than that y stays." if self.is_contradicted else ""
+        return f"The log decides for {self.decided}; rms errors of y: {best}.{worse}"
+
+
+def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
+    """Compare problems on a log by their one-step errors.
+
+    The error of y, from the n steps before, is taken for every problem and for u up to three steps
+    later and one earlier; a constant, and what an AR(8) of its own past predicts, are no evidence,
+    since a disturbance may be like that. Two problems differ where the better leaves a third of the
+    other's error, or where over 20 blocks the mean logarithm of the ratio of their mean squares is
+    4 standard errors from zero.
+    """
+    if len(plants) < 2:
+        raise InputError("one plant is no choice; give two or more.")
+    errors: dict[tuple[str, int], Array] = {}
+    for name, plant in plants.items():
+        for delay in DELAYS:
+            found = _errors(log, plant, delay)
+            if found is not None:
+                errors[name, delay] = found
+    if not errors:
+        raise InputError(
+            f"{log.source}: {log.steps} steps are too few to compare problems by prediction, or "
+            "nothing moves; say which it is."
+        )
+    steps = min(map(len, errors.values()))
+    errors = {key: e[-steps:] for key, e in errors.items()}
+    stays = float(np.sqrt(np.mean(np.diff(log.y[-steps:], axis=0) ** 2)))
+    floor = 1e-12 * float(np.abs(log.y).max(initial=0.0))
+    rms = {key: float(np.sqrt(np.mean(e**2))) for key, e in errors.items()}
+    rms = {key: 0.0 if value <= floor else value for key, value in rms.items()}
+    order = sorted(rms, key=lambda key: (rms[key], abs(key[1])))
+    hypotheses = tuple(Hypothesis(*key, rms[key]) for key in order)
+    best = order[0]
+    others = [key for key in order if key[0] != best[0]]
+    decided = all(_differ(errors[best], errors[key], floor) for key in others)
+    # Of the same problem the delay that was given stands where no other is clearly better.
+    given = (best[0], 0)
+    if given in rms and not _differ(errors[best], errors[given], floor):
+        best = given
+    found_best = next(one for one in hypotheses if (one.problem, one.delay) == best)
+    return Decision(hypotheses, found_best if decided else None, stays)
+
+
+def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:
+    """One-step errors, without a constant and what their own past predicts."""
+    if (plant.l_u, plant.l_y) != (log.u.shape[1], log.y.shape[1]):
+        raise InputError(
+            f"{log.source}: the log has l_u = {log.u.shape[1]}, l_y = {log.y.shape[1]}, the plant "
+            f"{plant.l_u} and {plant.l_y}."
+        )
+    B, D, known = inputs(log, plant)
+    n = max(plant.n, 1)
+    steps = min(log.steps, LONGEST, MOST_NUMBERS // ((n + 1) * (plant.l_y + B.shape[1])))
+    if steps < n + FEWEST:
+        return None
+    u, y, known = log.u[:steps], log.y[:steps], known[:steps]
+    if delay > 0:
+        u = np.vstack([np.zeros((delay, u.shape[1])), u[:-delay]])
+    elif delay < 0:
+        u = np.vstack([u[-delay:], np.repeat(u[-1:], -delay, axis=0)])
+    with np.errstate(all="ignore"):
+        e = one_step_errors(plant, B, D, np.hstack([u, known]), y)
+    if len(e) < FEWEST or not np.isfinite(e).all() or not np.diff(y, axis=0).any():
+        return None
+    return _whitened(e)
+
+
+def _whitened(e: Array) -> Array:
+    """What is left of each component after a constant and an AR model of it."""
+    columns = []
+    for column in e.T:
+        past = [column[AR - i - 1 : len(column) - i - 1] for i in range(AR)]
+        data = np.column_stack([*past, np.ones(len(column) - AR)])
+        scale = np.linalg.norm(data, axis=0)
+        data = data / np.where(scale > 0, scale, 1.0)
+        now = column[AR:]
+        columns.append(now - data @ np.linalg.lstsq(data, now, rcond=1e-10)[0])
+    return np.column_stack(columns)
+
+
+def _differ(better: Array, worse: Array, floor: float) -> bool:
+    """Whether the first predicts better beyond doubt."""
+    a, b = np.sum(better**2, axis=1), np.sum(worse**2, axis=1)
+    if np.sqrt(b.mean()) <= 10 * floor:
+        return False  # both are rounding
+    if np.sqrt(b.mean()) > CLEARLY * np.sqrt(a.mean()):
+        return True
+    # Logarithms, since the start of a log may outweigh all that follows.
+    blocks = zip(np.array_split(a, BLOCKS), np.array_split(b, BLOCKS), strict=True)
+    ratios = np.array([np.log((d.mean() + floor**2) / (c.mean() + floor**2)) for c, d in blocks])
+    spread = ratios.std(ddof=1) / np.sqrt(BLOCKS)
+    return bool(b.mean() > a.mean() and ratios.mean() > DECISIVE * spread)

@@ -1,0 +1,215 @@
+"""How far the response in a log is from that of the plant that was told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.plants._any_plant import block_start
+from rcac_numeric.plants._linear import Plant
+
+LONGEST, MOST_NUMBERS = 5_000, 1_000_000  # steps that are compared; entries of their windows
+FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plant that is fitted
+# What raises doubt: the plant leaves more than a tenth of how y changes from step to step, and a
+# plant fitted to the log leaves so many times less. White noise alone makes the second 1, sensor
+# noise 2 or 3; what is not white and was not logged, a tone for instance, may raise doubt, too.
+UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
+# Contradicted is what predicts worse than that y stays, where a fit is so many times better.
+CONTRADICTED = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class PlantResidual(Value):
+    """The one-step error of the plant on the log, beside that of the best plant of its order.
+
+    e(k) = y(k) - y(k | the n steps of u, y and the known w before, and u(k)): zero where nothing
+    unknown acts on the loop and the plant is that of the log. For scalar signals it is D(q) y -
+    N(q) u.
+
+    Attributes
+    ----------
+    rms, change : float
+        Root mean square of e about its mean, and of y(k) - y(k-1).
+    best : float or None
+        Of the least-squares fit with as many past steps; None for a log too short to fit one.
+    remedy : str
+        A simple change of u with which the plant explains the log; empty where none does.
+    offset : float
+        Length of the mean of e: a constant disturbance, or an offset of u or y, makes it, and
+        contradicts no plant.
+    """
+
+    rms: float
+    change: float
+    best: float | None
+    remedy: str = ""
+    offset: float = 0.0
+
+    @property
+    def relative(self) -> float:
+        """E relative to how y changes from one step to the next."""
+        return self.rms / self.change if self.change > 0 else float(self.rms > 0)
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether the log seems to be of another plant."""
+        if self.remedy:
+            return True
+        worse = self.best is None or self.rms > TIMES_WORSE * self.best
+        unexplained = UNEXPLAINED if self.best is not None else 1.0
+        return bool(worse and self.relative > unexplained) or self.is_contradicted
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether "y stays" predicts better, and a fitted plant twice as well."""
+        return self.best is not None and self.relative > 1 and self.rms > CONTRADICTED * self.best
+
+    def __str__(self) -> str:
+        fitted = "" if self.best is None else f"; a plant fitted to the log leaves {self.best:.3g}"
+        about = f" about {self.offset:.3g}, a constant" if self.offset > self.rms else ""
+        size = f"its one-step error of y is {self.rms:.3g} rms{about}{fitted}, and y changes by "
+        size += f"{self.change:.3g} rms a step"
+        if not self.is_doubtful:
+            fits = self.relative <= UNEXPLAINED
+            words = "fits the log" if fits else "is not contradicted by the log, noise apart"
+            return f"The plant {words}: {size}."
+        if self.remedy:
+            return f"The log is NOT of this plant: {size}. Look at {self.remedy}."
+        if self.is_contradicted:
+            return (
+                f"The log is NOT explained by this plant and contradicts it: {size}, so that y "
+                "stays as it is predicts better. It is the log of another plant, sign or problem, "
+                "and what follows is about a loop that did not run."
+            )
+        return (
+            f"The log is NOT explained by this plant: {size}. Either it is the log of another "
+            "plant, and what follows is about a loop that did not run, or disturbances act on the "
+            "loop that were not logged as w."
+        )
+
+
+def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
+    """The residual of u -> y through the plant; None where the log is too short or n above 100.
+
+    Of w, what was logged is used; the command r is a part of it.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ControllerLog, standard_plant
+    >>> from rcac_numeric.checks._plant_residual import plant_residual
+    >>> u = [(-1.0) ** (k // 3) for k in range(60)]
+    >>> y = [0.0]
+    >>> for k in range(59):
+    ...     y.append(0.5 * y[k] + u[k])
+    >>> plant_residual(ControllerLog(u, y), standard_plant("1/(q - 0.5)")).is_doubtful
+    False
+    >>> plant_residual(ControllerLog(u, y), standard_plant("1/(q + 0.5)")).is_doubtful
+    True
+    """
+    B, D, known = inputs(log, plant)
+    window = max(plant.n, 1)
+    width = (window + 1) * (plant.l_y + B.shape[1])
+    steps = min(log.steps, LONGEST, MOST_NUMBERS // width)
+    if steps < window + FEWEST or window > LARGEST_ORDER:
+        return None
+    size = max(np.abs(log.u).max(), np.abs(log.y).max(), np.abs(known).max(initial=0.0)) or 1.0
+    u, y, known = log.u[:steps] / size, log.y[:steps] / size, known[:steps] / size
+    e = one_step_errors(plant, B, D, np.hstack([u, known]), y)
+    rms, offset = _about_mean(e) * size, float(np.linalg.norm(e.mean(axis=0))) * size
+    change = _rms(np.diff(y, axis=0)) * size
+    best = _best(u, known, y, window)
+    fitted = None if best is None else best * size
+    found = PlantResidual(float(rms), float(change), fitted, offset=offset)
+    if not np.isfinite(found.rms) or found.change == 0:
+        return None  # the plant's powers leave float64, or the log shows no movement
+    if found.relative <= UNEXPLAINED:
+        return found
+    others = {
+        "the sign of u or y: with -u this plant fits": -u,
+        "the rows of u: one step later this plant fits": np.vstack([u[:1] * 0, u[:-1]]),
+        "the rows of u: one step earlier this plant fits": np.vstack([u[1:], u[-1:]]),
+    }
+    for words, other in others.items():
+        if (
+            TIMES_WORSE
+            * _about_mean(one_step_errors(plant, B, D, np.hstack([other, known]), y))
+            * size
+            < found.rms
+        ):
+            return replace(found, remedy=words)
+    return found
+
+
+def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
+    """B and D of u and of what is known of w, and the latter over time."""
+    if log.w is not None and log.w.shape[1] == plant.l_w:
+        columns, known = np.arange(plant.l_w), log.w
+    elif log.r is not None and plant.blocks.get("r") == log.r.shape[1]:
+        start = block_start(plant, "r")
+        columns, known = np.arange(start, start + log.r.shape[1]), log.r
+    else:
+        columns, known = np.arange(0), np.zeros((log.steps, 0))
+    B = np.hstack([plant.B, plant.D_1[:, columns]])
+    D = np.hstack([plant.D_0, plant.D_2[:, columns]])
+    return B, D, known
+
+
+def _windows(signal: Array, steps: int, count: int) -> Array:
+    """Row k: the values of `count` steps one after the other, the first at k."""
+    return np.hstack([signal[i : len(signal) - steps + i] for i in range(count)])
+
+
+def one_step_errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Array:
+    """y(k) less its prediction from the n steps before, by the inputs v through B and D.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.checks._plant_residual import one_step_errors
+    >>> plant = standard_plant("1/(q - 0.5)")
+    >>> one_step_errors(plant, plant.B, plant.D_0, np.ones((3, 1)), np.array([[0.0], [1], [1.5]]))
+    array([[0.],
+           [0.]])
+    """
+    n, l_y, l_v = max(plant.n, 1), plant.l_y, v.shape[1]
+    powers = [plant.C]
+    for _ in range(n):
+        powers.append(powers[-1] @ plant.A)
+    T = np.zeros(((n + 1) * l_y, (n + 1) * l_v))
+    for i in range(n + 1):
+        for j in range(i + 1):
+            block = D if i == j else powers[i - j - 1] @ B
+            T[i * l_y : (i + 1) * l_y, j * l_v : (j + 1) * l_v] = block
+    if not (np.isfinite(T).all() and np.isfinite(powers[n]).all()):
+        return np.full((1, l_y), np.nan)  # a plant whose powers leave float64
+    free = _windows(y, n, n + 1) - _windows(v, n, n + 1) @ T.T
+    past, now = free[:, : n * l_y], free[:, n * l_y :]
+    M = np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0]
+    return np.asarray(now - past @ M)
+
+
+def _best(u: Array, known: Array, y: Array, n: int) -> float | None:
+    """The rms error of the least-squares prediction from as many steps.
+
+    u(k) is no part of it: a static controller makes y(k) from it without any plant.
+    """
+    data = np.hstack([_windows(y, n, n), _windows(u, n, n), _windows(known, n, n + 1)])
+    freedom = len(data) - data.shape[1]
+    if freedom < 2 * data.shape[1] or data.shape[1] > MOST_COEFFICIENTS:
+        return None
+    now = y[n:]
+    e = now - data @ np.linalg.lstsq(data, now, rcond=None)[0]
+    return float(np.sqrt(np.sum(e**2) / (freedom * y.shape[1])))
+
+
+def _about_mean(e: Array) -> float:
+    return _rms(e - e.mean(axis=0))
+
+
+def _rms(e: Array) -> float:
+    return float(np.sqrt(np.mean(e**2)))

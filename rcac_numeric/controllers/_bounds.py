@@ -1,0 +1,214 @@
+"""Bounds on the coefficients that are adapted, and what these are called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal, cast
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import instance_of, integer, number, one_of, reads, with_checks
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._structure import Structure
+
+METHODS = ("metric", "clip")
+Range = tuple[float | None, float | None]
+
+
+def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Array | None:
+    """A number or an array that may be infinite, on the side where that means no bound."""
+    if value is None:
+        return None
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r} of the bounds must be an array of numbers.") from None
+    if array.ndim > 1 or np.isnan(array).any() or (array == -unbounded).any():
+        raise InputError(
+            f"{name} = {value!r} of the bounds must be a number or a list of numbers, one for each "
+            f"coefficient; {unbounded:g} stands for none."
+        )
+    return array if array.ndim else float(array)
+
+
+def _range(name: object, pair: Range) -> Range:
+    if not isinstance(name, str) or not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise InputError(f"gains: {name!r} has the bounds {pair!r}; (low, high) are needed.")
+    low, high = (None if v is None else number(v, f"a bound of {name}") for v in pair)
+    if low is None and high is None:
+        raise InputError(f"gains: {name!r} has neither a low nor a high bound.")
+    if low is not None and high is not None and low > high:
+        raise InputError(f"gains: the bounds of {name} are {low:g} and {high:g}: low exceeds high.")
+    return low, high
+
+
+def _gains(value: object, name: str) -> dict[str, Range]:
+    given = instance_of({} if value is None else value, name, Mapping)
+    return {str(key): _range(key, pair) for key, pair in given.items()}
+
+
+def _bound_like(value: ArrayLike | None) -> float | Array | None:
+    """What `low` and `high` take; for type checkers."""
+    return cast(float, value)
+
+
+def _gains_like(value: Mapping[str, Range] | None) -> Mapping[str, Range]:
+    """What `gains` takes; for type checkers."""
+    return cast(Mapping[str, Range], value)
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
+class CoefficientBounds(Value):
+    """low <= theta(k) <= high, kept after every update.
+
+    "metric":  minimise (t - theta)' P^-1 (t - theta) over low <= t <= high
+    "clip":    t_i = min(max(theta_i, low_i), high_i)
+
+    "metric" moves the other coefficients with those that are bounded as the data ask for, and is
+    right where theta is small, as PID's. With many coefficients and bounds that most of them meet
+    it can lose a loop that "clip" keeps. Neither promises stability under wrong bounds.
+
+    Parameters
+    ----------
+    low, high : float or array, shape (l_theta,), optional
+        None, or an infinite entry: no bound.
+    gains : mapping from names to (low, high), optional
+        Bounds of single coefficients by their names (`coefficient_names`), one or both None;
+        they take the place of low and high there. A name without its number, such as "Q", is of
+        all that begin with it.
+    method : {"metric", "clip"}
+    sweeps : int
+        Most sweeps of "metric" in one step; what is outside after them is clipped.
+
+    Raises
+    ------
+    InputError
+        Where nothing is bounded, a low bound exceeds the high one, or sizes differ.
+
+    Notes
+    -----
+    Source: "metric" is the projection of constrained recursive least squares (Goodwin and Sin,
+    1984, section 3.7), solved by Hildreth's sweeps (1957), the columns of P made where a bound is
+    met; P stays as it is.
+
+    Examples
+    --------
+    >>> from rcac_numeric import CoefficientBounds, pid
+    >>> bounds = CoefficientBounds(low=0, gains={"K_D": (None, 2)})
+    >>> bounds.box(pid())
+    (array([  0.,   0., -inf]), array([inf, inf,  2.]))
+    """
+
+    low: float | Array | None = attrs.field(
+        default=None, converter=_bound_like, metadata=reads(_bound, unbounded=-np.inf)
+    )
+    high: float | Array | None = attrs.field(
+        default=None, converter=_bound_like, metadata=reads(_bound, unbounded=np.inf)
+    )
+    gains: Mapping[str, Range] = attrs.field(
+        default=None, kw_only=True, converter=_gains_like, metadata=reads(_gains)
+    )
+    method: Literal["metric", "clip"] = attrs.field(
+        default="metric", kw_only=True, metadata=reads(one_of, choices=METHODS)
+    )
+    sweeps: int = attrs.field(
+        default=100, kw_only=True, metadata=reads(integer, at_least=1, at_most=100_000)
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.low is None and self.high is None and not self.gains:
+            raise InputError("nothing is bounded: give low, high or gains.")
+        if not self.gains:  # which take the place of some of them; then `box` says it
+            _require_order(self.low, self.high)
+
+    def box(self, structure: Structure) -> tuple[Array, Array]:
+        """(low, high) of every coefficient of a structure, infinite where there is no bound.
+
+        Raises
+        ------
+        InputError
+            Where a size or a name is not of the structure, or a low bound exceeds the high one.
+        """
+        size = structure.l_theta
+        low, high = _sized(self.low, "low", -np.inf, size), _sized(self.high, "high", np.inf, size)
+        names = coefficient_names(structure)
+        for name, (least, most) in self.gains.items():
+            rows = [i for i, one in enumerate(names) if one == name or one.startswith(f"{name}_")]
+            if not rows:
+                raise InputError(
+                    f"no coefficient is called {name!r}; those of this {structure.name} structure "
+                    f"are {', '.join(dict.fromkeys(names))}."
+                )
+            low[rows] = -np.inf if least is None else least
+            high[rows] = np.inf if most is None else most
+        wrong = np.flatnonzero(low > high)
+        if len(wrong):
+            i = int(wrong[0])
+            raise InputError(
+                f"the bounds of {names[i]} (coefficient {i}) are {low[i]:g} and {high[i]:g}: low "
+                "exceeds high."
+            )
+        return low, high
+
+
+def coefficient_names(structure: Structure) -> tuple[str, ...]:
+    """What the entries of theta are called.
+
+    K_P, K_I and K_D of PID, (2.58)-(2.62); P_i, Q_i and R_i for the lag i of u, y and r, (2.28);
+    K_i for the i-th derived signal. With several inputs or outputs the names repeat, in the order
+    of theta.
+
+    Parameters
+    ----------
+    structure : Structure
+
+    Examples
+    --------
+    >>> from rcac_numeric import coefficient_names, fir_integrator, iir, pid
+    >>> coefficient_names(iir(n_c=2))
+    ('P_1', 'P_2', 'Q_1', 'Q_2')
+    >>> coefficient_names(pid("PI")), coefficient_names(fir_integrator(n_c=2))
+    (('K_P', 'K_I'), ('Q_1', 'Q_2', 'K_1'))
+    """
+    terms = structure.name
+    if set(terms) <= set("PID") and len(structure.taps) == len(terms) * structure.l_y:
+        words = [f"K_{term}" for term in terms for _ in range(structure.l_y)]
+    else:
+        letters = {"u": "P", "y": "Q", "r": "R"}
+        words = [
+            f"K_{tap.component + 1}"
+            if tap.signal == "derived"
+            else f"{letters[tap.signal]}_{tap.delay}"
+            for tap in structure.taps
+        ]
+    return tuple(word for word in words for _ in range(structure.l_u))
+
+
+def _require_order(low: float | Array | None, high: float | Array | None) -> None:
+    """Refuse a box without a point in it, before any structure is known."""
+    if low is None or high is None:
+        return
+    if 1 != np.size(low) != np.size(high) != 1:
+        raise InputError(
+            f"low has {np.size(low)} entries and high {np.size(high)}; one for each coefficient is "
+            "needed in both, or a single number."
+        )
+    least, most = np.broadcast_arrays(np.ravel(low), np.ravel(high))
+    wrong = np.flatnonzero(least > most)
+    if len(wrong):
+        i = int(wrong[0])
+        raise InputError(
+            f"the bounds of coefficient {i} are {least[i]:g} and {most[i]:g}: low exceeds high."
+        )
+
+
+def _sized(value: float | Array | None, name: str, default: float, size: int) -> Array:
+    if value is None:
+        return np.full(size, default)
+    if np.size(value) not in (1, size):
+        raise InputError(f"{name} has {np.size(value)} bounds; l_theta = {size}.")
+    return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64).reshape(-1), size))

@@ -1,0 +1,731 @@
+"""From a plant to a controller: settings, the fixed controller beside them, and which to use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import binomtest, ttest_1samp
+
+from compensator_theory import figures
+from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.arrays._seeds import JUDGING
+from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._validation import instance_of, integer, items, number
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.checks._health import LoopHealth
+from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
+from rcac_numeric.designing._logs import LoggedPlant, plant_from_log
+from rcac_numeric.designing._plants import (
+    DesignPlant,
+    Uncertainty,
+    Variation,
+    read_plant,
+    variations,
+)
+from rcac_numeric.designing._reduced import (
+    reduced_reference,
+    require_reducible,
+    with_feedforward,
+)
+from rcac_numeric.designing._reference import MOST, Ladder, Reference, sensitivity_peak
+from rcac_numeric.designing._road import Knobs, settings_of
+from rcac_numeric.designing._simc import simc
+from rcac_numeric.designing._trials import FIXED, FULL, PID, RCAC, Trial, Trials, tail_rms
+from rcac_numeric.designing._truncation import Truncation, truncated
+from rcac_numeric.engine._batches import SimulationCase, simulate_many
+from rcac_numeric.engine._compatibility import AnyController
+from rcac_numeric.engine._runs import Run
+from rcac_numeric.engine._simulation import simulate
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._saturation import Saturation
+
+WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
+PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
+FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
+INTEGRATES = (
+    "its model has a pole that a log of this length does not tell from 1; give design the model "
+    "with its integrator instead, such as k/(s*(T*s + 1)) with sample_time, k the slope of y after "
+    "a step of u"
+)
+RESPONSE = 500  # steps of that response
+LEFT = 0.7  # of the error without control: what is worth a word
+ADAPTED = 3.0  # Ms of an adapted controller that is warned of
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was assumed, and is to be confirmed.
+
+    Attributes
+    ----------
+    name : str
+        The argument of `design` that answers it.
+    assumed : str
+    words : str
+        What it decides.
+    """
+
+    name: str
+    assumed: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Reason:
+    """A setting, and why it is what it is."""
+
+    name: str
+    value: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A controller beside the fixed one, on the same plants and draws.
+
+    Attributes
+    ----------
+    ratio : float
+        Geometric mean over the plants of its rms over that of the fixed controller, where both
+        are stable; NaN where there is none.
+    interval : (float, float)
+        Of that mean, 95 %, the plants being the draws.
+    stable, fixed_stable : (int, int)
+        Held-out runs that ended in a stable loop, of how many.
+    proportion : (float, float)
+        Wilson's interval of its proportion, 95 %.
+    worst : str
+        The plant on which it is lost, or else loses most.
+    peak : float
+        Median ratio of the peaks.
+    wins, losses : int
+        Runs that it alone, and that the fixed controller alone keeps stable.
+    """
+
+    ratio: float
+    interval: tuple[float, float]
+    stable: tuple[int, int]
+    fixed_stable: tuple[int, int]
+    proportion: tuple[float, float]
+    worst: str
+    peak: float
+    wins: int
+    losses: int
+
+    @property
+    def is_better(self) -> bool:
+        """Whether its rms is lower with confidence, and it is lost no more often."""
+        return self.interval[1] < WORTH and self.losses <= self.wins
+
+    def __str__(self) -> str:
+        (k, n), (low, high) = self.stable, self.proportion
+        return (
+            f"{k} of {n} runs stable ({100 * low:.0f}-{100 * high:.0f} %), the fixed controller "
+            f"{self.fixed_stable[0]}; rms over the fixed controller's {self.ratio:.3g} "
+            f"({self.interval[0]:.3g} to {self.interval[1]:.3g}), peaks {self.peak:.3g}; worst: "
+            f"{self.worst}"
+        )
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Which controller to use, and what the difference is worth.
+
+    Attributes
+    ----------
+    use : {"RCAC", "fixed"}
+    why : str
+    rcac : Comparison
+        RCAC beside the fixed controller.
+    Ms : float
+        Median peak of S with the adapted controllers on the nominal plant.
+    """
+
+    use: str
+    why: str
+    rcac: Comparison
+    Ms: float
+
+    def __str__(self) -> str:
+        name = "RCAC" if self.use == RCAC else "the fixed controller"
+        return f"Use {name}: {self.why}"
+
+
+@dataclass(frozen=True, eq=False)
+class Design(Value):
+    """A controller for a plant, with reasons.
+
+    Attributes
+    ----------
+    plant : Plant
+        The servo problem y = z = e = r - y_0 - v of the plant, dead time as states: what
+        `settings` and `fixed` are for, in units of e and u.
+    settings : ControllerSettings
+        Of RCAC.
+    fixed : FixedController
+        The reference controller, LQG.
+    verdict : Verdict
+    questions : tuple of Question
+    reasons : tuple of Reason
+    alternatives : mapping from names to FixedController or str
+        A PID by SIMC, or why there is none; LQG, where the controller is reduced.
+    evidence : tuple of Trial
+        Every controller on every plant, on held-out draws.
+    reference : Reference
+    expected : Expected
+    model : DesignPlant
+    uncertainty : Uncertainty
+    saturation : Saturation or None
+    runs : mapping from names to Run
+        One of the nominal plant for each controller.
+    steps : int
+    logged : LoggedPlant or None
+        What the log showed, where the plant came from one.
+    """
+
+    plant: Plant
+    settings: ControllerSettings
+    fixed: FixedController
+    verdict: Verdict
+    questions: tuple[Question, ...]
+    reasons: tuple[Reason, ...]
+    alternatives: Mapping[str, FixedController | str]
+    evidence: tuple[Trial, ...]
+    reference: Reference
+    expected: Expected
+    model: DesignPlant
+    uncertainty: Uncertainty
+    saturation: Saturation | None
+    runs: Mapping[str, Run]
+    steps: int
+    logged: LoggedPlant | None = None
+
+    @cached_property
+    def health(self) -> LoopHealth:
+        """The health of RCAC's nominal run."""
+        return loop_health(self.runs[RCAC])
+
+    @property
+    def frozen(self) -> ControllerSettings:
+        """The fixed controller as RCAC that never updates theta(0): for `Controller` and exports.
+
+        A `FixedController` believes its own u; this one is given what the actuator made of it.
+        """
+        return attrs.evolve(self.settings, freeze=[(0, None)])
+
+    @property
+    def controller(self) -> ControllerSettings:
+        """What the verdict says to use, for `Controller`, `simulate` and exports."""
+        return self.settings if self.verdict.use == RCAC else self.frozen
+
+    def report(self) -> str:
+        """The verdict, what was assumed, and why each setting is what it is."""
+        return report_of(self)
+
+    def plot(self) -> figures.Figure:
+        """The error of one nominal run, and the rms on every plant."""
+        return picture_of(self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the picture."""
+        return notebook_of(self, self.plot)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        k, n = self.verdict.rcac.stable
+        return f"Design({self.verdict.use}, ratio={self.verdict.rcac.ratio:.3g}, stable {k}/{n})"
+
+
+def design(
+    plant: Any,
+    *,
+    disturbance: Any = UNKNOWN,
+    noise: float | None = None,
+    command: Any = None,
+    u_limits: Any = None,
+    sample_time: float | None = None,
+    dead_time: ArrayLike = 0.0,
+    uncertainty: Uncertainty | None = None,
+    structure: Structure | None = None,
+    feedforward: bool = False,
+    seeds: int = 6,
+    steps: int = 2000,
+) -> Design:
+    """From a plant to a controller: RCAC or a fixed one, which was tried out on other plants.
+
+    A robust LQG controller is the reference (Ms <= 2). RCAC begins at it, its target model is the
+    intercalated transfer function (4.18) of its loop, and R_theta = N_0 mean(Phi_f' Phi_f) there:
+    the prior is worth N_0 samples, whatever the units are.
+
+    Parameters
+    ----------
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
+        Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
+        `plant_of` reads, and rows of transfer functions. Of more than 40 states, as a measured
+        impulse response has, those are kept that its response within 1 % of its peak needs. A
+        `Plant` counts as its map from u to y. Of a log u and y count, and r where it is known:
+        `identify_output_error` makes a model of an open loop, `identify_in_closed_loop` one of a
+        closed loop, which an unstable plant needs. What it leaves of y is noise and disturbance
+        unless they are given, and the gain is as uncertain as parts of the log disagree.
+    disturbance : "unknown", number or Signal
+        d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
+        the size of one that is not known otherwise. It acts on every input; so do noise and
+        command on every output.
+    noise : float, optional
+        Standard deviation of the sensor noise, in units of y.
+    command : Signal, optional
+        r, in units of y. A `Ramp` of it, or of d, has two integrators.
+    u_limits : (low, high) or Saturation, optional
+    sample_time : float, optional
+        In seconds; a plant in continuous time needs it.
+    dead_time : float, or rows of them
+        Of the plant, in seconds; in steps where no sample time is known. Rows are those of the
+        entries of a transfer matrix in s, whole steps each: ``[[1, 3], [7, 3]]``.
+    uncertainty : Uncertainty, optional
+        How far the true plant may be from this one: by default a gain of 0.8 to 1.25, one step,
+        time constants of 1/1.2 to 1.2, three times the noise.
+    structure : Structure, optional
+        One of y alone, such as ``pid("PI")``, ``fir(20)`` or ``fir_integrator(20)``: the
+        reference is reduced to it, RCAC adapts its coefficients, and LQG stands beside them.
+    feedforward : bool
+        Whether the controller reads the command r too, in a part of its own (figure 2.15).
+    seeds, steps : int
+        Number and length of the held-out runs on each plant.
+
+    Returns
+    -------
+    Design
+        For the error e = r - y_0 - v: ``u = controller.step(y=e, z=e)``, and ``r=r`` with
+        feedforward.
+
+    Raises
+    ------
+    InputError
+        Where the plant is not square or cannot be read, or a value is out of range.
+    NoSolutionError
+        Where no reference controller exists.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Step, design
+    >>> found = design("1/(10*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5),
+    ...                noise=0.01, seeds=1, steps=500)
+    >>> found.settings.structure.n_c, found.fixed.compensator.n_c
+    (4, 4)
+    >>> print(str(found.verdict).partition(":")[0])
+    Use the fixed controller
+    """
+    if uncertainty is not None:
+        instance_of(uncertainty, "uncertainty", Uncertainty)
+    integer(seeds, "seeds", at_least=1)
+    integer(steps, "steps", at_least=100, at_most=LONGEST)
+    saturation = _limits(u_limits)
+    if structure is not None:
+        require_reducible(structure)
+    instance_of(feedforward, "feedforward", bool)
+    around = _Surroundings(
+        disturbance, noise, command, saturation, uncertainty, structure, feedforward
+    )
+    if isinstance(plant, ControllerLog):
+        basis = _basis_of_log(plant, sample_time, number(dead_time, "dead_time"), around)
+    else:
+        whole = read_plant(plant, sample_time, dead_time)
+        shorter = truncated(whole)
+        basis = _basis_of(shorter.plant if shorter else whole, Uncertainty(), around)
+        if shorter:
+            basis = replace(basis, truncation=_held_against(shorter, basis.reference))
+    model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
+    reference = basis.reference
+    settings = settings_of(model, reference, expected)
+    fixed = reference.fixed
+    controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
+    alternatives: dict[str, FixedController | str] = {}
+    if reference.full is not None:
+        alternatives[FULL] = controllers[FULL] = FixedController(reference.full)
+    try:
+        alternatives[PID] = controllers[PID] = simc(model)
+    except NoSolutionError as error:
+        alternatives[PID] = str(error)
+    trials = Trials(controllers, model, expected, cases, steps, seeds, saturation=saturation)
+    evidence = trials.in_threads()
+    servo, w = model.servo(), expected.w(steps, JUDGING)
+    options = {"saturation": saturation}
+    runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
+    by_name = dict(zip(controllers, runs, strict=True))
+    questions = _questions(basis, fixed, saturation)
+    questions += _what_is_left(model, expected, by_name[FIXED])
+    return Design(
+        plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
+        questions=questions,
+        reasons=reasons_of(model, reference, expected, settings, Knobs()),
+        alternatives=alternatives,
+        evidence=evidence, reference=reference, expected=expected, model=model,
+        uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
+        runs=by_name, steps=steps,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Surroundings:
+    """What `design` was asked for beside the plant."""
+
+    disturbance: Any
+    noise: float | None
+    command: Any
+    saturation: Saturation | None
+    uncertainty: Uncertainty | None
+    structure: Structure | None
+    feedforward: bool
+
+
+@dataclass(frozen=True)
+class _Basis:
+    """A plant with what acts on it, and its reference loop."""
+
+    model: DesignPlant
+    uncertainty: Uncertainty
+    expected: Expected
+    assumed: tuple[str, ...]
+    cases: tuple[Variation, ...]
+    reference: Reference
+    logged: LoggedPlant | None
+    obstacle: str = ""  # why the best model of the log is not the one that is taken
+    truncation: tuple[str, str] | None = None  # of a plant of many states, and what is known of it
+
+
+def _basis_of(
+    model: DesignPlant, usual: Uncertainty, around: _Surroundings, logged: LoggedPlant | None = None
+) -> _Basis:
+    u_range = _range(around.saturation)
+    expected, assumed = _expected(
+        logged, around.disturbance, around.noise, around.command, u_range, model
+    )
+    uncertain = around.uncertainty or usual
+    cases = variations(model, uncertain)
+    ladder = Ladder(model, expected, u_range, cases, around.saturation)
+    own = around.structure
+    if own is not None and model.m > 1:
+        raise InputError(f"structure = {own.name} is for one input and output; leave it out.")
+    reference = ladder.best() if own is None else reduced_reference(ladder, own)
+    if around.feedforward:
+        reference = with_feedforward(model, reference, expected)
+    return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
+
+
+def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
+    """What was left out of a plant of many states; the fixed controller's loop with all of it."""
+    order, taken = len(model.whole.A), len(model.plant.A)
+    gain = model.small_gain(reference.compensator)
+    if gain < 1:
+        Ms = f"at most {reference.peak / (1 - gain):.3g}"
+    else:  # enough, not necessary
+        loop = reference.loop(model.whole)
+        if not loop.is_stable:
+            raise NoSolutionError(
+                f"the controller for the plant's truncation to {taken} of its {order} states does "
+                "not stabilise the whole plant: give a model of lower order that is right where "
+                "the loop is to act."
+            )
+        Ms = f"{sensitivity_peak(loop):.3g}"
+    return (
+        f"{taken} of its {order} states, and {model.plant.delay} steps of dead time",
+        f"balanced truncation, off by at most {100 * model.error:.2g} % of the peak of its "
+        f"response; with the whole plant the fixed controller's loop is stable, Ms {Ms}",
+    )
+
+
+def _basis_of_log(
+    log: ControllerLog, sample_time: float | None, dead_time: float, around: _Surroundings
+) -> _Basis:
+    """The best model of a log for which there is a controller.
+
+    Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
+    noise, there may be none; then one of lower order is taken.
+    """
+    logged = plant_from_log(log, sample_time, dead_time)
+    first: NoSolutionError | None = None
+    while True:
+        try:
+            found = _basis_of(logged.plant, logged.uncertainty, around, logged)
+            return found if first is None else replace(found, obstacle=str(first))
+        except NoSolutionError as error:
+            if first is None:
+                why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
+                first = NoSolutionError(f"{why}{error}")
+        if logged.model.order == 1:
+            raise first
+        try:
+            logged = plant_from_log(log, sample_time, dead_time, logged.model.order - 1)
+        except InputError:
+            raise first from None
+
+
+def _expected(
+    logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
+    u_range: float, model: DesignPlant,
+) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
+    """As `read_expected`; what was not given is read from the log, if there is one."""
+    if logged is None:
+        return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
+    is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
+    size = logged.disturbance if is_unsaid else disturbance
+    sensor = logged.noise if noise is None else noise
+    expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain)
+    return expected, (*assumed, *(["size"] if is_unsaid else []), *(["noise"] * (noise is None)))
+
+
+def _limits(u_limits: Any) -> Saturation | None:
+    if u_limits is None or isinstance(u_limits, Saturation):
+        return u_limits
+    limits = items(u_limits, "u_limits")
+    if len(limits) != 2:
+        raise InputError(f"u_limits = {u_limits!r}: give (low, high), or a Saturation with rates.")
+    return Saturation(low=number(limits[0], "low of u"), high=number(limits[1], "high of u"))
+
+
+def _range(saturation: Saturation | None) -> float:
+    """Half of what u can be; infinite where that is not bounded on both sides."""
+    if saturation is None or saturation.low is None or saturation.high is None:
+        return np.inf
+    return float((saturation.high - saturation.low).min()) / 2
+
+
+def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
+    """RCAC where it is better than the fixed controller with confidence, and at no price.
+
+    At no price: stable on the nominal plant and not less often on the others, and peaks of at most
+    1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
+    plant are alike.
+    """
+    found = compared(evidence, RCAC)
+    nominal = next(t for t in evidence if t.controller == RCAC)
+    use, why = _choice(nominal, found)
+    return Verdict(use, why, found, float(np.median(nominal.Ms)))
+
+
+def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comparison:
+    """A controller beside the fixed one, or another, over all plants and draws."""
+    ours = [t for t in evidence if t.controller == name]
+    theirs = [t for t in evidence if t.controller == other]
+    logs: dict[str, float] = {}
+    peaks, wins, losses = [], 0, 0
+    for a, b in zip(ours, theirs, strict=True):
+        both = [
+            np.log(x / y) for x, y in zip(a.rms, b.rms, strict=True)
+            if np.isfinite(x) and np.isfinite(y) and x > 0 and y > 0
+        ]  # fmt: skip
+        if both:
+            logs[a.variation.name] = float(np.mean(both))
+        peaks += [x / y for x, y in zip(a.peak, b.peak, strict=True) if np.isfinite(y) and y > 0]
+        wins += sum(x > y for x, y in zip(a.stable, b.stable, strict=True))
+        losses += sum(x < y for x, y in zip(a.stable, b.stable, strict=True))
+    stable = sum(sum(t.stable) for t in ours), sum(len(t.stable) for t in ours)
+    fixed_stable = sum(sum(t.stable) for t in theirs), sum(len(t.stable) for t in theirs)
+    proportion = binomtest(*stable).proportion_ci(method="wilson")
+    broken = [t.variation.name for t in ours if not all(t.stable)]
+    return Comparison(
+        *_mean(list(logs.values())), stable, fixed_stable, (proportion.low, proportion.high),
+        worst=broken[0] if broken else max(logs, key=lambda one: logs[one], default="none"),
+        peak=float(np.median(peaks)) if peaks else np.inf, wins=wins, losses=losses,
+    )  # fmt: skip
+
+
+def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
+    """Which controller, and why, in words."""
+    brings = (
+        f"RCAC {'lowers' if found.ratio < 1 else 'raises'} the rms error by "
+        f"{100 * abs(found.ratio - 1):.0f} %"
+    )
+    if not all(nominal.stable):
+        return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
+    if found.losses > found.wins:
+        return FIXED, (
+            f"of {found.stable[1]} held-out runs RCAC alone loses {found.losses}, and it alone "
+            f"{found.wins}; where both are stable {brings}."
+        )
+    if found.peak > PEAK:
+        return FIXED, f"{brings}, but its peaks are {found.peak:.2g} times as large."
+    if found.interval[1] < WORTH:
+        return RCAC, f"{brings} over the uncertainty."
+    saved = f"RCAC saves {found.wins} of {found.stable[1]} held-out runs that it loses"
+    if found.wins > found.losses and found.interval[1] < 1 / WORTH:
+        return RCAC, f"{saved}, and {brings}."
+    if found.wins > found.losses:
+        return FIXED, f"{saved}, but {brings}, with confidence in neither direction."
+    if found.interval[0] > 1 / WORTH:
+        return FIXED, f"{brings} over the uncertainty."
+    return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
+
+
+def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
+    """The exponential of the mean, and of its 95 % interval by Student's t."""
+    if not logs:
+        return np.nan, (np.nan, np.nan)
+    mean = float(np.exp(np.mean(logs)))
+    if len(logs) == 1:
+        return mean, (0.0, np.inf)
+    if np.ptp(logs) == 0:
+        return mean, (mean, mean)
+    interval = ttest_1samp(logs, 0.0).confidence_interval()
+    return mean, (float(np.exp(interval.low)), float(np.exp(interval.high)))
+
+
+def _first_response(model: DesignPlant, fixed: FixedController) -> float:
+    """The first response of e to an impulse of d over the largest, in the reference loop."""
+    w = np.zeros((RESPONSE, 3 * model.m))
+    w[0, model.m : 2 * model.m] = 1.0
+    e = np.linalg.norm(simulate(model.servo(), fixed, w).z, axis=1)
+    answered = e[e > np.finfo(float).eps * e.max()]
+    return float(answered[0] / e.max()) if len(answered) else 1.0
+
+
+def _questions(
+    basis: _Basis, fixed: FixedController, saturation: Saturation | None
+) -> tuple[Question, ...]:
+    """What only the owner of the plant knows."""
+    model, expected, assumed = basis.model, basis.expected, basis.assumed
+    uncertainty, logged = basis.uncertainty, basis.logged
+    late = model.delay + model.fraction
+    by_entry = "" if model.longest == model.delay else f" to {model.longest} by entry"
+    least = max(late - uncertainty.delay, 0)
+    most = model.longest + model.fraction + uncertainty.delay
+    found = []
+    if logged is not None:
+        found.append((
+            "plant", f"the model of the log, {logged.model}", logged.evidence(fixed.compensator)
+        ))  # fmt: skip
+    if basis.truncation:
+        found.append(("plant", *basis.truncation))
+    found += [
+        ("plant", f"sign {model.sign}",
+         "more u drives y this way in the end; with the other sign every loop diverges")
+        if model.m == 1 else
+        ("plant", f"the weakest direction of u does 1/{model.condition:.3g} of the strongest",
+         "its sign and size decide whether a loop with integrators is stable at all"),
+        ("dead_time", f"{late:.4g}{by_entry} steps, {least:.4g} to {most:.4g}",
+         "the dead time decides how fast a loop may be"),
+    ]  # fmt: skip
+    if "disturbance" in assumed:
+        size = " and of size" if "size" in assumed else ", of size"
+        found.append((
+            "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
+            "a known step, sinusoid or spectrum is worth more than all tuning",
+        ))  # fmt: skip
+    if "noise" in assumed:
+        words = "standard deviation of the sensor"
+        found.append(("noise", f"{expected.noise:.3g}, in units of y", words))
+    if saturation is None:
+        seen = "" if logged is None else f"; in the log u is {logged.u[0]:.3g} to {logged.u[1]:.3g}"
+        found.append(("u_limits", "none", f"an actuator that saturates is simulated so{seen}"))
+    if (first := _first_response(model, fixed)) < FAST:
+        found.append((
+            "sample_time", "kept",
+            f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
+            "faster than it is good for",
+        ))  # fmt: skip
+    if basis.obstacle:
+        found.append((
+            "plant", "a model of lower order than the log supports",
+            f"the best one has no controller: {basis.obstacle}",
+        ))  # fmt: skip
+    if logged is not None and logged.integrates:
+        found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
+    if not model.is_stable and (logged is None or not logged.is_closed):
+        found.append((
+            "plant", "unstable or integrating, and known as well as said",
+            "confirm it on a log of a stabilised loop before RCAC runs alone",
+        ))  # fmt: skip
+    return tuple(Question(*one) for one in found)
+
+
+def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Question, ...]:
+    """Where control cannot do its work: by the actuator, or at all."""
+    found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
+    limits = run.saturation
+    if (
+        limits is not None
+        and expected.is_known
+        and m == 1
+        and None not in (limits.low, limits.high)
+    ):
+        r, d = run.w[last, :2].mean(axis=0)
+        at_rest = float((r / model.gain_at_rest if r else 0.0) - d)
+        low, high = (float(np.ravel(np.asarray(one))[0]) for one in (limits.low, limits.high))
+        if not low < at_rest < high:
+            found.append(Question(
+                "u_limits", f"{low:g} to {high:g}, with u = 0 at the working point",
+                f"what lasts of r and d asks for u = {at_rest:.3g} at rest, which the actuator "
+                "cannot give: the error stays. Count u from the working point",
+            ))  # fmt: skip
+    if model.is_stable:
+        still = Compensator(np.zeros((1, m, m)), np.zeros((2, m, m)))
+        free = simulate(run.plant, FixedController(still), run.w)
+        left = tail_rms(run) / (tail_rms(free) or 1.0)
+        if left > LEFT:
+            words = f"the fixed controller leaves {left:.2g} of the error that is there without"
+            found.append(Question(
+                "disturbance", "as given", f"{words} control: there is little that it can do",
+            ))  # fmt: skip
+    return tuple(found)
+
+
+def reasons_of(
+    model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
+    knobs: Knobs,
+) -> tuple[Reason, ...]:  # fmt: skip
+    """Each setting, and why it is what it is."""
+    n_c, structure = reference.compensator.n_c, settings.structure
+    models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
+    taken = model.servo().n + 2 * model.m * len(models)
+    models += {0: [], 1: ["an integrator"]}.get(
+        (reference.lqg.plant.n - taken) // model.m, ["two integrators"]
+    )
+    parts = " and ".join(models)
+    robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
+    weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
+    modelled = f"; with {parts} for the disturbance" if parts else ""
+    chosen = f"{weights}: the least u within a tenth of the least error"
+    fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
+    more = f" and {knobs.spare} more" if knobs.spare else ": more costs robustness"
+    order = f"iir(n_c={n_c + knobs.spare})", f"the order of the fixed controller{more}"
+    if reference.commands:
+        words = "past u, e and r under one denominator; r adds to the loop and leaves it as it is"
+        order = f"feedforward(n_c={structure.n_c})", words
+    if reference.full is not None:
+        words = f"fitted to LQG loops where it matters to the error{robust}"
+        fixed = f"{structure.name} of {structure.l_theta} coefficients", words
+        order = structure.name, "as it was asked for"
+    forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"
+    return (
+        Reason("fixed", f"{fixed[0]}, Ms = {reference.peak:.3g}", fixed[1]),
+        Reason("structure", *order),
+        Reason("target", f"of order {settings.target.n_f}",
+               "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
+        Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "
+               "is weak"),
+        Reason("R_theta", f"{knobs.worth(expected):.3g} samples",
+               "N_0 mean(Phi_f' Phi_f) in the fixed controller's loop: the prior is worth N_0 "
+               f"samples{forgets}"),
+        Reason("k_w", "0 steps", "theta_0 is a controller already: to wait with u = 0 while y "
+               "moves gives it a past that it never had"),
+        Reason("k_update", f"{settings.k_update} steps",
+               "max(n_c, n_f), where regressor and filter are full"),
+        Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {knobs.nu:.3g} over the size of z",
+               "a step with a large z weighs less"),
+        Reason("bounds", f"theta_0 +- {knobs.width:.3g} of its rms", "an actuator or a delay that "
+               "is not as expected moves theta no further"),
+    )  # fmt: skip

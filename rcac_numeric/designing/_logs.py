@@ -1,0 +1,258 @@
+"""A plant from a log of u and y: a model, of an open loop or a closed one, and its evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import Legendre
+from scipy.signal import tf2ss
+from scipy.stats import ttest_1samp
+
+from compensator_theory.errors import InputError
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import number
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.checks._logs import ControllerLog
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.designing._plants import LOW, DesignPlant, Uncertainty, balanced
+from rcac_numeric.designing._reference import sensitivity_peak
+from rcac_numeric.identification._output_error import OutputErrorModel, identify_output_error
+from rcac_numeric.identification._prediction_error import (
+    PredictionErrorModel,
+    answers,
+    identify_in_closed_loop,
+)
+
+PARTS = 3  # of the log, in each of which the model is fitted again
+SLOW = 20.0  # abs(1 - pole) times the steps of the log: a pole that the log cannot tell from 1
+ROBUST = 4.0  # Ms of the reference loop with the model of a part
+HELD_OUT = 3  # the last part of so many, which a pole at 1 is verified on
+BLOCKS, SURELY = 10, 0.05  # by the means of which its errors there are told from other ones
+DRIFTS = 3  # degree of the polynomial that counts as no error there
+ACCIDENT = 4.0  # standard errors: the largest of 20 correlations is above once in 800 records
+
+LogModel = OutputErrorModel | PredictionErrorModel
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedPlant(Value):
+    """What a log shows of a plant.
+
+    Attributes
+    ----------
+    plant : DesignPlant
+    model : OutputErrorModel or PredictionErrorModel
+        The latter where u answered to y.
+    parts : tuple of DesignPlant or None
+        Of the same delay, each fitted to one third of the log, of at most the same order: a third
+        may support less. None where it shows nothing.
+    noise : float
+        Standard deviation of what of the residual is white at most, in units of y.
+    disturbance : float
+        Size of what is left of it, in units of u.
+    u : (float, float)
+        The least and the largest control of the log.
+    held_out : float or None
+        Where a pole at 1 was taken: the mean square error on the last third of a model with that
+        pole, fitted to the rest, over that of a model with a free one.
+    """
+
+    plant: DesignPlant
+    model: LogModel
+    parts: tuple[DesignPlant | None, ...]
+    noise: float
+    disturbance: float
+    u: tuple[float, float]
+    held_out: float | None = None
+
+    @property
+    def gains(self) -> tuple[float, ...]:
+        """Gain of each part over that of the whole; negative where it has another sign.
+
+        At 0.02 rad/step: at rest a pole and a zero that all but cancel there, which fit the noise,
+        may turn the sign of a part.
+        """
+        whole = self.plant.response(LOW).item()
+        ratios = [part.response(LOW).item() / whole for part in self.parts if part is not None]
+        return tuple(float(np.copysign(abs(one), one.real)) for one in ratios)
+
+    @property
+    def integrates(self) -> bool:
+        """Whether a pole beside those at 1 is so near 1 that the log cannot tell it from them."""
+        near = np.abs(1 - np.roots(self.model.denominator)) * len(self.model.residual) < SLOW
+        return int(near.sum()) > self.model.integrators
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the log is one of a closed loop."""
+        return isinstance(self.model, PredictionErrorModel)
+
+    @property
+    def uncertainty(self) -> Uncertainty:
+        """The usual one, with a gain as uncertain as the parts disagree."""
+        usual = Uncertainty()
+        found = [one for one in self.gains if one > 0] or [1.0]
+        low, high = usual.gain
+        return Uncertainty(gain=(min(low, *found), max(high, *found)))
+
+    def held(self, compensator: Compensator) -> int:
+        """On how many parts the loop with a controller is stable with Ms < 4."""
+        peaks = [
+            sensitivity_peak(frozen_loop(part.servo(), compensator, 0))
+            for part in self.parts
+            if part is not None
+        ]
+        return sum(peak < ROBUST for peak in peaks)
+
+    def evidence(self, compensator: Compensator) -> str:
+        """In words, for the one who is to confirm it."""
+        gains = self.gains
+        same = sum(one > 0 for one in gains)
+        spread = f", their gains {min(gains):.3g} to {max(gains):.3g} times" if gains else ""
+        found = [
+            f"{same} of {PARTS} parts of the log have this sign{spread}",
+            f"the fixed controller holds {self.held(compensator)} of them with Ms < {ROBUST:g}",
+        ]
+        if self.held_out is not None:
+            found.append(
+                f"with a pole at 1 the error on the last third is {np.sqrt(self.held_out):.3g} "
+                "times that with a free one"
+            )
+        if isinstance(self.model, PredictionErrorModel):
+            found.append(
+                "its prediction errors are correlated with what moved u by "
+                f"{self.model.correlation:.2g} standard errors at most"
+            )
+        return "; ".join(found)
+
+
+def plant_from_log(
+    log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0, most: int = 5
+) -> LoggedPlant:
+    """The plant that a log shows, whether u moved by itself or answered to y.
+
+    In an open loop by `identify_output_error`; in a closed one, where the plant may be unstable, by
+    `identify_in_closed_loop`. A pole at 1 is taken where the criterion is the better for it and a
+    held-out part of the log is predicted as well.
+
+    Parameters
+    ----------
+    log : ControllerLog
+        Of u and y, each scalar; with r, or where y tells what u will be, in a closed loop.
+    sample_time : float, optional
+        In seconds.
+    dead_time : float
+        Where it is known: in seconds, in steps without a sample time; 0 looks for it.
+    most : int
+        The highest order that is tried, without the dead time.
+
+    Raises
+    ------
+    InputError
+        Where the log does not show that y answers to u, or u follows from y alone; or where what
+        moved u is still seen in the prediction errors of the best model.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.signal import lfilter
+    >>> from rcac_numeric import ControllerLog
+    >>> from rcac_numeric.designing._logs import plant_from_log
+    >>> rng = np.random.default_rng(1)
+    >>> u = rng.standard_normal(1000)
+    >>> y = lfilter([0, 0, 0, -0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(1000)
+    >>> found = plant_from_log(ControllerLog(u, y))
+    >>> found.plant.delay, found.plant.sign, round(found.noise, 3), found.is_closed
+    (2, '-', 0.01, False)
+    """
+    if log.u.shape[1] != 1 or log.y.shape[1] != 1:
+        raise InputError(
+            f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements; "
+            "a log takes one of each. Give design a model: identification.eigensystem_realisation "
+            "makes one of Markov parameters."
+        )
+    late, period = number(dead_time, "dead_time"), number(sample_time or 1.0, "sample_time")
+    if late < 0 or not period > 0:
+        raise InputError(
+            f"dead_time = {late:g} with sample_time = {period:g}: give both in seconds, none of "
+            "them negative."
+        )
+    steps = round(late / period)
+    known: dict[str, Any] = {"orders": range(1, most + 1)}
+    known |= {"delays": (steps,)} if steps else {}
+    is_closed = (log.r is not None and np.ptp(log.r) > 0) or answers(log.u, log.y)
+    identify = identify_in_closed_loop if is_closed else identify_output_error
+    model: LogModel = identify(log.u, log.y, integrators=(0, 1), **known)
+    held_out = None
+    if model.integrators:
+        held_out, is_worse = _held_out(log, model)
+        if is_worse:
+            model, held_out = identify(log.u, log.y, **known), None
+    if isinstance(model, PredictionErrorModel) and model.correlation > ACCIDENT:
+        raise InputError(
+            f"u answers to y in {log.source}, and no model tells the plant from the loop: the "
+            "prediction errors of the best one are correlated with what moved u by "
+            f"{model.correlation:.2g} standard errors. Give design a model; or record longer, with "
+            "a dither on u, while neither plant nor controller changes."
+        )
+    plant = _plant_of(model, sample_time)
+    parts: list[DesignPlant | None] = []
+    for u, y in zip(np.array_split(log.u, PARTS), np.array_split(log.y, PARTS), strict=True):
+        try:
+            parts.append(_plant_of(_again(model, u, y, least=1), sample_time))
+        except InputError:
+            parts.append(None)
+    e = model.residual
+    noise = min(float(np.std(np.diff(e)) / np.sqrt(2)), float(np.std(e)))
+    rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
+    size = max(rest, noise) / plant.low_gain
+    limits = float(log.u.min()), float(log.u.max())
+    return LoggedPlant(plant, model, tuple(parts), noise, size, limits, held_out)
+
+
+def _again(
+    model: LogModel, u: Array, y: Array, integrators: int | None = None, least: int | None = None
+) -> LogModel:
+    """A model of the same delay and kind of another record, and of its order, or a lower one."""
+    is_closed = isinstance(model, PredictionErrorModel)
+    identify = identify_in_closed_loop if is_closed else identify_output_error
+    poles = model.integrators if integrators is None else integrators
+    orders = range(model.order if least is None else max(least, poles), model.order + 1)
+    return identify(u, y, orders=orders, delays=(model.delay,), integrators=(poles,))
+
+
+def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
+    """The mean square error on the last third with a pole at 1 over that with a free one.
+
+    And whether it is surely larger, by Diebold and Mariano's test with the means of blocks.
+    """
+    cut = len(log.u) - len(log.u) // HELD_OUT
+    squares = []
+    for poles in (1, 0):
+        try:
+            found = _again(model, log.u[:cut], log.y[:cut], poles)
+        except InputError:  # the rest shows nothing, either way
+            return np.inf, True
+        e = found.errors(log.u[cut:], log.y[cut:])
+        k = np.linspace(-1, 1, len(e))
+        # A pole near 1 has a state of its own to explain a drift by, one at 1 has the slope.
+        squares.append((e - Legendre.fit(k, e, DRIFTS)(k)) ** 2)
+    imposed, free = (np.mean(one) for one in squares)
+    means = [one.mean() for one in np.array_split(squares[0] - squares[1], BLOCKS)]
+    if not np.ptp(means) or not free:
+        return 1.0, False
+    is_worse = ttest_1samp(means, 0.0, alternative="greater").pvalue < SURELY
+    return float(imposed / free), bool(is_worse)
+
+
+def _plant_of(model: LogModel, sample_time: float | None) -> DesignPlant:
+    size = float(np.abs(model.numerator).max()) or 1.0  # SciPy takes 1e-14 for nothing
+    A, B, C, _ = tf2ss(model.numerator / size, model.denominator)
+    A, B, C = balanced(A, B, C * size)
+    made = DesignPlant(A, B, C, model.delay, sample_time=sample_time)
+    if not made.low_gain > 0:
+        raise InputError("the model of the log has no gain: y does not answer to u.")
+    return made

@@ -1,0 +1,543 @@
+"""A plant with dead time, and what it may be instead within its uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, logm, matrix_balance
+
+import compensator_theory as exact
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.systems._foreign import is_foreign
+from rcac_numeric.analysis._state_space import StateSpace
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._validation import (
+    instance_of,
+    integer,
+    items,
+    number,
+    reads,
+    real_array,
+    with_checks,
+)
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.plants._foreign import plant_of
+from rcac_numeric.plants._functions import FunctionPlant
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
+from rcac_numeric.plants.gallery._continuous import ContinuousPlant
+from rcac_numeric.targets._modelling import ModellingInformation
+from rcac_numeric.targets._zero_directions import DirectionInformation
+
+MOST_SIGNALS = 4  # inputs and outputs
+ALIKE = 100.0  # the gain of an output, or of an input, over that of another
+LONGEST_DELAY = 60  # steps: theta has two coefficients for each
+LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
+FAR = 2000  # steps, after which what grows has outgrown the rest
+ROUNDING = 1e-9  # of a period of dead time
+IMPROPER = (
+    "the plant is not strictly proper: y follows u at once. Add the lag of the actuator or of the "
+    "sensor."
+)
+
+
+def _range(value: object, name: str) -> tuple[float, float]:
+    low, high = (number(one, name) for one in items(value, name))
+    if not 0 < low <= 1 <= high:
+        raise InputError(f"{name} = ({low:g}, {high:g}) must be factors around 1, (low, high).")
+    return low, high
+
+
+def _factor(value: object, name: str) -> float:
+    factor = number(value, name)
+    if factor < 1:
+        raise InputError(f"{name} = {factor:g} is a factor, and at least 1.")
+    return factor
+
+
+@attrs.frozen(slots=False, kw_only=True, field_transformer=with_checks)
+class Uncertainty:
+    """How far the true plant may be from the one that is given.
+
+    Parameters
+    ----------
+    gain : (float, float)
+        The least and the largest factor of the gain.
+    delay : int
+        Steps that the dead time may be longer, or shorter where there are as many.
+    time : float
+        Factor by which all time constants may be longer or shorter.
+    noise : float
+        Factor by which the sensor noise may be larger.
+
+    Raises
+    ------
+    InputError
+        Where a factor is out of order.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Uncertainty
+    >>> Uncertainty(gain=(0.5, 2.0)).delay
+    1
+    """
+
+    gain: tuple[float, float] = attrs.field(default=(0.8, 1.25), metadata=reads(_range))
+    delay: int = attrs.field(default=1, metadata=reads(integer))
+    time: float = attrs.field(default=1.2, metadata=reads(_factor))
+    noise: float = attrs.field(default=3.0, metadata=reads(_factor))
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One plant within an uncertainty: what its gain, dead time, time constants and noise are."""
+
+    name: str = "nominal"
+    gain: float | tuple[float, ...] = 1.0  # several: of each input
+    delay: int = 0
+    time: float = 1.0
+    noise: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class DesignPlant(Value):
+    """x(k+1) = A x(k) + B (u + d)(k - delay), y_0 = C x; as many outputs as inputs, m.
+
+    Attributes
+    ----------
+    A, B, C : arrays of shape (n, n), (n, m), (m, n)
+    delay : int
+        Whole steps of dead time.
+    continuous : pair of arrays, or None
+        A_c and B_c, per step, with which A and B are sampled; C is the same.
+    fraction : float
+        What is left of the dead time, in periods; its states are the last m of A.
+    sample_time : float or None
+        In seconds.
+    later : array of int, shape (n, m), or None
+        Further steps by which each state is late to each input, where entries differ.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    delay: int = 0
+    continuous: tuple[Array, Array] | None = None
+    fraction: float = 0.0
+    sample_time: float | None = None
+    later: NDArray[np.int64] | None = None
+
+    @property
+    def longest(self) -> int:
+        """Whole steps of the longest dead time."""
+        return self.delay + (0 if self.later is None else int(self.later.max()))
+
+    def _parts_of(self, B: Array) -> Iterator[tuple[int, Array]]:
+        """Whole steps of dead time, and what of B is so late."""
+        if self.later is None:
+            yield self.delay, B
+        else:
+            for more in np.unique(self.later):
+                yield self.delay + int(more), np.where(self.later == more, B, 0.0)
+
+    def servo(self, changed: Variation | None = None) -> Plant:
+        """The servo problem (2.16)-(2.20) with y = z = e = r - y_0 - v, past u as states.
+
+        The disturbance d enters with u, before the dead time.
+        """
+        here = Variation() if changed is None else changed
+        A, B = self._sampled(here.time)
+        n, m = B.shape
+        late = m * (self.longest + here.delay)
+        chain = np.eye(n + late, k=m)
+        chain[:n] = 0.0
+        chain[:n, :n] = A
+        enters = np.zeros((n + late, m))
+        if late:
+            enters[-m:] = np.eye(m)
+        for steps, part in self._parts_of(B * np.asarray(here.gain)):
+            past = m * (steps + here.delay)
+            if past:
+                chain[:n, n + late - past : n + late - past + m] += part
+            else:
+                enters[:n] += part
+        none = np.zeros((n + late, m))
+        C = np.hstack([self.C, np.zeros((m, late))])
+        direct = np.hstack([np.eye(m), np.zeros((m, m)), -np.eye(m)])
+        return Plant(
+            A=chain, B=enters, D_1=np.hstack([none, enters, none]), C=-C, D_2=direct, E_0=direct,
+            blocks={"r": m, "d": m, "v": m}, sample_time=self.sample_time,
+        )  # fmt: skip
+
+    def response(self, omega: Any) -> ComplexArray:
+        """G(exp(j omega)) from u to y_0; shape (len(omega), m, m)."""
+        z = np.exp(1j * np.atleast_1d(omega))[:, None, None]
+        late = sum(part * z**-steps for steps, part in self._parts_of(self.B))
+        return np.asarray(self.C @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, late))
+
+    @property
+    def m(self) -> int:
+        """The number of inputs, and of outputs."""
+        return int(self.B.shape[1])
+
+    @property
+    def low_gain(self) -> float:
+        """norm(G) at 0.02 rad/sample: the gain at rest, but finite with integrators."""
+        return float(np.linalg.norm(self.response(LOW)[0], 2))
+
+    @property
+    def gain_at_rest(self) -> float:
+        """G(1) of one input and output; infinite where that is not finite in float64."""
+        from_rest = np.eye(len(self.A)) - self.A
+        if not np.linalg.cond(from_rest) * np.finfo(float).eps < 1:
+            return np.inf
+        return float((self.C @ np.linalg.solve(from_rest, self.B)).item())
+
+    @property
+    def condition(self) -> float:
+        """The largest singular value of G at 0.02 rad/sample over the least."""
+        return float(np.linalg.cond(self.response(LOW)[0]))
+
+    @property
+    def sign(self) -> str:
+        """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
+        # Several poles that are 1 to rounding may be computed inside the circle.
+        if self.is_stable and np.isfinite(at_rest := self.gain_at_rest):
+            return "+" if at_rest > 0 else "-"
+        x, drive = np.zeros_like(self.B), 1.0
+        for _ in range(FAR):
+            x = self.A @ x + drive * self.B
+            if (size := np.abs(x).max()) > 1e100:  # state and drive together, to stay in float64
+                x, drive = x / size, drive / size
+        return "+" if (self.C @ x).item() > 0 else "-"
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every pole is inside the unit circle by more than 1e-9."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - 1e-9)
+
+    def _sampled(self, time: float) -> tuple[Array, Array]:
+        """A and B with all time constants so many times as long."""
+        if time == 1:
+            return self.A, self.B
+        found = continuous_of(self)
+        if found is None:
+            raise NoSolutionError(
+                "the plant has a pole at 0 or on the negative axis that no plant in continuous "
+                "time has, so that its time constants cannot be varied; give it in s with "
+                "sample_time, or its dead time apart."
+            )
+        return _held(found[0] / time, found[1] / time, self.fraction)
+
+
+def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
+    """A_c and B_c per step, given or found from the sampled plant; None where there are none."""
+    if plant.continuous is not None:
+        return plant.continuous
+    n = len(plant.A)
+    poles = np.linalg.eigvals(plant.A)
+    if ((np.abs(poles.imag) < 1e-9) & (poles.real < 1e-6)).any():
+        return None
+    held = np.block([[plant.A, plant.B], [np.zeros((plant.m, n)), np.eye(plant.m)]])
+    found = np.asarray(logm(held))
+    if np.abs(found.imag).max(initial=0.0) > 1e-9 * np.abs(found).max(initial=1.0):
+        return None
+    return found.real[:n, :n], found.real[:n, n:]
+
+
+def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
+    """Sampled with a zero-order hold whose input is late by that fraction of a period."""
+    if not fraction:
+        return zero_order_hold(A, B, 1.0)
+    late_A, late_B = zero_order_hold(A, B, fraction)
+    rest_A, rest_B = zero_order_hold(A, B, 1 - fraction)
+    n, m = B.shape
+    whole = np.zeros((n + m, n + m))
+    whole[:n, :n], whole[:n, n:] = rest_A @ late_A, rest_A @ late_B
+    return whole, np.vstack([rest_B, np.eye(m)])
+
+
+def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
+    """The same system with states of like size, scaled by powers of two.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.designing._plants import balanced
+    >>> A, B, C = balanced(np.array([[0.5]]), np.array([[1e6]]), np.array([[1e-6]]))
+    >>> bool(0.25 < B.item() < 4), (C @ B).item()
+    (True, 1.0)
+    """
+    point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
+    n, m = B.shape
+    gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
+    whole = np.block([[A, B], [C / gain, np.zeros((m, m))]])
+    _, (scale, _) = matrix_balance(whole, permute=False, separate=True)
+    # What is common to u and y is left out, so that only the states move.
+    by = scale[:n] / np.exp2(np.round(np.mean(np.log2(scale[n:]))))
+    return A * by / by[:, None], B / by[:, None], C * by
+
+
+def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
+    """A plant in any form that `plant_of` reads, with its dead time apart.
+
+    Parameters
+    ----------
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
+    sample_time : float or None
+        In seconds.
+    dead_time : float, or rows of them
+        In seconds; in steps where no sample time is known. Rows are those of the entries of a
+        transfer matrix in s.
+    """
+    if np.ndim(dead_time):
+        return _late_by_entry(plant, sample_time, real_array(dead_time, "dead_time"))
+    late = number(dead_time, "dead_time")
+    if late < 0:
+        raise InputError(f"dead_time = {late:g} must not be negative.")
+    steps = 0
+    if isinstance(plant, PlantSchedule):
+        if len(plant.changes) > 1:
+            raise InputError(
+                "the plant changes while it runs; design for one of its plants, and say how far "
+                "the others are by uncertainty=Uncertainty(...)."
+            )
+        steps, plant = plant.changes[0].delay, plant.changes[0].plant
+    if isinstance(plant, Plant):
+        return _with_dead_time(_of_plant(plant), late, steps)
+    if isinstance(plant, ModellingInformation | DirectionInformation):
+        raise InputError(
+            "modelling information is no model to try controllers on: cold_start(information, "
+            "order=..., stable=...) makes settings of it; design(ControllerLog(u, y)) finds one "
+            "in a log."
+        )
+    if plant is None or isinstance(plant, int | float):
+        raise InputError(
+            f"plant = {plant!r} is none: give a transfer function such as '1/(10*s + 1)', a Plant, "
+            "a system of python-control, or a ControllerLog(u, y)."
+        )
+    if isinstance(plant, FunctionPlant):
+        raise InputError(
+            "the plant is nonlinear; linearise it where the loop is to work, for instance with "
+            "control.linearize(system, x, u), and design for that."
+        )
+    continuous = _continuous(plant)
+    if continuous is None:
+        is_list = isinstance(plant, list)
+        read = _listed(plant, sample_time) if is_list else plant_of(plant, sample_time=sample_time)
+        return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
+    h = _period(sample_time)
+    A, B, C = balanced(continuous[0] * h, continuous[1] * h, continuous[2])
+    whole = int(np.floor(late / h + ROUNDING))
+    fraction = max(late / h - whole, 0.0)
+    fraction = fraction if fraction > 2 * ROUNDING else 0.0
+    held_A, held_B = _held(A, B, fraction)
+    held_C = np.hstack([C, np.zeros((len(C), len(held_A) - len(A)))])
+    made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
+    return _checked(made)
+
+
+def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> DesignPlant:
+    """Every output realised by itself, late to each input by what its entry says.
+
+    What outputs share, an integrator for instance, each has for its own then.
+    """
+    G = exact.transfer_matrix(plant) if isinstance(plant, list) else None
+    if G is None or str(G.variable) != "s":
+        raise InputError(
+            "dead_time by entry is for rows of transfer functions in s; in q it stands in the "
+            "entries, as in 0.1/(q**3*(q - 0.9))."
+        )
+    _require_square(*reversed(G.shape))
+    if late.shape != G.shape or (late < 0).any():
+        raise InputError(
+            f"dead_time = {late.tolist()}: give one for each of the {G.shape[0]} x {G.shape[1]} "
+            "entries, in seconds, none of them negative."
+        )
+    h, m = _period(sample_time), len(late)
+    steps = np.rint(late / h).astype(np.int64)
+    if np.abs(late / h - steps).max() > 1e-6:
+        raise InputError(
+            f"dead_time = {late.tolist()} is {(late / h).round(4).tolist()} steps, and by entry it "
+            "must be whole steps: round it, or choose another sample_time."
+        )
+    rows = [_floats(exact.minimal_realisation([[G[i, j] for j in range(m)]]).realisation)
+            for i in range(m)]  # fmt: skip
+    if any(D.any() for *_, D in rows):
+        raise ImproperError(IMPROPER)
+    states = [len(A) for A, *_ in rows]
+    A, C = (block_diag(*(row[k] for row in rows)) for k in (0, 2))
+    A, B, C = balanced(A * h, np.vstack([B for _, B, *_ in rows]) * h, C)
+    least = int(steps.min())
+    later = np.repeat(steps - least, states, axis=0)
+    made = DesignPlant(*_held(A, B, 0.0), C, least, (A, B), sample_time=h, later=later)
+    for pole in np.linalg.eigvals(made.A):
+        if abs(pole) < 1 - ROUNDING:
+            continue
+        moved = sum(part * pole**-steps for steps, part in made._parts_of(made.B))
+        modes = np.hstack([made.A - pole * np.eye(len(A)), moved])
+        if np.linalg.norm(modes, -2) < ROUNDING * np.linalg.norm(modes, 2):
+            raise NoSolutionError(
+                f"several outputs share the pole {pole:.4g} of the sampled plant, which does not "
+                "decay: with dead times by entry each has it for its own, and u cannot move them "
+                "apart. Give the plant in q, with the dead times in its entries."
+            )
+    return _checked(made)
+
+
+def _period(sample_time: float | None) -> float:
+    if sample_time is None:
+        raise InputError(
+            "the plant is in continuous time, and RCAC runs in discrete time: say how often it is "
+            "sampled, in seconds, by sample_time (at a shell --sample-time). About 10 to 30 "
+            "samples in the rise time that the loop is to have are usual."
+        )
+    h = number(sample_time, "sample_time")
+    if not h > 0:
+        raise InputError(f"sample_time = {h:g} must be positive, in seconds.")
+    return h
+
+
+def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
+    """A, B and C of a plant in continuous time; None where its time is discrete."""
+    if isinstance(plant, ContinuousPlant):
+        found = plant.A, plant.B, plant.C
+        return tuple(np.atleast_2d(np.asarray(m, dtype=np.float64)) for m in found)  # type: ignore[return-value]
+    made = _realised(plant)
+    if made is None or str(made.variable) != "s":
+        return None
+    if any(entry != 0 for entry in made.D):
+        raise ImproperError(IMPROPER)
+    A, B, C, _ = _floats(made)
+    _require_square(B.shape[1], len(C))
+    return A, B, C
+
+
+def _realised(plant: Any) -> exact.Realisation | None:
+    if isinstance(plant, exact.Realisation) or (is_foreign(plant) and hasattr(plant, "A")):
+        return exact.realisation(plant)
+    if is_foreign(plant) and hasattr(plant, "dynamics"):
+        return None  # nonlinear; plant_of says what to do
+    G = exact.transfer_matrix(plant)
+    _require_square(*reversed(G.shape))
+    if G.shape == (1, 1):
+        return exact.realisation(G.scalar())
+    return exact.minimal_realisation(G).realisation
+
+
+def _floats(made: exact.Realisation) -> StateSpace:
+    """Its matrices, each entry rounded once."""
+    A, B, C, D = (
+        np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
+        for m in (made.A, made.B, made.C, made.D)
+    )
+    return A, B, C, D
+
+
+def _listed(entries: list[Any], sample_time: float | None) -> Plant:
+    """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
+    A, B, C, D = _floats(exact.minimal_realisation(exact.transfer_matrix(entries)).realisation)
+    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=sample_time)
+
+
+def _of_plant(plant: Plant) -> DesignPlant:
+    """The map from u to y of a plant, or from u to -e of a servo problem."""
+    _require_square(plant.l_u, plant.l_y)
+    if plant.D_0.any() or plant.E_2.any():
+        raise ImproperError(
+            "the plant is not strictly proper: y or z follows u at once. Put one step of delay at "
+            "its input."
+        )
+    if not np.array_equal(plant.E_1, plant.C):
+        raise InputError(
+            "z of this plant is not what is measured, and design takes the map from u to y as the "
+            "plant: give a Plant with E_1 = C, or set the controller up by lqg and "
+            "ControllerSettings."
+        )
+    m = plant.l_u
+    sign = -1.0 if dict(plant.blocks) == {"r": m, "d": m, "v": m} else 1.0
+    made = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
+    return _checked(made)
+
+
+def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
+    """A sampled plant whose dead time is a whole number of steps."""
+    h = plant.sample_time or 1.0
+    whole = round(late / h)
+    if abs(late / h - whole) > 1e-6:
+        raise InputError(
+            f"dead_time = {late:g} is {late / h:.4g} steps, and of a sampled plant it must be a "
+            "whole number; give the plant in s with sample_time."
+        )
+    return _checked(replace(plant, delay=plant.delay + whole + steps))
+
+
+def _checked(plant: DesignPlant) -> DesignPlant:
+    if plant.longest * plant.m > LONGEST_DELAY:
+        raise InputError(
+            f"the dead time is {plant.longest} steps, and each of them has two coefficients of the "
+            f"controller; at most {LONGEST_DELAY // plant.m} are taken. Sample more slowly."
+        )
+    if not len(plant.A) or not plant.low_gain > 0:
+        raise InputError("the plant does not answer to u at all: its gain is 0.")
+    size = np.abs(plant.response(LOW)[0])
+    for name, axis in (("output", 1), ("input", 0)):
+        gains = np.linalg.norm(size, axis=axis)
+        if not gains.max() <= ALIKE * gains.min():
+            raise InputError(
+                f"{name} {int(gains.argmin()) + 1} of the plant has a gain of {gains.min():.3g}, "
+                f"{name} {int(gains.argmax()) + 1} of {gains.max():.3g}: errors and controls are "
+                "weighed alike. Give every signal in units of its own range."
+            )
+    return plant
+
+
+def _require_square(l_u: int, l_y: int) -> None:
+    if l_u == l_y <= MOST_SIGNALS:
+        return
+    if l_u > l_y:
+        advice = (
+            f"of its inputs make {l_y}, u = W v with the shares W of the actuators, and give "
+            f"transfer_matrix(G) @ W, or W at the input of a Plant: B @ W. W has shape "
+            f"({l_u}, {l_y})."
+        )
+    elif l_u < l_y:
+        advice = (
+            "at rest no more outputs can be held than there are inputs: leave rows out, or weigh "
+            f"them together, S @ transfer_matrix(G), or S @ C of a Plant. S has shape "
+            f"({l_u}, {l_y})."
+        )
+    else:
+        advice = "make a design for each group of signals that hardly act on each other."
+    raise InputError(
+        f"the plant has {l_u} inputs and {l_y} outputs; design takes as many inputs as outputs, at "
+        f"most {MOST_SIGNALS}: {advice}"
+    )
+
+
+def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation, ...]:
+    """The plant itself, and what it may be instead: one thing changed at a time."""
+    low, high = uncertainty.gain
+    found = [Variation()]
+    found += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]
+    for i in range(plant.m if plant.m > 1 and low < high else 0):
+        gains = tuple(low if i == j else high for j in range(plant.m))
+        found.append(Variation(f"input {i + 1} x {low:g}, others x {high:g}", gain=gains))
+    if uncertainty.delay:
+        more = uncertainty.delay
+        found.append(Variation(f"delay + {more}", delay=more))
+        if less := min(more, plant.delay):
+            found.append(Variation(f"delay - {less}", delay=-less))
+    if uncertainty.time != 1 and continuous_of(plant) is not None:
+        slow = uncertainty.time
+        found.append(Variation(f"time constants x {slow:.3g}", time=slow))
+        found.append(Variation(f"time constants / {slow:.3g}", time=1 / slow))
+    if uncertainty.noise != 1:
+        found.append(Variation(f"noise x {uncertainty.noise:g}", noise=uncertainty.noise))
+    return tuple(found)

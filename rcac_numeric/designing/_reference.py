@@ -1,0 +1,514 @@
+"""The reference loop: LQG with what the disturbance asks for, made robust."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, NoSolutionError
+from rcac_numeric.analysis._closed_loop import ClosedLoop, frozen_loop
+from rcac_numeric.analysis._conversion import converted
+from rcac_numeric.analysis._costs import loop_matrices
+from rcac_numeric.analysis._equations import stabilising_solution
+from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.analysis._lqg import LQG, controller_matrices, lqg, weights
+from rcac_numeric.analysis._noise import noise_inputs, with_bias, with_oscillation
+from rcac_numeric.analysis._obstacles import ESTIMATOR, REGULATOR
+from rcac_numeric.analysis._peaks import hinf_norm
+from rcac_numeric.analysis._state_space import StateSpace
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.designing._expected import KINDS, Expected
+from rcac_numeric.designing._plants import DesignPlant, Variation, balanced
+from rcac_numeric.engine._batches import SimulationCase, simulate_many
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._saturation import Saturation
+
+MOST = 2.0  # peak of the sensitivity S that a reference loop may have
+CONTROL = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0)  # R_2 over the square of the gain
+NOISE = (1.0, 10.0, 100.0)  # factors of V_2
+# Where the actuator has limits: a controller that answers to every step of y by more than they are
+# is told what was applied, and cycles between them.
+CALMER = (1e-9, 1e-4, 1e-2, 1.0, 10.0, 100.0)
+NOISIER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
+TRIED = 1000  # steps of a run with the actuator
+NEARLY = 1.1  # times the least rms of the error: among those the calmest is taken
+LEARNING = 1_000  # the first seed that settings are chosen by
+BIAS, SLOPE = "bias", "bias_bias"  # models of what stays, and of what grows: bias of a bias
+LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
+DRIFT = 1e-2  # of the disturbance: how far it moves in a step
+LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
+LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
+NEAR = 1e-6  # rad/step beside the pole of a disturbance model
+SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from unstable
+# Beside poles at LASTS no difference equation of several u has the response to 1e-9. What is to
+# hold is the loop with it: its own peak is looked at.
+CLOSE, CLOSER = 1e-4, 1e-2
+OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
+
+Models = dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Reference(Value):
+    """A reference loop and what it was chosen by.
+
+    Attributes
+    ----------
+    lqg : LQG
+        In units in which the disturbance and its effect on y are 1.
+    compensator : Compensator
+        In the units of the plant: from e to u, or from [e; r].
+    peak : float
+        Ms, the largest abs(S) over frequency; of several signals at u and at y.
+    R_2, V_2 : float
+        The weight of u, and that of the noise, over what is expected.
+    units : (float, float)
+        Those of u and y.
+    structure, theta : Structure and array, or None
+        Of a controller that is reduced to a structure.
+    full : Compensator or None
+        The LQG controller that it was reduced from.
+    """
+
+    lqg: LQG
+    compensator: Compensator
+    peak: float
+    R_2: float
+    V_2: float
+    units: tuple[float, float]
+    structure: Structure | None = None
+    theta: Array | None = None
+    full: Compensator | None = None
+
+    @property
+    def commands(self) -> int:
+        """How many commands the compensator reads."""
+        return self.compensator.l_y - self.lqg.plant.l_y
+
+    @property
+    def fixed(self) -> FixedController:
+        """The compensator as a controller that runs."""
+        return FixedController(self.compensator, l_r=self.commands)
+
+    def loop(self, plant: DesignPlant) -> ClosedLoop:
+        """The nominal plant in a loop with it."""
+        return frozen_loop(plant.servo(), self.compensator, 0)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a controller is in the loops of a ladder.
+
+    Attributes
+    ----------
+    lost : int
+        Plants that it does not stabilise, and one more where the nominal loop is a hair from it.
+    peak : float
+        Ms with the nominal plant; infinite where that loop is unstable.
+    error, control : float
+        E[e_0^2] and E[(u + b)^2] under what is expected, in units of the ladder.
+    most : float
+        What the latter may be.
+    """
+
+    lost: int
+    peak: float
+    error: float = np.inf
+    control: float = np.inf
+    most: float = np.inf
+
+    @property
+    def wide(self) -> float:
+        """How far u leaves the actuator: above 1 it does."""
+        return float(self.control / self.most)
+
+    @property
+    def safe(self) -> tuple[bool, int]:
+        """Not robust, and how far from it: what comes before any error."""
+        is_robust = self.peak <= MOST and not self.lost
+        return not is_robust, 0 if is_robust else self.lost
+
+    @property
+    def order(self) -> tuple[bool, float, float]:
+        """What is chosen by: robust, u inside the actuator, least error; else most robust."""
+        if self.peak <= MOST and not self.lost:
+            is_wide = self.wide > 1
+            return False, float(is_wide), self.control if is_wide else self.error
+        return True, float(self.lost), self.peak
+
+
+class Ladder:
+    """LQG controllers of a plant for a ladder of weights, and how every controller is judged.
+
+    z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
+    the controller cancel b, whatever R_2 is.
+
+    Parameters
+    ----------
+    plant : DesignPlant
+    expected : Expected
+        What of d is a constant or a sinusoid becomes a model of the disturbance: an integrator,
+        an oscillator.
+    u_range : float
+        Half of what the actuator can do. What lasts of d is cancelled by u; the rest of u is to
+        have a standard deviation of a third of what is left, at most.
+    others : sequence of Variation
+        What the plant may be instead.
+    saturation : Saturation, optional
+        Then controllers are told apart by what they make of the error in a run with it, and the
+        ladder goes up to slower ones.
+
+    Raises
+    ------
+    NoSolutionError
+        Where the plant has a zero where the disturbance has its pole.
+    """
+
+    def __init__(
+        self, plant: DesignPlant, expected: Expected, u_range: float = np.inf,
+        others: Sequence[Variation] = (), saturation: Saturation | None = None,
+    ) -> None:  # fmt: skip
+        self.plant, self.units = plant, (expected.size, plant.low_gain * expected.size)
+        self.expected, self.saturation = expected, saturation
+        self.scaled = _in_units(plant, self.units)
+        self.models = _disturbance_models(expected, self.units)
+        for omega, _ in self.models.values():
+            _require_reach(plant, omega)
+        blocks = [f"{c}_{kind}" for c in _channels_of_d(self.scaled) for kind in self.models]
+        self.noise: dict[str, float] = {"d": (expected.white / self.units[0]) ** 2}
+        self.noise |= dict.fromkeys(blocks, 1.0)
+        self.noise_variance = max(expected.noise / self.units[1], LEAST_NOISE) ** 2
+        left = u_range - expected.lasting
+        self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
+        self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
+
+    def judged(self, parts: StateSpace) -> Judged:
+        """A controller (A_c, B_c, C_c, D_c) from e to u, in units of the ladder."""
+        try:
+            peak = _peak(self.scaled, parts)
+            lost = sum(not _radius(other, parts) < 1 for other in self.instead)
+            lost += not _radius(self.scaled, parts) < SLOWEST
+            if not np.isfinite(peak):
+                return Judged(lost, np.inf)
+            noise = {**self.noise, "v": self.noise_variance}
+            e, u = _powers(self.scaled, self.models, parts, noise)
+        except CompensatorError:
+            return Judged(len(self.instead) + 1, np.inf)
+        return Judged(lost, peak, e, u, self.most_u**2)
+
+    def rungs(self) -> Iterator[tuple[float, float, StateSpace]]:
+        """R_2, V_2 and the LQG controller of every rung that has one."""
+        free = self.saturation is None
+        factors = (CONTROL if free else CALMER), (NOISE if free else NOISIER)
+        yield from _rungs(self.scaled, self.models, self.noise, self.noise_variance, factors)
+
+    def in_units(self, G_c: Compensator) -> Compensator:
+        """A controller of this ladder's units in those of the plant."""
+        by = self.units[0] / self.units[1]
+        return Compensator(G_c.past_u, G_c.past_y * by, self.plant.sample_time)
+
+    def in_runs(self, made: Sequence[Compensator]) -> list[int]:
+        """Places of controllers, in units of the plant, from the best one on, by runs with limits.
+
+        The first one stays the first if its error, over the nominal plant and the others, is
+        within a tenth of the least. Else of those that are the one whose u moves least is: linear
+        theory knows nothing of what it does at a limit.
+        """
+        draws = range(1 if self.expected.is_known else len(KINDS))
+        plants = [Variation(), *self.others]
+        ws = {one.noise: [self.expected.w(TRIED, LEARNING + i, one.noise) for i in draws]
+              for one in plants}  # fmt: skip
+        options, m = {"saturation": self.saturation}, self.plant.m
+        cases = [
+            SimulationCase(servo, FixedController(G_c), w, options)
+            for G_c in made
+            for servo, one in zip(map(self.plant.servo, plants), plants, strict=True)
+            for w in ws[one.noise]
+        ]
+        runs = simulate_many(cases, threads=1)
+        errors, moves = np.full((2, len(cases)), np.inf)
+        for i, run in enumerate(runs):
+            if run.outcome == "completed":
+                errors[i] = np.mean((run.z + run.w[:, -m:]) ** 2)
+                moves[i] = np.mean(np.diff(run.u_applied, axis=0) ** 2)
+        error, move = (one.reshape(len(made), -1).mean(axis=1) for one in (errors, moves))
+        near = error <= NEARLY**2 * error.min(initial=np.inf)
+        if near[:1].any():
+            move[0] = -1.0
+        return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
+
+    def best(self) -> Reference:
+        """The controller of nearly the least error whose loop is robust, else the most robust one.
+
+        Of those within a tenth of the least error the one with the least u is taken; with limits
+        of u, unless runs with them say otherwise.
+
+        Raises
+        ------
+        NoSolutionError
+            Where no rung of the ladder has a controller.
+        """
+        plant, units, V = self.plant, self.units, self.noise_variance
+        rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
+        found = [(self.judged(parts), *rung) for rung, parts in rungs.items()]
+        found = [one for one in found if np.isfinite(one[0].peak)]
+        obstacle = ""
+        found.sort(key=lambda one: (one[0].order, *one[1:]))
+        found = _calmest_first(found)
+        if self.saturation is not None:
+            found = self._by_runs(found, rungs)
+        for judged, R_2, V_2 in found:
+            try:
+                noise = {**self.noise, "v": V * V_2}
+                best = lqg(_weighted(self.scaled, R_2, self.models), noise=noise)
+                several = plant.m > 1
+                G_c = converted(best.state_space, CLOSE)[0] if several else best.compensator
+            except CompensatorError as error:
+                obstacle = f" The last obstacle: {error}"
+                continue
+            made = self.in_units(G_c)
+            if plant.m > 1 and not (
+                sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * judged.peak
+            ):
+                obstacle = " The last obstacle: its difference equation has not its robustness."
+                continue
+            return Reference(best, made, judged.peak, R_2, V_2, units)
+        raise NoSolutionError(
+            "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
+            f"its order or its dead time, or sample more slowly.{obstacle}"
+        )
+
+    def _by_runs(
+        self, found: list[tuple[Judged, float, float]],
+        rungs: Mapping[tuple[float, float], StateSpace],
+    ) -> list[tuple[Judged, float, float]]:  # fmt: skip
+        """The robust rungs, or those that are nearest to it, by runs; then the others."""
+        first = [one for one in found if one[0].safe == min(other[0].safe for other in found)]
+        made, kept = [], []
+        for one in first:
+            try:
+                made.append(self.in_units(converted(rungs[one[1:]], CLOSE)[0]))
+                kept.append(one)
+            except CompensatorError:
+                continue
+        best = [kept[i] for i in self.in_runs(made)]
+        return best + [one for one in found if one not in best]
+
+    def response(self, omega: Array) -> ComplexArray:
+        """From u to e, both scalar, in units of the ladder."""
+        to_e = -self.plant.response(omega)[:, 0, 0] * self.units[0] / self.units[1]
+        return np.asarray(to_e, dtype=np.complex128)
+
+    def disturbance_spectrum(self, omega: Array) -> Array:
+        """Of d, in units of the ladder: white noise, and what drives its models through them."""
+        found = np.full(len(omega), self.noise["d"])
+        z = np.exp(1j * omega)
+        for kind, (pole, power) in self.models.items():
+            mode = LASTS * np.exp(1j * pole)
+            size = np.abs((z - mode) * (z - np.conj(mode))) if pole else np.abs(z - mode)
+            part = (1 - LASTS**2) * power / size**2
+            if kind == SLOPE:
+                part = part * (1 - LASTS**2) * self.models[BIAS][1] / size**2
+            found += part
+        return found
+
+
+def _calmest_first(
+    found: list[tuple[Judged, float, float]],
+) -> list[tuple[Judged, float, float]]:
+    """Of the robust ones whose error is nearly the least, that with the least u comes first.
+
+    The last tenth of the error is bought with a u that answers to every step of the noise.
+    """
+    if not found or found[0][0].order[:2] != (False, 0.0):
+        return found
+    most = NEARLY**2 * found[0][0].error
+    near = [one for one in found if one[0].order[:2] == (False, 0.0) and one[0].error <= most]
+    near.sort(key=lambda one: one[0].control)
+    return near + [one for one in found if one not in near]
+
+
+def reference_loop(
+    plant: DesignPlant, expected: Expected, u_range: float = np.inf,
+    others: Sequence[Variation] = (), saturation: Saturation | None = None,
+) -> Reference:  # fmt: skip
+    """The LQG controller on a ladder of weights whose loop is robust, with nearly the least error.
+
+    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Of those
+    within a tenth of the least error the one with the least u is taken; where none is robust,
+    the one that fails with the fewest of them, and of those the one with the smallest peak.
+    Parameters are those of `Ladder`.
+
+    Raises
+    ------
+    NoSolutionError
+        Where no rung of the ladder has a controller.
+    """
+    return Ladder(plant, expected, u_range, others, saturation).best()
+
+
+def _require_reach(plant: DesignPlant, omega: float) -> None:
+    """Refuse a disturbance model with its pole at a zero of the plant."""
+    if np.linalg.norm(plant.response(omega + NEAR)[0], -2) < OUT_OF_REACH * plant.low_gain:
+        what = "a constant" if omega == 0 else f"a sinusoid of {omega:.4g} rad/step"
+        raise NoSolutionError(
+            f"the plant has a zero where {what} has its pole: no controller rejects it. Choose "
+            "another measurement or actuator; or, for noise alone, say disturbance=WhiteNoise(...)."
+        )
+
+
+def _in_units(
+    plant: DesignPlant, units: tuple[float, float], changed: Variation | None = None
+) -> Plant:
+    """The servo problem in these units of u and y, its states of like size."""
+    servo = plant.servo(changed)
+    B, C = servo.B * units[0], servo.C / units[1]
+    A, B, C = balanced(servo.A, B, C)
+    none = np.zeros_like(B)
+    return replaced(servo, A=A, B=B, C=C, E_1=C, D_1=np.hstack([none, B, none]))
+
+
+def _channels_of_d(plant: Plant) -> tuple[str, ...]:
+    """The names of the components of d, which follow those of r."""
+    return tuple(plant.channels[plant.l_y : plant.l_y + plant.l_u])
+
+
+def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Models:
+    """From kinds to (frequency, mean square) of what each d carries beside white noise."""
+    found: Models = {}
+    stays, grows = (
+        max(size / unit for size, unit in zip(sizes, units, strict=True))
+        for sizes in (expected.stays, expected.slopes)
+    )
+    drive = DRIFT**2 / (1 - LASTS**2)
+    if stays or grows:
+        stays = max(stays, grows)
+        found[BIAS] = 0.0, stays**2 * drive
+    if grows:  # a bias of what drives the bias, by which that moves DRIFT of its size in a step
+        found[SLOPE] = 0.0, (grows / (DRIFT * stays)) ** 2 * drive
+    for i, (omega, amplitude) in enumerate(expected.sinusoids):
+        name = f"oscillation_{i + 1}_"  # of its two channels the names end in 1 and 2
+        found[name] = omega, (amplitude / units[0]) ** 2 * drive
+    return found
+
+
+def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
+    """Z = [e; sqrt(R_2) (u + d)], with the disturbance models on d."""
+    m = plant.l_u
+    none, rho = np.zeros((m, m)), np.sqrt(R_2) * np.eye(m)
+    made = replaced(
+        plant,
+        E_1=np.vstack([plant.E_1, np.zeros((m, plant.n))]),
+        E_2=np.vstack([none, rho]),
+        E_0=np.vstack([plant.E_0, np.hstack([none, rho, none])]),
+    )
+    for channel in _channels_of_d(plant):
+        for name, (omega, power) in models.items():
+            if name == BIAS:
+                made = with_bias(made, channel, pole=LASTS, mean_square=power)
+            elif name == SLOPE:
+                made = with_bias(made, f"{channel}_{BIAS}", pole=LASTS, mean_square=power)
+            else:
+                made = with_oscillation(
+                    made, channel, omega=omega, radius=LASTS, mean_square=power, name=name
+                )
+    return made
+
+
+def _rungs(
+    plant: Plant,
+    models: Models,
+    noise: dict[str, float],
+    V: float,
+    factors: tuple[Sequence[float], Sequence[float]],
+) -> Iterator[tuple[float, float, StateSpace]]:
+    """The LQG controllers of the ladder: two Riccati equations for each side, not for each rung."""
+    regulators, estimators = {}, {}
+    for R_2 in factors[0]:
+        made = _weighted(plant, R_2, models)
+        try:
+            regulators[R_2] = stabilising_solution(
+                made.A, made.B, weights(made.E_1, made.E_2), (made.E_1, made.E_2), REGULATOR
+            )
+        except CompensatorError:
+            continue
+    made = _weighted(plant, 1.0, models)
+    for V_2 in factors[1]:
+        inputs = noise_inputs(made, {**noise, "v": V * V_2})
+        pair = inputs.D_1.T, inputs.D_2.T
+        try:
+            estimators[V_2] = stabilising_solution(
+                made.A.T, made.C.T, weights(*pair), pair, ESTIMATOR
+            )
+        except CompensatorError:
+            continue
+    none = np.zeros((plant.l_u, plant.l_y))
+    for V_2, estimator in estimators.items():
+        for R_2, regulator in regulators.items():
+            gains = regulator.gain, -estimator.gain.T
+            yield R_2, V_2, controller_matrices(made, *gains, none)
+
+
+def _peak(plant: Plant, parts: StateSpace) -> float:
+    """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable."""
+    A_c, B_c, C_c, D_c = parts
+    if not _radius(plant, parts) < 1:
+        return np.inf
+    A, eye = _closed(plant, parts), np.eye(plant.l_u)
+    at_u = np.vstack([plant.B, np.zeros((len(A_c), plant.l_u))])
+    of_u = np.hstack([D_c @ plant.C, C_c])
+    peak = hinf_norm((A, at_u, of_u, eye), rtol=1e-4)[0]
+    if plant.l_u == 1:
+        return peak
+    at_y = np.vstack([plant.B @ D_c, B_c])
+    of_y = np.hstack([plant.C, np.zeros((plant.l_y, len(A_c)))])
+    return max(peak, hinf_norm((A, at_y, of_y, np.eye(plant.l_y)), rtol=1e-4)[0])
+
+
+def _closed(plant: Plant, parts: StateSpace) -> Array:
+    """A of the loop, D_0 = 0."""
+    A_c, B_c, C_c, D_c = parts
+    return np.block([[plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c], [B_c @ plant.C, A_c]])
+
+
+def _radius(plant: Plant, parts: StateSpace) -> float:
+    """The spectral radius of the loop."""
+    return float(np.abs(np.linalg.eigvals(_closed(plant, parts))).max())
+
+
+def _powers(
+    plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]
+) -> tuple[float, float]:
+    """E[e_0^2] and E[(u + b)^2] under what is expected; the means of several."""
+    made = _weighted(plant, 1.0, models)
+    m = plant.l_u
+    E_0 = np.zeros((2 * m, made.l_w))
+    E_0[:m, :m] = np.eye(m)  # of the noise v only what comes back through the loop is an error
+    inputs = noise_inputs(replaced(made, E_0=E_0), noise)
+    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(made, parts, inputs)
+    covariance = stein_solution(A, B @ B.T)
+    Z, W = E_x + made.E_2 @ K_x, E_w + made.E_2 @ K_w
+    powers = np.einsum("ij,jk,ik->i", Z, covariance, Z) + np.sum(W**2, axis=1)
+    return float(np.mean(powers[:m])), float(np.mean(powers[m:]))
+
+
+def sensitivity_peak(loop: ClosedLoop) -> float:
+    """Ms of a loop, the peak of S over frequency, at u and at y; infinite where it is unstable.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
+    >>> from rcac_numeric.designing._reference import sensitivity_peak
+    >>> still = Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]])
+    >>> sensitivity_peak(ClosedLoop(standard_plant("1/(q - 0.5)"), still))
+    1.0
+    """
+    if not loop.is_stable:
+        return np.inf
+    return _peak(loop.plant, loop.compensator.state_space())

@@ -1,0 +1,268 @@
+"""The settings of RCAC that a reference loop leads to: target, start, prior and bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from sympy import Matrix, Symbol
+
+import compensator_theory as exact
+from compensator_theory.errors import CompensatorError, NoSolutionError
+from compensator_theory.systems._state_space import transfer_matrix_of_realisation
+from rcac_numeric.analysis._closed_loop import ClosedLoop
+from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.analysis._state_space import StateSpace
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._validation import rounded
+from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._kinds import feedforward, iir
+from rcac_numeric.controllers._prior import PriorSamples
+from rcac_numeric.controllers._recursive import UD
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.controllers._weights import SignalWeight
+from rcac_numeric.designing._expected import Expected
+from rcac_numeric.designing._plants import DesignPlant
+from rcac_numeric.designing._reference import Reference
+from rcac_numeric.engine._simulation import simulate
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.targets._model import TargetModel, from_transfer_function
+
+STEPS = 4000  # of the run of the reference loop that R_theta is made of
+KNOWN, UNKNOWN = 1000.0, 300.0  # samples that the prior is worth, with the spectrum known or not
+WIDTH = 0.2  # of the bounds, over the rms of the reference's coefficients of u or of y
+# Shares of the largest Hankel singular value: with less left out float64 coefficients are too few.
+LEFT_OUT = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
+# What of the response to u is near nothing, and what a target may miss of it in an octave at most.
+HEARD, MISSED = 0.03, 0.1
+SLOWER = 1.0  # nu times the size of z
+
+
+@dataclass(frozen=True)
+class Knobs:
+    """What of the settings is a choice, and what the road chooses.
+
+    Attributes
+    ----------
+    samples : float or None
+        N_0, what the prior is worth; None: 1000 where the spectrum of d is known, else 300, times
+        m^2 of m inputs and outputs, whose theta has as many times the coefficients.
+    nu : float
+        Of R_z = 1/(1 + nu abs(z))^2, times the size of z.
+    width : float
+        Of the bounds, over the rms of the coefficients of u or of y.
+    spare : int
+        Order beyond that of the reference.
+    forgetting : float
+        lambda of the update.
+    """
+
+    samples: float | None = None
+    nu: float = SLOWER
+    width: float = WIDTH
+    spare: int = 0
+    forgetting: float = 1.0
+
+    def worth(self, expected: Expected) -> float:
+        """N_0, in samples."""
+        return self.samples or (KNOWN if expected.is_known else UNKNOWN) * expected.m**2
+
+
+def settings_of(
+    plant: DesignPlant, reference: Reference, expected: Expected, knobs: Knobs | None = None
+) -> ControllerSettings:
+    """RCAC's settings from a reference loop.
+
+    G_f = N_zu q^n_c / chi_cl, the intercalated transfer function (4.18) of the reference loop;
+    theta(0) the reference controller; R_theta = N_0 mean(Phi_f' Phi_f) in the reference loop under
+    the expected signals, so that the prior is worth N_0 samples.
+
+    Parameters
+    ----------
+    plant : DesignPlant
+    reference : Reference
+    expected : Expected
+    knobs : Knobs, optional
+    """
+    knobs = Knobs() if knobs is None else knobs
+    G_c, servo, l_r = reference.compensator, plant.servo(), reference.commands
+    if reference.structure is not None and reference.theta is not None:
+        structure, theta_0 = reference.structure, reference.theta
+    else:
+        G_c = with_spare_order(G_c, knobs.spare)
+        order, m = G_c.n_c, plant.m
+        structure = feedforward(order, m, m, l_r) if l_r else iir(order, m, m)
+        theta_0 = coefficients_of(G_c, plant.m)
+    w = expected.prior_w(STEPS, reads_command=bool(l_r))
+    run = simulate(servo, FixedController(G_c, l_r=l_r), w)
+    target = intercalated_target(servo, G_c, run.u, structure)
+    prior = PriorSamples(knobs.worth(expected), run.y, run.u, run.w[:, :l_r] if l_r else None)
+    size = float(np.sqrt(np.mean(np.sum(run.z**2, axis=1))))
+    return ControllerSettings(
+        structure=structure, target=target, theta_0=theta_0,
+        update=UD(R_theta=prior, lambda_=knobs.forgetting),
+        R_z=SignalWeight(constant=1.0, nu=knobs.nu / size),
+        k_w=0, k_update=max(structure.n_c, target.n_f),
+        bounds=_box(theta_0, structure, knobs.width),
+    )  # fmt: skip
+
+
+def intercalated_target(
+    servo: Plant, G_c: Compensator, u: Array, structure: Structure | None = None
+) -> TargetModel:
+    """(4.18) of a loop, each coefficient rounded once; (4.16) over one denominator for several.
+
+    The latter is close where u has power, and its delay exact. What a structure integrates by
+    itself is not in its regressor of u: u~ enters behind it, and G_f has a zero at each pole of a
+    derived signal.
+    """
+    if servo.l_u > 1:
+        return _intercalated_matrix(servo, G_c, u)
+    of_e = Compensator(G_c.past_u, G_c.past_y[:, :, :1], G_c.sample_time)
+    exactly = exact.intercalated_transfer_function(
+        servo.problem,
+        exact.polynomial(of_e.numerator.tolist(), "q"),
+        exact.polynomial(of_e.denominator.tolist(), "q"),
+    )
+    own = {one.pole for one in structure.derived} - {0.0} if structure is not None else set()
+    for pole in sorted(own):
+        exactly = exactly * exact.transfer_function(f"(q - {exact.exact_number(pole)})/q")
+    rounded = from_transfer_function(exactly)
+    # Its poles are asked for once more, as the controller runs it: rounded.
+    return TargetModel(rounded.numerator, rounded.denominator)
+
+
+def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetModel:
+    """(4.16) over one denominator, of an order that float64 coefficients can have.
+
+    Its delay is kept, and what follows it truncated in balanced coordinates: to the highest order
+    whose `miss` is below 0.03, or that of the least, below 0.1.
+    """
+    loop = ClosedLoop(servo, G_c)
+    A, B, C, _ = loop.matrices
+    B, C = B[:, servo.l_w :], C[: servo.l_z]  # u_tilde acts inside the compensator
+    delay = 1
+    while delay < len(A) and not np.abs(C @ B).max() > np.finfo(float).eps * np.linalg.norm(C):
+        C, delay = C @ A, delay + 1
+    omega = np.linspace(0, np.pi, len(u) // 2 + 1)
+    wanted = loop.intercalated_response(omega)
+    found = []
+    for share in LEFT_OUT:
+        try:
+            one = _over_one_denominator(truncated(A, B, C, share), delay)
+        except CompensatorError:  # rounded to float64 it is unstable
+            continue
+        found.append((miss(one.frequency_response(omega), wanted, u), one))
+        if found[-1][0] < HEARD:
+            return one
+    least, target = min(found, key=lambda one: one[0], default=(np.inf, None))
+    if target is None or not least < MISSED:
+        raise NoSolutionError(
+            f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
+            "plant; sample more slowly, or take a fixed controller, `lqg`."
+        )
+    return target
+
+
+def miss(found: ComplexArray, wanted: ComplexArray, u: Array) -> float:
+    """How far a response to u is from the one that is wanted, over its size, in any octave.
+
+    max over octaves of norm((G - G_wanted) U)/norm(G_wanted U), and the same over all frequencies;
+    octaves with less than 0.03 of the response count in the latter alone.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.designing._road import miss
+    >>> u, wanted = np.random.default_rng(0).standard_normal((64, 1)), np.ones((33, 1, 1))
+    >>> wrong = wanted + 0.5 * (np.arange(33) > 24)[:, None, None]
+    >>> bool(0.3 < miss(wrong, wanted, u) < 0.5)
+    True
+    """
+    U = np.fft.rfft(np.hanning(len(u))[:, None] * u, axis=0)[:, :, None]
+    error, size = (np.sum(np.abs(G @ U) ** 2, axis=(1, 2)) for G in (found - wanted, wanted))
+    k = np.maximum(np.arange(len(U)), 1)
+    octave = np.floor(np.log2(k[-1] / k)).astype(int)
+    errors, sizes = (np.bincount(octave, one) for one in (error, size))
+    heard = sizes > HEARD**2 * sizes.sum()
+    worst = max(errors.sum() / sizes.sum(), np.max(errors[heard] / sizes[heard]))
+    return float(np.sqrt(worst))
+
+
+def truncated(A: Array, B: Array, C: Array, share: float) -> StateSpace:
+    """C(qI - A)^-1 B q, with no more than a share of its largest Hankel singular value left out.
+
+    In balanced coordinates: the states that are reached and seen least are left out, and what is
+    left is stable.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.designing._road import truncated
+    >>> A, B, C, D = truncated(np.diag([0.5, 0.1]), np.ones((2, 1)), np.array([[1.0, 0.0]]), 1e-9)
+    >>> A.round(9), (C @ B).round(9), D
+    (array([[0.5]]), array([[0.5]]), array([[1.]]))
+    """
+    left = _root(stein_solution(A, B @ B.T))
+    D, C = C @ B, C @ A  # of q times the map
+    seen = _root(stein_solution(A.T, C.T @ C))
+    U, sigma, V = np.linalg.svd(seen.T @ left)
+    kept = max(int((sigma > share * sigma[0]).sum()), 1)
+    scale = np.sqrt(sigma[:kept])
+    into = left @ V[:kept].T / scale
+    out = (seen @ U[:, :kept] / scale).T
+    return out @ A @ into, out @ B, C @ into, D
+
+
+def _root(M: Array) -> Array:
+    """F with F F' the semidefinite matrix."""
+    values, vectors = np.linalg.eigh((M + M.T) / 2)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
+    """q^-delay (D + C(qI - A)^-1 B), each coefficient found exactly and rounded once."""
+    a, b, c, d = (
+        Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
+        for m in parts
+    )
+    found = transfer_matrix_of_realisation(a, b, c, d, Symbol("q"))
+    powers = range(found.denominator.degree(), -1, -1)
+    chi = rounded([found.denominator.nth(k) for k in powers], "the target model's denominator")
+    entries = [entry for row in found.numerators for entry in row]
+    N = rounded([entry.nth(k) for k in powers for entry in entries], "the target model's numerator")
+    N = np.reshape(N, (len(powers), *found.shape))
+    late = np.zeros((delay, *found.shape))
+    return TargetModel(np.concatenate([late, N]), np.multiply.outer(chi, np.eye(found.shape[0])))
+
+
+def coefficients_of(G_c: Compensator, l_y: int) -> Array:
+    """The theta of a strictly proper compensator: for each tap those of every u.
+
+    Its taps are past u, past y, and the past commands behind the l_y measurements.
+    """
+    blocks = [*G_c.past_u, *G_c.past_y[1:, :, :l_y], *G_c.past_y[1:, :, l_y:]]
+    return np.concatenate([block.T.ravel() for block in blocks])
+
+
+def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
+    """The same controller of a higher order: its new poles and zeros are at 0."""
+    if not spare:
+        return G_c
+    padding = [(0, spare), (0, 0), (0, 0)]
+    return Compensator(np.pad(G_c.past_u, padding), np.pad(G_c.past_y, padding), G_c.sample_time)
+
+
+def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBounds:
+    """theta(0) with a margin of the rms of the coefficients of its signal: u, y, r, an integral."""
+    groups = [(tap.signal, tap.component * (tap.signal == "derived")) for tap in structure.taps]
+    rows = theta_0.reshape(-1, structure.l_u)
+    margin = np.zeros_like(rows)
+    for group in dict.fromkeys(groups):
+        own = [i for i, one in enumerate(groups) if one == group]
+        margin[own] = width * np.sqrt(np.mean(rows[own] ** 2))
+    low, high = theta_0 - margin.ravel(), theta_0 + margin.ravel()
+    return CoefficientBounds(low, high, method="metric")

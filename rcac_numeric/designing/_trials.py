@@ -1,0 +1,172 @@
+"""Controllers on plants within the uncertainty, on noise that no setting was chosen by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._seeds import JUDGING
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.designing._expected import Expected
+from rcac_numeric.designing._plants import DesignPlant, Variation
+from rcac_numeric.designing._reference import sensitivity_peak
+from rcac_numeric.engine._batches import SimulationCase, simulate_many
+from rcac_numeric.engine._compatibility import AnyController
+from rcac_numeric.engine._runs import Run
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._saturation import Saturation
+
+RCAC, FIXED, PID, FULL = "RCAC", "fixed", "SIMC PID", "LQG"  # the controllers of a design
+LAST = 0.25  # of a run: where its tail is measured
+
+
+@dataclass(frozen=True, eq=False)
+class Trial(Value):
+    """What one controller came to on one plant, over several draws of what acts on it.
+
+    Attributes
+    ----------
+    controller : str
+    variation : Variation
+    stable : tuple of bool
+        Of the controller as it was at the end, frozen, with this plant.
+    rms : tuple of float
+        Of e_0, the error without the sensor noise, over the whole run, so that a step counts that
+        comes and stays, and learning what it costs; infinite where the run ended early or the last
+        controller is not stable.
+    peak : tuple of float
+        The largest abs(e_0).
+    Ms : tuple of float
+        The peak of the sensitivity with the last controller.
+    """
+
+    controller: str
+    variation: Variation
+    stable: tuple[bool, ...]
+    rms: tuple[float, ...]
+    peak: tuple[float, ...]
+    Ms: tuple[float, ...]
+
+    def with_draws(self, more: Trial) -> Trial:
+        """The same controller on the same plant, with further draws."""
+        return Trial(
+            self.controller, self.variation, self.stable + more.stable, self.rms + more.rms,
+            self.peak + more.peak, self.Ms + more.Ms,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Trials(Value):
+    """Every controller on every plant with the same draws: a batch, and the case of each run.
+
+    Attributes
+    ----------
+    controllers : mapping from names
+    plant : DesignPlant
+    expected : Expected
+    variations : tuple of Variation
+    steps : int
+        Of each run.
+    seeds : int
+        Number of the draws.
+    first : int
+        The first seed: by default of those that judge, and that no setting is chosen by.
+    saturation : Saturation or None
+    """
+
+    controllers: Mapping[str, AnyController]
+    plant: DesignPlant
+    expected: Expected
+    variations: tuple[Variation, ...]
+    steps: int
+    seeds: int
+    first: int = JUDGING
+    saturation: Saturation | None = None
+
+    def __call__(
+        self, rng: np.random.Generator, *, controller: str, plant: int, seed: int
+    ) -> SimulationCase:
+        """One run: a controller by its name, a plant by its place, a draw by its seed."""
+        changed = self.variations[plant]
+        servo = self.plant.servo(changed)
+        return self._case(servo, controller, self.expected.w(self.steps, seed, changed.noise))
+
+    @property
+    def runs(self) -> int:
+        """Their number."""
+        return len(self.controllers) * len(self.variations) * self.seeds
+
+    def of(self, numbers: Iterable[tuple[float, float, float]]) -> tuple[Trial, ...]:
+        """Their outcome, of the numbers `(rms, peak, Ms)` of every run in their order."""
+        left = iter(numbers)
+        found = []
+        for name in self.controllers:
+            for one in self.variations:
+                rms, peak, Ms = zip(*(next(left) for _ in range(self.seeds)), strict=True)
+                stable = tuple(bool(np.isfinite(value)) for value in Ms)
+                kept = tuple(a if b else np.inf for a, b in zip(rms, stable, strict=True))
+                found.append(Trial(name, one, stable, kept, peak, Ms))
+        return tuple(found)
+
+    def in_threads(self) -> tuple[Trial, ...]:
+        """All of them in one batch of this process."""
+        servos = [self.plant.servo(one) for one in self.variations]
+        draws = [
+            [self.expected.w(self.steps, self.first + i, one.noise) for i in range(self.seeds)]
+            for one in self.variations
+        ]
+        runs = simulate_many(
+            self._case(servo, name, w)
+            for name in self.controllers
+            for servo, ws in zip(servos, draws, strict=True)
+            for w in ws
+        )
+        return self.of((whole_rms(run), largest_error(run), sensitivity(run)) for run in runs)
+
+    def _case(self, servo: Plant, controller: str, w: Array) -> SimulationCase:
+        options = {"stride": self.steps, "saturation": self.saturation}
+        return SimulationCase(servo, self.controllers[controller], w, options)
+
+
+def measured(run: Run) -> tuple[bool, float, float, float]:
+    """(stable, rms of the tail, peak, Ms) of one run of the servo problem; of several the norm."""
+    Ms = sensitivity(run)
+    stable = bool(np.isfinite(Ms))
+    return stable, tail_rms(run) if stable else np.inf, largest_error(run), Ms
+
+
+def whole_rms(run: Run) -> float:
+    """Rms of e_0 over the whole run; infinite where that ended early."""
+    return _rms(_error(run)) if run.outcome == "completed" else np.inf
+
+
+def tail_rms(run: Run) -> float:
+    """Rms of e_0 over the last quarter; infinite where the run ended early."""
+    last = slice(-max(int(LAST * run.steps), 1), None)
+    return _rms(_error(run)[last]) if run.outcome == "completed" else np.inf
+
+
+def _rms(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2)))
+
+
+def largest_error(run: Run) -> float:
+    """The largest abs(e_0); infinite where the run ended early."""
+    return float(_error(run).max(initial=0.0)) if run.outcome == "completed" else np.inf
+
+
+def sensitivity(run: Run) -> float:
+    """The peak of the sensitivity with the last controller; infinite where that is not stable."""
+    if run.outcome != "completed":
+        return np.inf
+    return sensitivity_peak(frozen_loop(run.plant, run.compensator, 0))
+
+
+def _error(run: Run) -> Array:
+    """The norm of e_0, the error without the sensor noise, at every step."""
+    noise = run.w[: len(run.z), -run.z.shape[1] :]
+    return np.asarray(np.linalg.norm(run.z + noise, axis=1))

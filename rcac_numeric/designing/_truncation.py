@@ -1,0 +1,128 @@
+"""A stable plant of many states as one of few: balanced truncation, as near as it is asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import schur, solve_triangular
+
+from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.analysis._peaks import responses_of
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.designing._plants import LONGEST_DELAY, DesignPlant
+
+MOST_STATES = 40  # beyond it each of the ladder's Riccati equations and peaks takes seconds
+OF_PEAK, AT_REST = 0.01, 0.05  # the error that is allowed, over the largest and the low gain
+GRID = 600  # frequencies at which responses are compared, and those of the slow modes
+RINGS = 0.9  # modulus of a pole that may show between two of them
+
+
+@dataclass(frozen=True, eq=False)
+class Truncation(Value):
+    """A plant of many states, and one of few in its place.
+
+    Attributes
+    ----------
+    whole, plant : DesignPlant
+    omega : array, shape (N,)
+        Frequencies in rad/sample at which the two were compared.
+    left_out : array, shape (N,)
+        The largest singular value of the difference of their responses.
+    error : float
+        Its largest value, over the peak of the response.
+    """
+
+    whole: DesignPlant
+    plant: DesignPlant
+    omega: Array
+    left_out: Array
+    error: float
+
+    def small_gain(self, controller: Compensator) -> float:
+        """What is left out times what the loop makes of it, the largest over frequency.
+
+        Below 1 the controller, of e or of [e; r], stabilises the whole plant if it stabilises the
+        one of few states, since what is left out is stable; the peak Ms of the sensitivity is then
+        at most that of the loop with few states over 1 minus this.
+        """
+        m, omega = self.plant.m, self.omega
+        K = responses_of(controller.state_space(), omega)[:, :, :m]
+        S = np.linalg.inv(np.eye(m) + self.plant.response(omega) @ K)
+        return float((np.linalg.norm(K @ S, 2, axis=(1, 2)) * self.left_out).max())
+
+
+def truncated(plant: DesignPlant) -> Truncation | None:
+    """The plant of least order whose response is near enough; None where the plant is to stay.
+
+    What is late in all of it, as in a measured impulse response, becomes dead time first. The
+    error is measured: the bound by the Hankel singular values that are left out grows with their
+    number, which of an impulse response that was cut off is nearly its length.
+
+    Parameters
+    ----------
+    plant : DesignPlant
+        One of few states stays, one that is not stable, and one with other dead times by entry.
+
+    Notes
+    -----
+    Source: U. M. Al-Saggaf and G. F. Franklin, IEEE Transactions on Automatic Control 32 (1987)
+    815-819; the small-gain theorem: G. Zames, IEEE Transactions on Automatic Control 11 (1966)
+    228-238.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.designing._plants import DesignPlant
+    >>> from rcac_numeric.designing._truncation import truncated
+    >>> h = 0.8 ** np.arange(60)                       # from 3 steps on
+    >>> shift, enters = np.eye(62, k=-1), np.eye(62, 1)
+    >>> found = truncated(DesignPlant(shift, enters, np.append([0, 0], h)[None]))
+    >>> len(found.plant.A), found.plant.delay, found.error < 1e-3
+    (1, 2, True)
+    """
+    if len(plant.A) <= MOST_STATES or plant.later is not None or not plant.is_stable:
+        return None
+    A, B, C = plant.A, plant.B, plant.C
+    late, size = 0, np.linalg.norm(C) * np.linalg.norm(B)
+    longest = LONGEST_DELAY // plant.m - plant.delay
+    while late < longest and np.abs(C @ B).max() <= 1e-14 * size:
+        late, C = late + 1, C @ A
+    reach, seen = _root(stein_solution(A, B @ B.T)), _root(stein_solution(A.T, C.T @ C))
+    left, hankel, right = np.linalg.svd(seen.T @ reach)
+    omega, response = _response(plant)
+    peak = float(np.linalg.norm(response, 2, axis=(1, 2)).max())
+    allowed = min(OF_PEAK * peak, AT_REST * plant.low_gain)
+    for order in range(1, len(A)):
+        if hankel[order] > allowed:  # the error is no less
+            continue
+        scale = np.sqrt(hankel[:order])
+        into = (reach @ right[:order].T) / scale
+        onto = (left[:, :order] / scale).T @ seen.T
+        made = replace(
+            plant, A=onto @ A @ into, B=onto @ B, C=C @ into, delay=plant.delay + late,
+            continuous=None, fraction=0.0,
+        )  # fmt: skip
+        left_out = np.linalg.norm(response - made.response(omega), 2, axis=(1, 2))
+        if made.is_stable and left_out.max() <= allowed:
+            return Truncation(plant, made, omega, left_out, float(left_out.max()) / peak)
+    return None
+
+
+def _response(plant: DesignPlant) -> tuple[Array, ComplexArray]:
+    """Frequencies, and the response there: one Schur form, then triangular systems."""
+    T, Z = schur(plant.A, output="complex")
+    B, C, poles = Z.conj().T @ plant.B, plant.C @ Z, np.diag(T)
+    own = np.abs(np.angle(poles[np.abs(poles) > RINGS]))
+    omega = np.unique(np.concatenate([np.linspace(0, np.pi, GRID), own]))
+    eye = np.eye(len(T))
+    found = [C @ solve_triangular(z * eye - T, B) * z**-plant.delay for z in np.exp(1j * omega)]
+    return omega, np.array(found)
+
+
+def _root(gramian: Array) -> Array:
+    """L with L L' = the positive semidefinite matrix, which Cholesky's method may refuse."""
+    values, vectors = np.linalg.eigh(gramian)
+    return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))

@@ -1,0 +1,557 @@
+"""One RCAC controller for any simulator or device."""
+
+from __future__ import annotations
+
+import warnings
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from threading import Lock
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import (
+    CompensatorError,
+    DivergedError,
+    FunctionFailedError,
+    InputError,
+)
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import instance_of, number, vector
+from rcac_numeric.arrays._values import fingerprint, html_table, shown_array
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._limits import ControlLimits
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._supervision import (
+    Supervision,
+    SupervisionRecord,
+    SupervisionWarning,
+)
+from rcac_numeric.controllers._weights import SignalWeight
+from rcac_numeric.engine._states import SavedState, saved_state
+from rcac_numeric.engine.compiled._callbacks import Failures
+from rcac_numeric.engine.compiled._controllers import compiled_controller, fitted_denominator
+from rcac_numeric.engine.live._changes import AppliedChange, ControllerChange
+from rcac_numeric.engine.live._control import apply_change
+from rcac_numeric.engine.live._device_learner import DeviceLearner, require_not_learnt
+from rcac_numeric.targets._model import TargetModel
+
+
+def _rebuilt(
+    settings: ControllerSettings, state: SavedState, supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
+) -> Controller:  # fmt: skip
+    controller = Controller(settings, supervision, limits)
+    controller.restore(state)
+    return controller
+
+
+# What is said with a warning, once: what it means, and what to do next.
+WORDS = {
+    "windup": "P grows where the data do not excite theta, and the next disturbance meets a gain "
+    "that no data support; use CappedForgetting, or SubspaceForgetting, or lambda = 1",
+    "overflow": "a number left float64; theta is that of the last look without trouble, P is P(0)",
+}
+
+
+class Controller:
+    """An adaptive controller for any simulator or device.
+
+    One call of `step` is one step of RCAC in the order measure, control, filter, update. It takes
+    y(k) and z(k) before u(k) is known, so neither may depend on u(k): D_0 = 0 and E_2 = 0, as for
+    every sampled plant without feedthrough. (`simulate` knows the plant and allows both.)
+
+    Parameters
+    ----------
+    settings : ControllerSettings
+        With `DataDriven` in the place of a target model it learns as in `simulate`, bit for bit.
+    supervision : Supervision, optional
+        What watches it, and acts in trouble; by default troubles are noted, in `record`,
+        windup and overflow with a `SupervisionWarning`, and the plant is never left without a u.
+
+    limits : ControlLimits, optional
+        Of u and of its change, kept by the controller itself.
+
+    Examples
+    --------
+    >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=1e-6))
+    >>> controller, x = Controller(settings), 0.0
+    >>> for k in range(100):  # x(k+1) = 0.9 x(k) + u(k) + 1
+    ...     (u,) = controller.step(y=x, z=x)
+    ...     x = 0.9 * x + u + 1
+    >>> bool(abs(x) < 1e-6)
+    True
+    """
+
+    def __init__(
+        self, settings: ControllerSettings, supervision: Supervision | None = None,
+        limits: ControlLimits | None = None,
+    ) -> None:  # fmt: skip
+        if not isinstance(settings, ControllerSettings):
+            raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
+        self.settings = settings
+        self._failures = Failures()
+        self.supervision = Supervision() if supervision is None else supervision
+        instance_of(self.supervision, "supervision", Supervision)
+        self.limits = None if limits is None else instance_of(limits, "limits", ControlLimits)
+        self._kernel = compiled_controller(
+            settings,
+            settings.target.l_z,
+            self._failures,
+            supervision=self.supervision,
+            limits=limits,
+        )
+        self._said: set[str] = set()
+        self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
+        self._whole = self._learner.whole if self._learner else self._kernel
+        self._changes: deque[AppliedChange] = deque(maxlen=1000)
+        self._see_targets()
+        self._broken = ""
+        self._at_work = Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are controllers of their own in the same state."""
+        return _rebuilt, (self.settings, self.state, self.supervision, self.limits)
+
+    def step(
+        self,
+        y: ArrayLike,
+        z: ArrayLike,
+        r: ArrayLike | None = None,
+        u_applied: ArrayLike | None = None,
+    ) -> Array:
+        """One step of the controller.
+
+        Parameters
+        ----------
+        y : array, shape (l_y,), or a number
+            The measurement y(k).
+        z : array, shape (l_z,), or a number
+            The performance variable z(k).
+        r : array, shape (l_r,), or a number
+            The command r(k), where the structure reads one.
+        u_applied : array, shape (l_u,), or a number
+            What the actuator made of the last u, u(k-1), where it was not applied as it was
+            returned; the target model must then be strictly proper.
+
+        Returns
+        -------
+        array, shape (l_u,)
+            The control u(k).
+
+        Raises
+        ------
+        InputError
+            Where an argument has the wrong size or is no number, or without supervision not
+            finite; the controller has not moved.
+        DivergedError
+            Without supervision, where the controller's own numbers have left float64.
+        FunctionFailedError
+            Where a weight that is a function failed.
+        """
+        if not self._at_work.acquire(blocking=False):
+            raise busy()
+        try:
+            if self._broken:
+                raise DivergedError(self._broken)
+            if u_applied is not None and (self.k == 0 or not self._is_strict):
+                refuse_u_applied(self.settings, self.k, u_applied)
+            answer = None if self._learner else self._moved(y, z, r, u_applied)
+            if answer is None:
+                gaps = self.supervision.is_on
+                arguments = step_arguments(self.settings, y, z, r, u_applied, gaps=gaps)
+                answer = self._moved(*arguments, learner=self._learner)
+            if answer is None or not answer[1] or self._failures.error is not None:
+                self._fail()
+            if answer[1] > 1:
+                self._warn()
+            return answer[0]
+        finally:
+            self._at_work.release()
+
+    def _moved(
+        self, *arguments: Any, learner: DeviceLearner | None = None
+    ) -> tuple[Array, int] | None:
+        """One step of the kernel; None where it could not read an argument and has not moved."""
+        k = self.k
+        try:
+            if learner is not None:
+                learner.before(k, arguments[3], self._change)
+            answer = self._kernel.step(*arguments)
+            if learner is not None and answer is not None:
+                learner.after(answer[0], *arguments[:3])
+            return answer
+        except DivergedError:  # of a change that was not made
+            raise
+        except BaseException:  # a key was pressed while a weight that is a function ran
+            self._broken = (
+                f"step {k} was interrupted half-way; restore a saved state, or start anew."
+            )
+            raise
+
+    def _fail(self) -> NoReturn:
+        """The last step did not succeed: say why."""
+        self._broken, error = failed_step(self.k - 1, self._failures.error)
+        raise error from self._failures.error
+
+    def _warn(self) -> None:
+        """Say once of every trouble that it occurred."""
+        record = self.record
+        for event in record.events:
+            if event.kind in WORDS and event.kind not in self._said:
+                self._said.add(event.kind)
+                words = f"{event}: {WORDS[event.kind]}"
+                warnings.warn(words, SupervisionWarning, stacklevel=3)
+
+    def freeze(self) -> None:
+        """Stop the adaptation: theta and P stay, signals are still recorded."""
+        self._hold(True)
+
+    def resume(self) -> None:
+        """Go on adapting after `freeze`, or where the policy of the supervision stopped it.
+
+        From what a policy did P begins again with P(0), and u goes on without a bump.
+        """
+        self._hold(False)
+        with self._alone():
+            self._kernel.resume_from_trouble()
+
+    def take_over(self, u: ArrayLike, fade: float = 0.9) -> None:
+        """Take a plant over from another controller, without a bump.
+
+        With ``b = u(k-1) - u~(k)``, where u~ is what this one asks for, it gives
+        ``u~(k + i) + fade^i b`` from the next step on.
+
+        Parameters
+        ----------
+        u : array, shape (l_u,), or a number
+            What the other one applied last.
+        fade : float
+            In [0, 1).
+
+        Raises
+        ------
+        InputError
+            Where u has another width, or fade is out of range.
+
+        Examples
+        --------
+        >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+        >>> controller = Controller(ControllerSettings(
+        ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=1)))
+        >>> controller.take_over(5.0, fade=0.5)
+        >>> [float(controller.step(y=0, z=0)[0]) for k in range(3)]
+        [5.0, 2.5, 1.25]
+        """
+        last = vector(u, "u", self.settings.structure.l_u)
+        if not 0 <= number(fade, "fade") < 1:
+            raise InputError(f"fade = {fade} is not in [0, 1).")
+        with self._alone():
+            self._kernel.take_over(last, float(fade))
+
+    def _hold(self, frozen: bool) -> None:
+        with self._alone():
+            (self._learner or self._kernel).freeze(frozen)
+
+    def reset_covariance(self) -> None:
+        """Set P back to P(0); theta stays.
+
+        Raises
+        ------
+        InputError
+            Where the update keeps no covariance.
+        """
+        update = self.settings.update
+        if not update.keeps_covariance:
+            raise InputError(f"{update!r} has no covariance that could be reset.")
+        with self._alone():
+            self._kernel.reset_covariance()
+
+    def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
+        """Make several changes at once, or none of them; see `set_target` for what a target does.
+
+        Parameters
+        ----------
+        change : ControllerChange
+        evidence : str
+            Kept with what is returned.
+
+        Raises
+        ------
+        InputError, ImproperError, DivergedError
+            Where a part does not fit; the controller is as it was.
+        """
+        with self._alone():
+            if self._broken:
+                raise DivergedError(self._broken)
+            if isinstance(change, ControllerChange):
+                require_not_learnt(self.settings, change)
+            return self._change(change, evidence)
+
+    def _change(self, change: ControllerChange, evidence: str) -> AppliedChange:
+        self._changes.append(apply_change(self._kernel, self.settings, change, evidence))
+        self._see_targets()
+        return self._changes[-1]
+
+    def set_target(self, target: TargetModel, covariance: str = "blend") -> AppliedChange:
+        """Another G_f from the next step on; theta is kept.
+
+        The past of the filter is what the new G_f makes of the stored signals, as if it had been
+        there from the beginning: exactly for an FIR model, and for one with D_f as far as its poles
+        have settled within 200 steps. With rho = ``sum |new - old|^2 / sum |new|^2`` of the
+        filtered signals over the last 64 steps P becomes
+
+        - "keep": what it is. The fastest to forgive where the zero hardly moved.
+        - "reset": P(0). Where the old model was wrong rather than moved.
+        - "blend": with P = U D U', d_j <- max(d_j, min(d_j / (1 - rho), d_j(0))), and P(0) where
+          rho >= 0.999 or the number of NMP zeros changes, the default.
+        - "replay": P(0), and the last 200 steps once more with the new filter; costs as much as
+          they do.
+
+        `Instantaneous` and `Gradient` keep nothing, so that nothing becomes of it; the window of a
+        `SlidingWindow` is filled again from the stored signals, but for "keep".
+
+        Parameters
+        ----------
+        target : TargetModel
+            Of the same shape; an order up to 200 above the greatest in the settings.
+        covariance : {"blend", "keep", "reset", "replay"}
+
+        Raises
+        ------
+        InputError, ImproperError, DivergedError
+            Where the target does not fit; the controller is as it was.
+
+        Examples
+        --------
+        >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+        >>> controller = Controller(ControllerSettings(
+        ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=1e-3)))
+        >>> for k in range(20):
+        ...     _ = controller.step(y=k % 3, z=k % 2)
+        >>> controller.set_target(TargetModel([0, 1, -1.5])).covariance  # an NMP zero came
+        'reset'
+        """
+        return self.change(ControllerChange(target, covariance=covariance))
+
+    def set_lambda(self, lambda_: float) -> AppliedChange:
+        """Another forgetting factor from the next step on, until a scheduled one.
+
+        Parameters
+        ----------
+        lambda_ : float
+            In (0, 1].
+
+        Raises
+        ------
+        InputError
+            Where the update forgets nothing, or by a rule of its own.
+        """
+        return self.change(ControllerChange(lambda_=lambda_))
+
+    def set_weights(
+        self,
+        R_z: ArrayLike | SignalWeight | None = None,
+        R_u: ArrayLike | SignalWeight | None = None,
+        R_u_unfiltered: ArrayLike | None = None,
+    ) -> AppliedChange:
+        """Other weights of (2.41) from the next step on; None leaves one as it is.
+
+        Parameters
+        ----------
+        R_z, R_u : float, array of shape (l_z, l_z), or SignalWeight
+            A function is refused, because a saved state could not hold it.
+        R_u_unfiltered : float or array of shape (l_u, l_u)
+
+        Raises
+        ------
+        InputError
+            Where a weight has another shape, or is not definite as it should be.
+        """
+        return self.change(ControllerChange(R_z=R_z, R_u=R_u, R_u_unfiltered=R_u_unfiltered))
+
+    @property
+    def changes(self) -> tuple[AppliedChange, ...]:
+        """What was changed since it was made or restored, by `DataDriven` too; the last 1000."""
+        return tuple(self._changes)
+
+    def _see_targets(self) -> None:
+        leading = [model.numerator[0] for model in self.settings.targets]
+        self._is_strict = not any(one.any() for one in (*leading, self._kernel.target[0][0]))
+
+    @property
+    def target(self) -> TargetModel:
+        """The target model that the filter runs."""
+        return TargetModel(*self._kernel.target)
+
+    @property
+    def state(self) -> SavedState:
+        """Everything that later steps depend on, beside the settings.
+
+        Raises
+        ------
+        DivergedError
+            Where a step failed half-way, so that there is no state to go on from.
+        """
+        if self._broken:
+            raise DivergedError(self._broken)
+        with self._alone():
+            values = self._whole.save()
+        return SavedState.taken("controller", self.k, values, self._name)
+
+    def restore(self, state: SavedState) -> None:
+        """Go back, or forward, to a saved state of a controller with the same settings.
+
+        Raises
+        ------
+        InputError
+            Where the state belongs to other settings; the controller has not moved.
+        """
+        with self._alone():
+            saved_state(state, "state").restored(
+                "controller", self._name,
+                save=self._whole.save, restore=self._whole.restore, steps=lambda: self._kernel.k,
+            )  # fmt: skip
+            self._broken, self._failures.error = "", None
+            self._changes.clear()
+            self._see_targets()
+
+    @property
+    def _name(self) -> str:
+        """What a state of this controller is recognised by."""
+        if self.supervision == Supervision() and self.limits is None:
+            return fingerprint(self.settings)
+        parts = (self.settings, self.supervision)
+        return fingerprint(parts if self.limits is None else (*parts, self.limits))
+
+    @property
+    def record(self) -> SupervisionRecord:
+        """What the supervision has noted and done since step 0."""
+        return SupervisionRecord.of(self._kernel.troubles)
+
+    @property
+    def k(self) -> int:
+        """Number of steps taken."""
+        return int(self._kernel.k)
+
+    @property
+    def theta(self) -> Array:
+        """The controller coefficients theta(k); shape (l_theta,)."""
+        return np.asarray(self._kernel.theta)
+
+    @property
+    def D_f(self) -> Array | None:
+        """1, d_1, ..., d_n of the denominator that `JointUD` fits with theta; else None."""
+        return fitted_denominator(self.settings, self._kernel)
+
+    @property
+    def P(self) -> Array:
+        """The covariance P(k); shape (l_theta, l_theta).
+
+        For the gradient update, which has none, its step size times I.
+        """
+        return np.asarray(self._kernel.P)
+
+    @property
+    def guard_count(self) -> int:
+        """Updates so far that rounding decided; see `Run`."""
+        return int(self._kernel.guard_count)
+
+    @property
+    def bounded(self) -> int:
+        """Updates so far after which theta was moved to its bounds."""
+        return int(self._kernel.bounded)
+
+    @property
+    def compensator(self) -> Compensator:
+        """The present controller as a fixed compensator from [y; r] to u."""
+        return self.settings.compensator_of(self.theta)
+
+    def __repr__(self) -> str:
+        return f"Controller(k={self.k}, theta={shown_array(self.theta)})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: settings, where it stands, and what was noted."""
+        rows = [
+            ("k", str(self.k)),
+            ("theta", shown_array(self.theta)),
+            ("settings", str(self.settings)),
+            ("record", str(self.record)),
+        ]
+        return html_table("Controller", rows)
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Refuse what a weight's function or another thread does in the middle of a step."""
+        if not self._at_work.acquire(blocking=False):
+            raise busy()
+        try:
+            yield
+        finally:
+            self._at_work.release()
+
+
+# What a controller is handed at a step, read and refused by name; and a step that failed.
+
+StepArguments = tuple[Array, Array, Array | None, Array | None]
+
+
+def step_arguments(
+    settings: ControllerSettings, y: Any, z: Any, r: Any, u_applied: Any, *, gaps: bool = False
+) -> StepArguments:
+    """The arguments of a step as arrays."""
+    structure = settings.structure
+    if (r is None) != (structure.l_r == 0):
+        raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
+    return (
+        _sample(y, "y", structure.l_y, gaps),
+        _sample(z, "z", settings.target.l_z, gaps),
+        None if r is None else _sample(r, "r", structure.l_r, gaps),
+        None if u_applied is None else vector(u_applied, "u_applied", structure.l_u),
+    )
+
+
+def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
+    """A signal at one step; with `gaps` an entry of it may be no finite number."""
+    if gaps:
+        with suppress(TypeError, ValueError, OverflowError):
+            array = np.asarray(value)
+            if array.dtype.kind == "f" and array.size == size:
+                known = np.isfinite(array)
+                whole = vector(np.where(known, array, 0.0), name, size)
+                return np.where(known.reshape(whole.shape), whole, np.nan)
+    return vector(value, name, size)
+
+
+def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike) -> NoReturn:
+    """Say why what was applied cannot be taken in at step k."""
+    vector(u_applied, "u_applied", settings.structure.l_u)
+    if k == 0:
+        raise InputError("u_applied belongs to the step before; at step 0 there is none.")
+    raise InputError("u_applied needs a strictly proper target model.")
+
+
+def failed_step(k: int, cause: BaseException | None) -> tuple[str, CompensatorError]:
+    """What a controller whose step k failed says from then on, and the error of that step."""
+    if cause is not None:
+        words = f"a weight that is a function failed at step {k}: {cause}"
+        return "a weight of this controller has failed; start a new one.", FunctionFailedError(
+            words
+        )
+    words = (
+        f"the controller left the range of float64 at step {k}; its coefficients are no longer "
+        "usable. Start a new one, with a larger R_theta or another target."
+    )
+    return words, DivergedError(words)
+
+
+def busy() -> InputError:
+    """What a step says to who comes in the middle of it."""
+    return InputError(
+        "the controller is in the middle of a step: neither a weight that is a function "
+        "nor another thread may drive it meanwhile. Use one controller for each loop."
+    )

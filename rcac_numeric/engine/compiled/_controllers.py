@@ -1,0 +1,307 @@
+"""From a controller as data to a compiled controller at step 0.
+
+A new kind of controller is registered here: `@kernel_arguments.register(YourController)`. What
+is derived from a kind that is, or made of parts that are derived from ours, is refused: the kernel
+would run it without what it adds.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._definite_matrices import constant_weight, square_root_columns
+from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._joint import JointUD
+from rcac_numeric.controllers._limits import ControlLimits
+from rcac_numeric.controllers._memoryless import Gradient
+from rcac_numeric.controllers._normalization import FUNCTIONS, Normalization
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers._supervision import POLICIES, Supervision
+from rcac_numeric.controllers._weights import SignalWeight, Weight
+from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.compiled._callbacks import Failures
+from rcac_numeric.engine.compiled._updates import (
+    Event,
+    KernelUpdate,
+    kernel_update,
+    require_kind,
+)
+from rcac_numeric.targets._data_driven import DataDriven
+from rcac_numeric.targets._model import TargetModel
+
+VARIABLE = "RCAC_INSTRUCTION_SET"
+
+
+def require_instruction_set() -> None:
+    """Raise where the environment asks for instructions that this processor does not have.
+
+    The environment variable RCAC_INSTRUCTION_SET forces one of `_kernel.instruction_sets()` on
+    everything that is made from then on; without it the kernel takes the first. They round in
+    different orders: theta differs by about 1e-15 from one to the next.
+    """
+    name, known = os.environ.get(VARIABLE, ""), _kernel.instruction_sets()
+    if name and name not in known:
+        raise InputError(
+            f"{VARIABLE} = {name!r} is no instruction set of this processor; it runs "
+            f"{', '.join(known)}."
+        )
+
+
+def instruction_set() -> str:
+    """The instructions that everything is made with from now on; raises where there are none."""
+    require_instruction_set()
+    return os.environ.get(VARIABLE, "") or _kernel.instruction_sets()[0]
+
+
+NEVER = 2**62  # a step that no run reaches
+ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
+
+
+def compiled_controller(
+    controller: object,
+    l_z: int,
+    failures: Failures,
+    instructions: str = "",
+    supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
+) -> _kernel.Controller:
+    """A compiled controller at step 0."""
+    require_instruction_set()
+    arguments = kernel_arguments(controller, l_z, failures)
+    if isinstance(controller, ControllerSettings):
+        l_e = controller.structure.l_y + controller.structure.l_r
+        arguments["supervision"] = _supervision(supervision, controller.structure.l_u, l_e)
+        if limits is not None:
+            arguments["limits"] = limits.bounds(controller.structure.l_u)
+    return _kernel.controller(**arguments, instruction_set=instructions)
+
+
+@singledispatch
+def kernel_arguments(controller: object, l_z: int, failures: Failures) -> dict[str, Any]:
+    """What `_kernel.controller` is called with; the export writes it as tables, too."""
+    raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
+
+
+@kernel_arguments.register(ControllerSettings)
+def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, Any]:
+    require_kind(settings, "settings", kernel_arguments.registry)
+    require_parts(settings)
+    structure, target = settings.structure, settings.target
+    update = kernel_update(settings.update, structure.l_theta)
+    regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
+    models = settings.targets
+    if settings.k_filter == 0 and len(models) == 1:
+        # From zero initial conditions the filter commutes with the delays: one channel for
+        # each scalar signal serves all taps on it.
+        sources = sorted({source for source, _ in regressor} - set(range(structure.l_u)))
+        order = [*range(structure.l_u), *sources]
+        channels = [(source, 0) for source in order]
+        filtered = [(order.index(source), delay) for source, delay in regressor]
+    else:
+        # A filter that is switched on or replaced later does not: each tap is its own channel.
+        channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
+        filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
+    longest = max(model.n_f for model in models)
+    return _arguments(
+        update,
+        l_u=structure.l_u,
+        l_y=structure.l_y,
+        l_r=structure.l_r,
+        l_z=target.l_z,
+        derived=[(np.array(s.now), np.array(s.before), s.pole, s.limit) for s in structure.derived],
+        regressor=regressor,
+        channels=channels,
+        filtered=filtered,
+        targets=[_padded(model, longest) for model in models],
+        R_z=_weight(settings.R_z, "R_z", target.l_z, failures, definite=True),
+        R_u=_weight(settings.R_u, "R_u", target.l_z, failures, definite=False),
+        k_w=settings.k_w,
+        k_update=settings.k_update,
+        k_filter=settings.k_filter,
+        filter_form=settings.form == "filter",
+        reflect_poles=settings.reflect_poles,
+        events=_events(settings, update),
+        theta_0=settings.theta_0,
+        dither=_dither(settings.learning),
+        **_additions(settings),
+    )
+
+
+@kernel_arguments.register(FixedController)
+def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, Any]:
+    """The difference equation as a regressor with its coefficients; no update is ever due."""
+    require_kind(controller, "settings", kernel_arguments.registry)
+    c = controller.compensator
+    require_kind(c, "compensator", (Compensator,))
+    first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
+    of_u = [(i, lag) for lag in range(1, c.n_c + 1) for i in range(c.l_u)]
+    of_y = [(c.l_u + i, lag) for lag in range(first, c.n_c + 1) for i in range(c.l_y)]
+    columns = [c.past_u[lag - 1][:, i] for i, lag in of_u]
+    columns += [c.past_y[lag][:, i - c.l_u] for i, lag in of_y]
+    if not columns:  # u = 0 for ever; the kernel wants something to multiply by zero
+        of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
+    theta = np.concatenate(columns)
+    size = len(theta)
+    return _arguments(
+        KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),
+        l_u=c.l_u,
+        l_y=c.l_y - controller.l_r,
+        l_r=controller.l_r,
+        l_z=l_z,
+        derived=[],
+        regressor=of_u + of_y,
+        channels=[(i, 0) for i in range(c.l_u)],
+        filtered=[(0, 0)] * len(of_u + of_y),
+        targets=[(np.zeros((1, l_z, c.l_u)), np.eye(l_z)[None])],
+        R_z=np.eye(l_z),
+        R_u=np.zeros((l_z, l_z)),
+        k_w=controller.k_w,
+        k_update=NEVER,
+        k_filter=NEVER,
+        filter_form=False,
+        reflect_poles=False,
+        events=[],
+        theta_0=theta,
+    )
+
+
+def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:
+    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates."""
+    if not isinstance(settings.update, JointUD):
+        return None
+    return np.concatenate([[1.0], kernel.also_fitted])
+
+
+def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
+    """Refuse by name what is derived from a structure, a target model or a weight."""
+    require_kind(settings.structure, "structure", (Structure,), who)
+    for tap in settings.structure.taps:
+        require_kind(tap, "a tap", (Tap,), who)
+    for signal in settings.structure.derived:
+        require_kind(signal, "a derived signal", (DerivedSignal,), who)
+    for model in settings.targets:
+        require_kind(model, "target", (TargetModel,), who)
+    if settings.learning is not None:
+        require_kind(settings.learning, "learning", (DataDriven,), who)
+    parts = {
+        "z_normalization": (Normalization,),
+        "bounds": (CoefficientBounds,),
+        "fixed": (Compensator,),
+    }
+    for name, kinds in parts.items():
+        if (part := getattr(settings, name)) is not None:
+            require_kind(part, name, kinds, who)
+    for name in ("R_z", "R_u"):
+        if isinstance(weight := getattr(settings, name), SignalWeight):
+            require_kind(weight, name, (SignalWeight,), who)
+
+
+def _arguments(update: KernelUpdate, **arguments: Any) -> dict[str, Any]:
+    return {
+        "update": update.name,
+        "P_0": update.P_0,
+        "forgetting_factor": update.forgetting_factor,
+        "forgetting": update.forgetting,
+        "reset": update.reset,
+        "noise": update.noise,
+        "window": update.window,
+        "step_size": update.step_size,
+        **arguments,
+    }
+
+
+def _events(settings: ControllerSettings, update: KernelUpdate) -> list[Event]:
+    """What is scheduled, by step: (step, kind, lambda or the number of the target model)."""
+    events: list[Event] = list(update.events)
+    for start, stop in _merged(settings.freeze):
+        events.append((start, "freeze", 0.0))
+        if stop is not None:
+            events.append((stop, "resume", 0.0))
+    events += [(k, "target", float(i)) for i, k in enumerate(settings.target_changes, start=1)]
+    return sorted(events, key=lambda event: (event[0], ORDER_OF_EVENTS.index(event[1])))
+
+
+def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int | None]]:
+    """The union of intervals [start, stop) as disjoint ones with gaps between them."""
+    merged: list[tuple[int, float]] = []
+    for start, stop in sorted((a, np.inf if b is None else b) for a, b in intervals):
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(stop, merged[-1][1]))
+        else:
+            merged.append((start, stop))
+    return [(start, None if stop == np.inf else int(stop)) for start, stop in merged]
+
+
+def penalty_rows(R: Array) -> Array:
+    """S with S'S = R, of as many rows as R has."""
+    S = np.zeros_like(R)
+    roots = square_root_columns(R).T
+    S[: len(roots)] = roots
+    return S
+
+
+def _additions(settings: ControllerSettings) -> dict[str, Any]:
+    """What published settings have beside the text's; nothing where there is none."""
+    found: dict[str, Any] = {}
+    if settings.R_u_unfiltered.any():
+        found["penalty"] = penalty_rows(settings.R_u_unfiltered)
+    if (f := settings.z_normalization) is not None:
+        found["normalization"] = (1 + FUNCTIONS.index(f.function), f.limit, f.slope)
+    if (bounds := settings.bounds) is not None:
+        low, high = bounds.box(settings.structure)
+        found["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
+    if (fixed := settings.fixed) is not None:
+        found["fixed"] = (fixed.past_u, fixed.past_y)
+    return found
+
+
+def _supervision(given: Supervision | None, l_u: int, l_e: int) -> tuple[Any, ...] | None:
+    if given is None:
+        return None
+    require_kind(given, "supervision", (Supervision,))
+    given.require_widths(l_u, l_e)
+    fallback = given.fallback
+    past_u, past_y = (np.zeros(0),) * 2 if fallback is None else (fallback.past_u, fallback.past_y)
+    return (
+        POLICIES.index(given.policy), given.growth, given.limit, given.jump or 0.0, given.patience,
+        given.fade, past_u, past_y, given.missed == "fallback",
+    )  # fmt: skip
+
+
+def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:
+    if learning is None:
+        return (0, 0.0, 0.0, 0)
+    return (learning.seed, learning.dither, learning.running_dither, learning.start)
+
+
+def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:
+    padding = [(0, order - model.n_f), (0, 0), (0, 0)]
+    return np.pad(model.numerator, padding), np.pad(model.denominator, padding)
+
+
+def _weight(value: Weight, name: str, l_z: int, failures: Failures, *, definite: bool) -> Any:
+    if isinstance(value, SignalWeight):
+        return value.constant * np.eye(l_z), value.z_squared, value.nu
+    if isinstance(value, np.ndarray):
+        return value
+    function = value
+
+    def checked(k: int, y: Array, z: Array, u: Array) -> Array:
+        try:
+            return constant_weight(function(k, y, z, u), f"{name}({k})", l_z, definite=definite)
+        except TypeError as error:
+            raise InputError(
+                f"{name} = {function!r} could not be called as {name}(k, y, z, u): {error}."
+            ) from error
+
+    return failures.guard(checked)

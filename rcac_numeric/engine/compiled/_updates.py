@@ -1,0 +1,161 @@
+"""From an update as data to the arguments that the kernel makes it from.
+
+A new update is registered here: a line in `ARGUMENTS`. What is not written here is refused, also
+subclasses of what is: the engine would run them without what they add.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any, get_args
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._definite_matrices import (
+    full_weight,
+    inverse,
+    square_root_columns,
+)
+from rcac_numeric.arrays._wording import shortened
+from rcac_numeric.controllers._forgetting import (
+    CappedForgetting,
+    Forgetting,
+    ScheduledForgetting,
+    SubspaceForgetting,
+    VariableRateForgetting,
+)
+from rcac_numeric.controllers._joint import JointUD
+from rcac_numeric.controllers._memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers._recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers._resets import CovarianceReset
+from rcac_numeric.controllers._sliding_window import SlidingWindow
+from rcac_numeric.controllers._update import Update
+
+Event = tuple[int, str, float]
+
+
+@dataclass(frozen=True)
+class KernelUpdate:
+    """What `_kernel.controller` wants to know of an update.
+
+    Attributes
+    ----------
+    name : str
+        The kernel's name of it.
+    P_0 : array, shape (l_theta, l_theta)
+    forgetting_factor : float
+        lambda at step 0.
+    forgetting, reset : tuples
+        Of variable-rate forgetting and of covariance resets; the defaults do nothing.
+    noise : array, shape (rank of Q, l_theta) or empty
+        Rows a with Q = sum a'a.
+    events : list of (step, kind, number)
+        Scheduled changes of lambda and resets.
+    """
+
+    name: str
+    P_0: Array
+    forgetting_factor: float = 1.0
+    forgetting: tuple[int, int, float, float] = (0, 0, 0.0, 1.0)
+    reset: tuple[int, float, float, int, int] = (0, 0.0, 0.0, 10, 100)
+    noise: Array = field(default_factory=lambda: np.zeros(0))
+    events: tuple[Event, ...] = ()
+    window: int = 0
+    step_size: float = 0.0
+
+
+def kernel_update(update: Update, l_theta: int) -> KernelUpdate:
+    """The kernel's arguments for an update of l_theta coefficients."""
+    require_kind(update, "update", ARGUMENTS)
+    return ARGUMENTS[type(update)](update, l_theta)
+
+
+def require_kind(value: object, name: str, kinds: Iterable[type], who: str = "engine") -> None:
+    """Raise unless `value` is of exactly one of the kinds."""
+    known = [kind for kind in kinds if kind is not object]
+    if type(value) not in known:
+        raise InputError(
+            f"{name} = {shortened(repr(value), 500)} is a {type(value).__name__}, which the {who} "
+            f"does not run; it runs {', '.join(kind.__name__ for kind in known)}."
+        )
+
+
+def _window(update: SlidingWindow, l_theta: int) -> KernelUpdate:
+    return KernelUpdate(
+        update.name,
+        P_0=initial_covariance(update.R_theta, l_theta),
+        forgetting_factor=update.lambda_,
+        window=update.window,
+    )
+
+
+def _joint(update: JointUD, l_theta: int) -> KernelUpdate:
+    return KernelUpdate(
+        update.name,
+        P_0=initial_covariance(update.R_theta, l_theta),
+        window=update.n_d,
+        step_size=update.rho,
+    )
+
+
+def _instantaneous(update: Instantaneous, l_theta: int) -> KernelUpdate:
+    return KernelUpdate(update.name, P_0=initial_covariance(update.R_theta, l_theta))
+
+
+def _gradient(update: Gradient, l_theta: int) -> KernelUpdate:
+    return KernelUpdate(update.name, P_0=np.zeros((l_theta, l_theta)), step_size=update.step_size)
+
+
+def initial_covariance(R_theta: float | Array, l_theta: int) -> Array:
+    """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
+    return inverse(full_weight(R_theta, l_theta))
+
+
+def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
+    """Lambda before any rule has changed it."""
+    if isinstance(lambda_, ScheduledForgetting):
+        return lambda_.initial
+    if isinstance(lambda_, SubspaceForgetting | CappedForgetting):
+        return lambda_.lambda_
+    return 1.0 if isinstance(lambda_, VariableRateForgetting) else lambda_
+
+
+def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
+    rule, reset = update.lambda_, update.reset or CovarianceReset()
+    require_kind(rule, "lambda_", (float, *get_args(Forgetting)))
+    require_kind(reset, "reset", (CovarianceReset,))
+    events: list[Event] = [(k, "reset", 0.0) for k in reset.at]
+    if isinstance(rule, ScheduledForgetting):
+        events += [(k, "forgetting", value) for k, value in rule.changes.items()]
+    noise = np.zeros(0)
+    if update.process_noise is not None:
+        Q = full_weight(update.process_noise, l_theta)
+        noise = np.ascontiguousarray(square_root_columns(Q).T)
+    forgetting = (0, 0, 0.0, 1.0)
+    if isinstance(rule, VariableRateForgetting):
+        forgetting = (rule.short, rule.long, rule.gain, rule.smallest)
+    name = update.name
+    if isinstance(rule, SubspaceForgetting | CappedForgetting):
+        name = "ud, subspace" if isinstance(rule, SubspaceForgetting) else "ud, capped"
+    return KernelUpdate(
+        name,
+        P_0=initial_covariance(update.R_theta, l_theta),
+        forgetting_factor=initial_forgetting_factor(rule),
+        forgetting=forgetting,
+        reset=(reset.every, reset.trace_below, reset.growth, reset.short, reset.long),
+        noise=noise,
+        events=tuple(events),
+    )
+
+
+ARGUMENTS: dict[type[Update], Callable[[Any, int], KernelUpdate]] = {
+    UD: _recursive,
+    Covariance: _recursive,
+    SlidingWindow: _window,
+    JointUD: _joint,
+    Instantaneous: _instantaneous,
+    Gradient: _gradient,
+}

@@ -1,0 +1,82 @@
+"""H~, the Markov parameters through which RCMR looks back, and whether it can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from compensator_theory.errors import IllConditionedError
+from rcac_numeric.arrays._array_types import Array
+
+# Singular values below this share of the largest are rounding errors of the Markov parameters.
+ROUNDING = 1e-12
+
+
+def retrospective_matrix(
+    A: Array, B: Array, C: Array, delays: Sequence[int], stack: Sequence[int]
+) -> Array:
+    """H~ of (8.45): block (j, i) is H_{i-k_j} = C A^(i-k_j-1) B, zero before u^ can act.
+
+    Parameters
+    ----------
+    A, B, C : arrays, shapes (n, n), (n, l_u) and (l_y, n)
+    delays : sequence of int
+        i of u^(k - i).
+    stack : sequence of int
+        k_j of z(k - k_j).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.estimation._markov import retrospective_matrix
+    >>> a, one = np.array([[0.5]]), np.ones((1, 1))
+    >>> retrospective_matrix(a, one, one, delays=(1, 2), stack=(0, 1))
+    array([[1. , 0.5],
+           [0. , 1. ]])
+    """
+    powers, markov = C, []
+    for _ in range(max(delays)):
+        markov.append(powers @ B)
+        powers = powers @ A
+    zero = np.zeros((C.shape[0], B.shape[1]))
+    blocks = [[markov[i - k_j - 1] if i > k_j else zero for i in delays] for k_j in stack]
+    return np.ascontiguousarray(np.block(blocks))
+
+
+def require_solvable(H: Array, method: str, eta_bar: float, delays: Sequence[int]) -> None:
+    """Raise where the reconstruction has no answer."""
+    values = np.linalg.svd(H, compute_uv=False)
+    rank = int((values > ROUNDING * values.max(initial=0.0)).sum())
+    if not np.isfinite(H).all():
+        raise IllConditionedError(
+            f"the Markov parameters H_i of delays up to {max(delays)} leave the range of float64: "
+            "the model is unstable. Use shorter delays."
+        )
+    if rank == 0:
+        raise IllConditionedError(
+            f"the Markov parameters of the delays {tuple(delays)} are zero: z does not depend on "
+            "these outputs of the subsystem. Use longer delays, or another C."
+        )
+    columns = H.shape[1]
+    if method == "smallest" and eta_bar == 0 and rank < columns:
+        raise IllConditionedError(
+            f"(8.56) is singular: H~ has {columns} columns and rank {rank}. Use "
+            'method="nearest", fewer delays, more stacked steps, or eta_bar > 0.'
+        )
+
+
+def reconstruction(H: Array, R: Array, chosen: slice) -> tuple[Array, Array, Array]:
+    """(lambda, V_d, W) with V_d (diag(lambda) + eta)^-1 W = the rows `chosen` of A(k)^-1 H~'R.
+
+    H~'R H~ = V diag(lambda) V'. Its null space is left out: H~'R has no part in it.
+    """
+    root = np.linalg.cholesky(R)
+    left, values, right = np.linalg.svd(root.T @ H, full_matrices=False)
+    kept = values > ROUNDING * values.max()
+    V, weights = right[kept].T, values[kept, None] * (left[:, kept].T @ root.T)
+    return (
+        values[kept] ** 2,
+        np.ascontiguousarray(V[chosen]),
+        np.ascontiguousarray(weights),
+    )

@@ -1,0 +1,365 @@
+"""Models of scalar data from a closed loop: the prediction error of a predictor that is stable."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+from scipy.signal import lfilter
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._regressors import lagged
+from rcac_numeric.identification._scalar_record import (
+    SHARE,
+    ScalarModel,
+    ScalarRecord,
+    Shape,
+    information_criterion,
+    inside,
+    integrated_share,
+    late,
+    scalar_record,
+    scalar_signal,
+    shapes,
+)
+
+LONG = (10, 20, 40)  # orders of the ARX model that the innovations are first taken from
+REFINED = 6  # of the best, for each number of integrators, by the prediction error itself
+PENALTY = 1.5  # times that of BIC
+PAST_U, PAST_Y = 20, 4  # lags by which u is told from its past, and from what it answers to
+FEEDBACK = 3.0  # times the penalty of BIC: u that is held or filtered is no answer to y
+STIRRED = 1e-3  # of u: what of it must not follow from y, or from its own past
+EXACT = 1e-7  # of y: prediction errors that are rounding, and correlated with anything
+TESTED = 20  # lags of the cross-correlation of innovations and excitation
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionErrorModel(ScalarModel):
+    """A(q) y(k) = q^-delay B(q) u(k) + c + C(q)/D(q) e(k), strictly proper, A of any poles.
+
+    Attributes
+    ----------
+    numerator : array, shape (n,)
+        b_1, ..., b_n of B = b_1 q^-1 + ... + b_n q^-n.
+    denominator : array, shape (n + 1,)
+        1, a_1, ..., a_n of A = 1 + a_1 q^-1 + ... + a_n q^-n.
+    delay : int
+        Steps beside the one that every strictly proper model has.
+    noise : pair of arrays
+        C and D, in powers of q^-1 from 1 on, with their roots inside the unit circle: the predictor
+        is stable whatever the plant is.
+    innovation : array
+        e, what the predictor leaves of y.
+    residual : array
+        C/(D A) e with the poles of A outside the circle reflected: noise of the size and spectrum
+        of what the model leaves of y.
+    criterion : float
+        N log(mean e^2) + 1.5 x parameters x log N: the smallest is the best.
+    explained : float
+        1 - var(e)/var(y).
+    correlation : float
+        The largest correlation of e with an earlier value of what of u does not follow from y,
+        over its standard error: what is left of the plant in e, whatever the noise is.
+    integrators : int
+        Poles of A that are 1 exactly.
+    """
+
+    noise: tuple[Array, Array]
+    innovation: Array
+    residual: Array
+    criterion: float
+    explained: float
+    correlation: float
+    integrators: int = 0
+
+    def errors(self, u: ArrayLike, y: ArrayLike) -> Array:
+        """The prediction errors on another record, less their mean."""
+        record = scalar_record(u, y, self.order + self.delay)
+        scaled = self.numerator * record.units[0] / record.units[1]
+        A_y = lfilter(self.denominator, [1.0], record.y)
+        w = A_y - late(lfilter(np.r_[0.0, scaled], [1.0], record.u), self.delay)
+        e = lfilter(self.noise[1], self.noise[0], w[record.first :])
+        return np.asarray(record.units[1] * (e - e.mean()))
+
+    def __str__(self) -> str:
+        pole = " with a pole at 1" if self.integrators else ""
+        return (
+            f"order {self.order}{pole}, delay {self.delay}, predicts "
+            f"{100 * self.explained:.4g} % of the variance of y one step ahead in "
+            f"{len(self.innovation)} steps of a closed loop"
+        )
+
+
+def identify_in_closed_loop(
+    u: ArrayLike, y: ArrayLike, *, orders: Iterable[int] = range(1, 6),
+    delays: Iterable[int] = range(12), integrators: Iterable[int] = (0,),
+) -> PredictionErrorModel:  # fmt: skip
+    """The model of a plant, stable or not, from a record in which u answers to y.
+
+    The direct method: e = (D/C)(A y - q^-delay B u - c) is the error of a predictor that is stable
+    for every A, since A and B only multiply; the smallest mean square of e is the plant itself as
+    long as C/D can be the noise, with u from y or not. It begins at regressions on the innovations
+    of a long ARX model. Of all orders and delays the smallest N log(mean e^2) + 1.5 p log N, with p
+    parameters.
+
+    Parameters
+    ----------
+    u, y : arrays of shape (steps,) or (steps, 1)
+        Something beside y must move u: a command, a dither, a change of the controller.
+    orders, delays, integrators : iterables of int
+        What is tried; 0 or 1 of the poles is 1 exactly.
+
+    Raises
+    ------
+    InputError
+        Where u follows from y alone, there are too few steps, or y does not answer to u.
+
+    Notes
+    -----
+    Sources: L. Ljung, System Identification (2nd ed. 1999), sections 4.2 and 13.4 to 13.5;
+    U. Forssell and L. Ljung, Automatica 35 (1999) 1215-1241, and IEEE Transactions on Automatic
+    Control 45 (2000) 137-141, for unstable plants; E. J. Hannan and J. Rissanen, Biometrika 69
+    (1982) 81-94, for the start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.identification import identify_in_closed_loop
+    >>> rng = np.random.default_rng(1)
+    >>> r, v = rng.standard_normal((2, 1000))
+    >>> u, y, x = np.zeros(1000), np.zeros(1000), 0.0
+    >>> for k in range(1000):  # x(k+1) = 1.1 x(k) + 0.5 u(k), y = x + v, u = r - 0.6 y
+    ...     y[k] = x + 0.1 * v[k]
+    ...     u[k] = r[k] - 0.6 * y[k]
+    ...     x = 1.1 * x + 0.5 * u[k]
+    >>> model = identify_in_closed_loop(u, y)
+    >>> model.order, model.delay, model.denominator.round(2), model.numerator.round(2)
+    (1, 0, array([ 1. , -1.1]), array([0.5]))
+    """
+    tried = shapes(orders, delays, integrators)
+    record = scalar_record(u, y, max(n + d for n, d, _ in tried))
+    stirring = excitation(u, y)
+    if not np.std(stirring) > STIRRED * record.units[0]:
+        raise InputError(
+            "u follows from y: such a record shows the controller and not the plant. Add a dither "
+            "to u, or move the command, and record again."
+        )
+    best = None
+    for sums in sorted({sums for *_, sums in tried}):
+        found = _best(_Differenced(record, sums), [one for one in tried if one[-1] == sums])
+        if best is None or (found.value < best.value and found.share > SHARE):
+            best = found
+    assert best is not None
+    if not best.value < _least(_Differenced(record, best.shape[-1]), best.shape):
+        raise InputError(
+            "the record does not show that y answers to u: y is predicted as well without it. "
+            "Excite u more, record longer, or try longer delays."
+        )
+    return _model(best, record, stirring)
+
+
+def excitation(u: ArrayLike, y: ArrayLike) -> Array:
+    """What of u does not follow from its past and from y: a dither, or a command at work.
+
+    u(k) less its regression on u(k-1), ..., u(k-20) and y(k), ..., y(k-20).
+    """
+    return _regressed(scalar_signal(u, "u"), scalar_signal(y, "y"), PAST_U + 1)[1]
+
+
+def answers(u: ArrayLike, y: ArrayLike) -> bool:
+    """Whether u is predicted better by y than by its own past: a closed loop.
+
+    By BIC with three times its penalty: u on u(k-1), ..., u(k-20), and on y(k), ..., y(k-3) beside.
+
+    Notes
+    -----
+    Source: P. E. Caines and C. W. Chan, IEEE Transactions on Automatic Control 20 (1975) 498-508.
+    """
+    control = scalar_signal(u, "u")
+    alone, beside = _regressed(control, scalar_signal(y, "y"), PAST_Y)
+    if not np.std(alone) > STIRRED * np.std(control):
+        return False  # sinusoids and steps follow from their own past
+    open_loop = information_criterion(alone, 0, FEEDBACK)
+    return information_criterion(beside, PAST_Y, FEEDBACK) < open_loop
+
+
+def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
+    """What the past of u leaves of it, and what so many values of y leave of that."""
+    if len(u) != len(y):
+        raise InputError(f"u has {len(u)} steps and y {len(y)}; they belong together.")
+    if len(u) < 5 * PAST_U:
+        raise InputError(f"there are {len(u)} steps; {5 * PAST_U} or more tell what u answers to.")
+    now = _unit(lagged(u[:, None], PAST_U + 1))
+    seen = _unit(lagged(y[:, None], PAST_U + 1)[:, :count])
+    scale = float(np.std(u))
+    found = []
+    for columns in (now[:, 1:], np.hstack([now[:, 1:], seen])):
+        fitted = np.linalg.lstsq(columns, now[:, 0], rcond=None)[0]
+        found.append(scale * (now[:, 0] - columns @ fitted))
+    return found[0], found[1]
+
+
+def _unit(columns: Array) -> Array:
+    """Columns less their means, all by one factor."""
+    moved = columns - columns.mean(axis=0)
+    return np.asarray(moved / (float(np.std(moved)) or 1.0))
+
+
+@dataclass(frozen=True)
+class _Differenced:
+    """A record whose y is differenced once for a pole at 1: the noise model takes that back."""
+
+    record: ScalarRecord
+    sums: int
+
+    @property
+    def y(self) -> Array:
+        y = self.record.y
+        return np.diff(y, prepend=y[0]) if self.sums else y
+
+    def rows(self, n: int, d: int) -> tuple[Array, Array]:
+        """y(k), and [-y(k-1), ..., u(k-d-1), ..., 1], for every k that all models have."""
+        poles, first, y = n - self.sums, self.record.first + 1, self.y
+        columns = [-late(y, i) for i in range(1, poles + 1)]
+        columns += [late(self.record.u, d + i) for i in range(1, n + 1)]
+        return y[first:], np.stack([*columns, np.ones_like(y)], axis=1)[first:]
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Coefficients of A, B and c, those of C and of D; and the criterion."""
+
+    shape: Shape
+    linear: Array
+    C: Array
+    D: Array
+    e: Array
+    value: float
+
+    @property
+    def share(self) -> float:
+        """What a pole at 1 makes of the gain."""
+        n, _, sums = self.shape
+        A, B, _ = np.split(self.linear, [n - sums, 2 * n - sums])
+        return integrated_share(np.r_[1.0, A], B)
+
+
+def _best(data: _Differenced, tried: list[Shape]) -> _Found:
+    e = _innovations(data)
+    found = [_started(data, shape, e) for shape in tried]
+    found.sort(key=lambda one: one.value)
+    refined = [
+        _refined(data, one, D) for one in found[:REFINED] for D in (np.ones(1), np.array([1.0, 0]))
+    ]
+    return min(refined, key=lambda one: one.value)
+
+
+def _innovations(data: _Differenced) -> Array:
+    """E of the long ARX model that BIC chooses, as long as y, zero where it has no past."""
+    y, u = data.y, data.record.u
+    found = None
+    for p in [p for p in LONG if 10 * p <= len(y)]:
+        start = max(p for p in LONG if 10 * p <= len(y))
+        columns = [*(late(y, i) for i in range(1, p + 1)), *(late(u, i) for i in range(1, p + 1))]
+        rows = np.stack([*columns, np.ones_like(y)], axis=1)[start:]
+        e = y[start:] - rows @ np.linalg.lstsq(rows, y[start:], rcond=None)[0]
+        value = information_criterion(e, 2 * p + 1, 1.0)
+        if found is None or value < found[0]:
+            found = value, np.r_[np.zeros(start), e]
+    return np.zeros_like(y) if found is None else found[1]
+
+
+def _started(data: _Differenced, shape: Shape, e: Array) -> _Found:
+    """A, B and C by one regression on the innovations of the long model."""
+    n, d, _ = shape
+    y, rows = data.rows(n, d)
+    past = np.stack([late(e, i)[-len(y) :] for i in range(1, n + 1)], axis=1)
+    fitted = np.asarray(np.linalg.lstsq(np.hstack([rows, past]), y, rcond=None)[0], np.float64)
+    C = inside(np.r_[1.0, fitted[rows.shape[1] :]])
+    return _judged(data, shape, fitted[: rows.shape[1]], C, np.ones(1))
+
+
+def _judged(data: _Differenced, shape: Shape, linear: Array, C: Array, D: Array) -> _Found:
+    y, rows = data.rows(*shape[:2])
+    e = lfilter(D, C, y - rows @ linear)
+    parameters = len(linear) + len(C) + len(D) - 2
+    return _Found(shape, linear, C, D, e, information_criterion(e, parameters, PENALTY))
+
+
+def _refined(data: _Differenced, start: _Found, D: Array) -> _Found:
+    """The smallest prediction error beside a start, by its gradients."""
+    y, rows = data.rows(*start.shape[:2])
+    n_l, n_C = rows.shape[1], len(start.C) - 1
+
+    def parts(theta: Array) -> tuple[Array, Array, Array]:
+        C = inside(np.r_[1.0, theta[n_l : n_l + n_C]])
+        return theta[:n_l], C, np.r_[1.0, theta[n_l + n_C :]]
+
+    def errors(theta: Array) -> Array:
+        linear, C, D = parts(theta)
+        return np.asarray(lfilter(D, C, y - rows @ linear))
+
+    def slopes(theta: Array) -> Array:
+        linear, C, D = parts(theta)
+        w = y - rows @ linear
+        by_linear = -lfilter(D, C, rows, axis=0)
+        of_e, of_w = lfilter(D, np.convolve(C, C), w), lfilter([1.0], C, w)
+        by_C = [-late(of_e, i) for i in range(1, n_C + 1)]
+        by_D = [late(of_w, i) for i in range(1, len(D))]
+        return np.stack([*by_linear.T, *by_C, *by_D], axis=1)
+
+    theta = np.r_[start.linear, start.C[1:], D[1:]]
+    found = least_squares(
+        errors, theta, slopes, x_scale="jac", max_nfev=40, ftol=1e-10, xtol=1e-10, gtol=1e-12
+    ).x  # fmt: skip
+    linear, C, D = parts(np.asarray(found))
+    return _judged(data, start.shape, linear, C, inside(D))
+
+
+def _least(data: _Differenced, shape: Shape) -> float:
+    """The criterion of y predicted by its own past alone."""
+    n, d, sums = shape
+    y, rows = data.rows(n, d)
+    own = np.hstack([rows[:, : n - sums], rows[:, -1:]])
+    start = np.linalg.lstsq(own, y, rcond=None)[0]
+    C = np.concatenate([[1.0], np.zeros(n)])
+    alone = _Differenced(ScalarRecord(0 * data.record.u, data.record.y, (1, 1), data.record.first),
+                         sums)  # fmt: skip
+    linear = np.concatenate([start[:-1], np.zeros(n), start[-1:]])
+    found = _refined(
+        alone, _judged(alone, shape, np.asarray(linear), C, np.ones(1)), np.array([1.0, 0])
+    )
+    return information_criterion(found.e, 2 * n + 1 - sums, PENALTY)
+
+
+def _model(best: _Found, record: ScalarRecord, stirring: Array) -> PredictionErrorModel:
+    n, d, sums = best.shape
+    A = np.r_[1.0, best.linear[: n - sums]]
+    for _ in range(sums):
+        A = np.convolve(A, [1.0, -1.0])
+    stable = inside(A)
+    # Where a root p is reflected the filter is abs(p) times an all-pass.
+    size = float(np.prod(np.maximum(np.abs(np.roots(A)), 1.0)))
+    unit_u, unit_y = record.units
+    residual = lfilter(best.C, np.convolve(best.D, stable), best.e) / size
+    return PredictionErrorModel(
+        best.linear[n - sums : 2 * n - sums] * unit_y / unit_u, A, d, (best.C, best.D),
+        best.e * unit_y, np.asarray(residual * unit_y), best.value,
+        1 - float(np.mean(best.e**2)) / float(np.var(record.last_y)),
+        _correlation(best.e, stirring), sums,
+    )  # fmt: skip
+
+
+def _correlation(e: Array, stirring: Array) -> float:
+    """The largest correlation of e with what stirred u before, over 1/sqrt(N)."""
+    if not np.std(e) > EXACT:
+        return 0.0
+    steps = min(len(e), len(stirring))
+    e, s = e[-steps:], stirring[-steps:]
+    e, s = (e - e.mean()) / np.std(e), (s - s.mean()) / np.std(s)
+    found = [float(np.mean(e * late(s, i))) for i in range(1, TESTED + 1)]
+    return float(np.abs(found).max() * np.sqrt(steps))

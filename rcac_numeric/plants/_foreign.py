@@ -1,0 +1,283 @@
+"""Whatever another package calls a system, as a plant, and the proof that it is the same one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import compensator_theory as exact
+from compensator_theory.errors import IllConditionedError, InputError
+from compensator_theory.systems._foreign import is_foreign
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._validation import instance_of, one_of, positive_time, rounded
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.plants._any_plant import AnyPlant
+from rcac_numeric.plants._functions import FunctionPlant
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._problems import sample_time_of, standard_plant
+from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
+
+METHODS = ("zoh", "bilinear")
+CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))  # where plant and source are compared
+LARGEST_GAP = 1e-8
+
+
+def plant_of(
+    system: Any, *, sample_time: float | None = None, method: str = "zoh",
+    variable: str | None = None,
+) -> AnyPlant:  # fmt: skip
+    """The standard problem y = z = G (u + w) of a system of another package, (2.15).
+
+    Parameters
+    ----------
+    system : python-control, SciPy or SymPy system, str or TransferFunction
+        One signal or several: StateSpace, TransferFunction, what `interconnect` gives, a discrete
+        `nlsys`; `lti` and `dlti`; StateSpace, TransferFunction, Series, Feedback and their
+        matrices of sympy.physics.control. A plant of ours is handed back as it is.
+    sample_time : float, optional
+        In seconds: with it, and only with it, a system in continuous time is sampled.
+    method : {"zoh", "bilinear"}
+        How: with a zero-order hold on its inputs, or by Tustin's substitution.
+    variable : {"s", "z"}, optional
+        Of a system that does not say whether its time is discrete: a StateSpace of SymPy, which
+        counts as continuous, or a system of python-control with dt = None.
+
+    Returns
+    -------
+    Plant, or FunctionPlant for a nonlinear system
+
+    Raises
+    ------
+    InputError
+        Where the system is in continuous time and no sample time is given, or is in discrete time
+        with another one, or cannot be read.
+    IllConditionedError
+        Where the float64 plant does not have the response of the system.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric import plant_of
+    >>> plant_of(control.ss([[0.5, 1], [0, 0.2]], np.eye(2), [[1, 1]], [[0, 0]], 0.01))
+    Plant(n=2, l_u=2, l_w=2, l_y=1, l_z=1)
+    >>> plant_of(control.tf([1], [1, 1]), sample_time=0.1).sample_time
+    0.1
+    >>> plant_of(control.tf([1], [1, 1]))
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: this TransferFunction is in continuous time, and RCAC runs
+    in discrete time; say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").
+    """
+    one_of(method, "method", METHODS)
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
+    if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_own(system):
+        own: AnyPlant = system
+        return own
+    if is_nonlinear(system):
+        return plant_of_nonlinear(system, sample_time)
+    found = _realisation(system, variable)
+    own_period = sample_time_of(system)
+    if str(found.variable) == "s":
+        sampled = _sampled(system, found, sample_time, method)
+        return _verified(sampled, system, found, method)
+    if None not in (own_period, sample_time) and own_period != sample_time:
+        raise InputError(
+            f"the system is sampled every {own_period:g} s, not {sample_time:g} s; leave "
+            "sample_time out, or resample it yourself."
+        )
+    period = own_period if own_period is not None else sample_time
+    if not is_foreign(system):
+        return replaced(standard_plant(system), sample_time=period)
+    A, B, C, D = (_float(found, name) for name in "ABCD")
+    return _verified(_matched(A, B, C, D, period), system, found, "")
+
+
+def as_plant(system: Any) -> Any:
+    """A plant as it is; a text or a system, ours or foreign, read by `plant_of`.
+
+    What is neither is handed back, for the caller to refuse by its own name.
+    """
+    ours = str, exact.TransferFunction, exact.TransferMatrix, exact.Realisation
+    return plant_of(system) if isinstance(system, ours) or is_foreign(system) else system
+
+
+def linear_plant(system: Any, name: str = "plant") -> Plant:
+    """A linear plant, ours or one that `plant_of` reads.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric.plants._foreign import linear_plant
+    >>> linear_plant(control.tf([1], [1, -0.5], 0.01)).sample_time
+    0.01
+    """
+    read = as_plant(system)
+    if isinstance(read, FunctionPlant):
+        raise InputError(
+            f"{name} is nonlinear, and a linear one is needed: linearise it where the loop is to "
+            "work, for instance with control.linearize(system, x, u)."
+        )
+    linear: Plant = instance_of(read, name, Plant)
+    return linear
+
+
+def _is_own(system: Any) -> bool:
+    """Whether it says of itself what a plant says; the engine decides whether it can run it."""
+    return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
+
+
+def _realisation(system: Any, variable: str | None) -> exact.Realisation:
+    """The exact realisation, in the system's own basis where it has one."""
+    if isinstance(system, exact.Realisation) or (is_foreign(system) and hasattr(system, "A")):
+        return exact.realisation(system, variable)
+    matrix = exact.transfer_matrix(system, variable)
+    if matrix.shape == (1, 1):
+        return exact.realisation(matrix.scalar())
+    return exact.minimal_realisation(matrix).realisation
+
+
+def _float(found: exact.Realisation, name: str) -> Array:
+    entries = getattr(found, name)
+    return np.reshape(rounded(list(entries), name), entries.shape)
+
+
+def _sampled(
+    system: Any, found: exact.Realisation, sample_time: float | None, method: str
+) -> Plant:
+    if sample_time is None:
+        kind = "text" if isinstance(system, str) else type(system).__name__
+        raise InputError(
+            f"this {kind} is in continuous time, and RCAC runs in discrete time; "
+            'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
+        )
+    A, B, C, D = (_float(found, name) for name in "ABCD")
+    if method == "zoh":
+        A, B = zero_order_hold(A, B, sample_time)
+        return _matched(A, B, C, D, sample_time)
+    from scipy.signal import cont2discrete
+
+    A, B, C, D, _ = cont2discrete((A, B, C, D), sample_time, method)
+    return _matched(A, B, C, D, sample_time)
+
+
+def _matched(A: Array, B: Array, C: Array, D: Array, period: float | None) -> Plant:
+    """The standard problem with w at the inputs."""
+    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
+
+
+def _verified(plant: Plant, system: Any, found: exact.Realisation, method: str) -> Plant:
+    """The plant, whose response was compared with that of the system itself."""
+    if method == "zoh":  # its own rounding is bounded; the entries are compared by its tests
+        return plant
+    points = CHECKED
+    if method == "bilinear":
+        assert plant.sample_time is not None
+        points = 2 / plant.sample_time * (CHECKED - 1) / (CHECKED + 1)
+    ours, theirs = _response(plant, CHECKED), _response_of(system, found, points)
+    gap = np.abs(ours - theirs).max(initial=0.0)
+    size = np.abs(theirs).max(initial=0.0)
+    if not gap <= LARGEST_GAP * (size or 1.0):
+        raise IllConditionedError(
+            f"the float64 matrices of this {type(system).__name__} have another response than the "
+            f"system, by {gap / (size or 1.0):.1e} of its size. Give a state space in a better "
+            "basis, or factors instead of coefficients."
+        )
+    return plant
+
+
+def _response(plant: Plant, points: ComplexArray) -> ComplexArray:
+    pencils = points[:, None, None] * np.eye(plant.n) - plant.A
+    with np.errstate(all="ignore"):
+        return np.asarray(plant.C @ np.linalg.solve(pencils, plant.B[None]) + plant.D_0)
+
+
+def _response_of(system: Any, found: exact.Realisation, points: ComplexArray) -> ComplexArray:
+    """The response as the system's own package computes it; of SymPy's from its exact matrix."""
+    package = type(system).__module__.split(".")[0]
+    with np.errstate(all="ignore"):
+        if package == "control":
+            return np.array([np.atleast_2d(system(point)) for point in points])
+        if package == "scipy":
+            matrices = system if hasattr(system, "A") else system.to_ss()
+            A, B, C, D = (np.atleast_2d(getattr(matrices, name)) for name in "ABCD")
+            pencils = points[:, None, None] * np.eye(len(A)) - A
+            return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
+    matrix = found.transfer_matrix()
+    below = _values(matrix.denominator, points)
+    values = [[_values(entry, points) / below for entry in row] for row in matrix.numerators]
+    return np.moveaxis(np.array(values), -1, 0)
+
+
+def _values(polynomial: Any, points: ComplexArray) -> ComplexArray:
+    coefficients = np.array([float(c) for c in polynomial.all_coeffs()])
+    return np.asarray(np.polyval(coefficients, points), dtype=np.complex128)
+
+
+# Discrete nonlinear systems of python-control as plants made of functions.
+
+
+def is_nonlinear(system: Any) -> bool:
+    """Whether it is a system of python-control that is given by functions alone.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric.plants._foreign import is_nonlinear
+    >>> is_nonlinear(control.ss([[0.5]], [[1]], [[1]], [[0]], 1))
+    False
+    """
+    is_control = type(system).__module__.split(".")[0] == "control"
+    return is_control and hasattr(system, "dynamics") and not hasattr(system, "A")
+
+
+def plant_of_nonlinear(system: Any, sample_time: float | None) -> FunctionPlant:
+    """A discrete `nlsys`, or nonlinear `interconnect`, with w added to its inputs and y = z."""
+    kind = type(system).__name__
+    if sample_time is not None or not system.isdtime(strict=True):
+        raise InputError(
+            f"this {kind} is nonlinear and cannot be sampled here; write its update for one step, "
+            "control.nlsys(update, output, dt=0.01), and leave sample_time out."
+        )
+    n, l_u, l_y = system.nstates, system.ninputs, system.noutputs
+    if not (l_u and l_y) or n is None:
+        raise InputError(f"this {kind} does not say its inputs, outputs and states; name them.")
+    period = 1.0 if system.dt is True else float(system.dt)
+    plant = FunctionPlant(
+        advance=Advance(system, period), output=Output(system, period),
+        n=max(n, 1), l_u=l_u, l_w=l_u, l_y=l_y, l_z=l_y,
+    )  # fmt: skip
+    rng = np.random.default_rng(0)
+    x = rng.standard_normal(n)
+    at_rest = np.ravel(system.output(0.0, x, np.zeros(l_u)))
+    if not np.array_equal(at_rest, np.ravel(system.output(0.0, x, rng.standard_normal(l_u)))):
+        raise InputError(
+            f"the output of this {kind} depends on its input at once; put one step of delay at its "
+            "input."
+        )
+    return plant
+
+
+class Advance:
+    """The state at the next step: f(t, x, u + w)."""
+
+    def __init__(self, system: Any, period: float) -> None:
+        self.system, self.period = system, period
+
+    def __call__(self, k: int, x: Array, u: Array, w: Array) -> Array:
+        """Return x(k+1)."""
+        return np.ravel(self.system.dynamics(k * self.period, x, u + w))
+
+
+class Output:
+    """The measurement, which is the performance variable too."""
+
+    def __init__(self, system: Any, period: float) -> None:
+        self.system, self.period = system, period
+
+    def __call__(self, k: int, x: Array, w: Array) -> tuple[Array, Array]:
+        """Return y(k) and z(k)."""
+        y = np.ravel(self.system.output(k * self.period, x, np.zeros(self.system.ninputs)))
+        return y, y

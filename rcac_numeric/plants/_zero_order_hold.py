@@ -1,0 +1,87 @@
+"""Sampling with a zero-order hold, each entry rounded once."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+from flint import arb, arb_mat, fmpq
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._ball_precision import ball_precision
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import matrix, number, real_array
+
+LARGEST_EXPONENT = 500.0  # exp of more leaves float64 soon
+
+
+def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]:
+    """A_D and B_D of x' = A x + B u with u constant over each period h.
+
+    [ A_D  B_D ]         [ A  B ]
+    [  0    I  ] = exp(h [ 0  0 ])
+
+    Parameters
+    ----------
+    A, B : arrays, shapes (n, n) and (n, l_u), per second
+    h : float
+        Sampling period, s. Entries and h mean their shortest decimals.
+
+    Returns
+    -------
+    A_D, B_D : arrays
+        Each entry is the float64 nearest to the true one, but for ties within 2^-60 of it.
+
+    Raises
+    ------
+    InputError
+        If h is not positive, the sizes do not fit, or the norm of h A is so large that the
+        exponential leaves float64.
+
+    Notes
+    -----
+    By ball arithmetic, so that the rounding is bounded and not guessed. Section 3.2.1 calls its
+    matrices (3.3) and (3.4) an Euler discretisation; they are this one.
+
+    Examples
+    --------
+    >>> from rcac_numeric.gallery import zero_order_hold
+    >>> A_D, B_D = zero_order_hold([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], h=0.1)
+    >>> A_D.tolist(), B_D.ravel().tolist()
+    ([[1.0, 0.1], [0.0, 1.0]], [0.005, 0.1])
+    """
+    A = matrix(A, "A", (None, None))
+    n = len(A)
+    A, B, h = matrix(A, "A", (n, n)), matrix(B, "B", (n, None)), number(h, "h")
+    if not h > 0:
+        raise InputError(f"h = {h:g}; a sampling period is positive.")
+    generator = np.zeros((n + B.shape[1], n + B.shape[1]))
+    generator[:n, :n], generator[:n, n:] = A, B
+    size = float(np.abs(A).sum(axis=1).max(initial=0.0)) * h
+    if size > LARGEST_EXPONENT:
+        raise InputError(
+            f"the norm of h A is {size:.3g}; its exponential leaves float64. Sample faster, or "
+            "write the plant in slower time units."
+        )
+    both = _exponential(generator, h, 256 + 4 * int(size))
+    return real_array(both[:n, :n], "A_D"), real_array(both[:n, n:], "B_D")
+
+
+def _exponential(generator: Array, h: float, precision: int) -> Array:
+    period = _decimal(h)
+    rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
+    while True:
+        with ball_precision(precision):
+            found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
+            entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
+            tiny = arb(2) ** -1100  # below float64 nothing is left to decide
+            if all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
+                values = [float(x.mid()) for x in entries]
+                return np.reshape(np.array(values, dtype=np.float64), generator.shape)
+        precision *= 2
+
+
+def _decimal(value: float) -> fmpq:
+    exact = Fraction(repr(float(value)))
+    return fmpq(exact.numerator, exact.denominator)

@@ -1,0 +1,125 @@
+"""Zeros of a plant, and of a plant that changes along its path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import compensator_theory as exact
+from compensator_theory import figures
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._showing import picture_of
+from rcac_numeric.arrays._validation import integer
+from rcac_numeric.arrays._values import Value
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule, plant_at
+from rcac_numeric.plants._transmission_zeros import transmission_zero_polynomial
+
+
+@dataclass(frozen=True, eq=False)
+class ZeroPath(Value):
+    """The zeros of a plant that changes, frozen at some of its steps.
+
+    Attributes
+    ----------
+    steps : array of int, shape (count,)
+    zeros : complex array, shape (count, number of zeros)
+        A column follows one zero from step to step, by nearness.
+    """
+
+    steps: Array
+    zeros: ComplexArray
+
+    @property
+    def magnitudes(self) -> Array:
+        """Moduli, shape (count, number of zeros), as figure 3.5 shows them."""
+        return np.asarray(np.abs(self.zeros), dtype=np.float64)
+
+    @property
+    def is_nonminimum_phase(self) -> NDArray[np.bool_]:
+        """At each step, whether a zero has modulus 1 or more."""
+        return np.asarray((self.magnitudes >= 1).any(axis=1))
+
+    def plot(self) -> figures.Figure:
+        """The zeros in the plane and their moduli over the steps, figures 3.4 and 3.5."""
+        return picture_of(self)
+
+
+def plant_zeros(plant: Plant) -> ComplexArray:
+    """The invariant zeros from u to z with multiplicity, largest modulus first.
+
+    Parameters
+    ----------
+    plant : Plant
+
+    Returns
+    -------
+    complex array
+        Roots of `transmission_zero_polynomial`, from certified isolation.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.gallery import plant_zeros
+    >>> plant_zeros(standard_plant("(q - 1.5)*(q - 0.2)/(q - 0.5)**3"))
+    array([1.5+0.j, 0.2+0.j])
+    """
+    scalar = plant.l_u == plant.l_z == 1
+    # The numerator over det(qI - A), unreduced, is the same polynomial and found sooner.
+    polynomial = plant.scalar_map("zu")[0] if scalar else transmission_zero_polynomial(plant)
+    if polynomial.is_zero:
+        raise InputError("G_zu = 0: every number is a zero. Choose an output that u acts on.")
+    if polynomial.degree() < 1:
+        return np.zeros(0, dtype=np.complex128)
+    found = exact.certified_roots(polynomial)
+    values = [complex(root.value) for root in found for _ in range(root.multiplicity)]
+    return np.array(sorted(values, key=lambda z: (-abs(z), -z.real, -z.imag)))
+
+
+def zero_path(schedule: PlantSchedule, steps: Sequence[int]) -> ZeroPath:
+    """The zeros of a plant schedule, frozen at given steps; figures 3.4 and 3.5.
+
+    Parameters
+    ----------
+    schedule : PlantSchedule
+    steps : sequence of int
+        By increasing step.
+
+    Raises
+    ------
+    InputError
+        If no step is given, or the number of zeros changes on the way.
+
+    Notes
+    -----
+    Zeros of the plant frozen at a step; a plant that moves as fast as its own dynamics has none.
+
+    Examples
+    --------
+    >>> from rcac_numeric.gallery import aircraft_transition, zero_path
+    >>> path = zero_path(aircraft_transition(), [2500, 2525, 2600])
+    >>> path.magnitudes.max(axis=1).round(3)
+    array([1.   , 1.004, 1.136])
+    """
+    steps = [integer(step, "steps") for step in steps]
+    if not steps:
+        raise InputError("steps is empty; give at least one step.")
+    rows: list[ComplexArray] = []
+    for step in steps:
+        zeros = plant_zeros(plant_at(schedule, step))
+        if rows and len(zeros) != len(rows[-1]):
+            raise InputError(
+                f"the plant has {len(rows[-1])} zeros before step {step} and {len(zeros)} at it; "
+                "take the two ranges of steps apart."
+            )
+        if rows:
+            from scipy.optimize import linear_sum_assignment  # a sixth of a second
+
+            _, order = linear_sum_assignment(np.abs(rows[-1][:, None] - zeros[None, :]))
+            zeros = zeros[order]
+        rows.append(zeros)
+    return ZeroPath(np.array(steps, dtype=np.float64), np.array(rows))

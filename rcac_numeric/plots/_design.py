@@ -1,0 +1,51 @@
+"""Pictures of a design: a nominal run of each controller, the rms on every plant; and of tuning."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.designing._design import Design
+from rcac_numeric.designing._trials import FIXED
+from rcac_numeric.plots._library import Figure
+from rcac_numeric.plots._style import line_style
+
+
+def plot_design(design: Design) -> Figure:
+    """Above the error and the control of a nominal run, below the rms on held-out runs."""
+    figure = Figure(figsize=(9, 7.5), layout="constrained")
+    error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
+    error.sharex(control)
+    names = list(design.runs)
+    for i, name in reversed(list(enumerate(names))):
+        run = design.runs[name]
+        e = run.z + run.w[: len(run.z), -run.z.shape[1] :]
+        lines = error.plot(run.k, e, linewidth=1.1, **line_style(i))
+        lines[0].set_label(name)  # several signals are of one controller
+        control.plot(run.k, run.u_applied, linewidth=1.1, **line_style(i))
+    seen = design.runs[FIXED]
+    largest = float(np.abs(seen.z).max(initial=0.0)) or 1.0
+    error.set_ylim(-2 * largest, 2 * largest)
+    reach = float(np.abs(seen.u_applied).max(initial=0.0)) or 1.0
+    control.set_ylim(-2 * reach, 2 * reach)
+    error.set_title(str(design.verdict), fontsize=9, loc="left", wrap=True)
+    error.set_ylabel("$e_0$")
+    error.legend(fontsize=8, loc="upper right")
+    control.set(ylabel="$u$", xlabel="step $k$ of a held-out run with the nominal plant")
+    plants = list(dict.fromkeys(trial.variation.name for trial in design.evidence))
+    for i, name in enumerate(names):
+        trials = [t for t in design.evidence if t.controller == name]
+        for j, trial in enumerate(trials):
+            kept = [value for value in trial.rms if np.isfinite(value)]
+            place = j + 0.25 * (i - (len(names) - 1) / 2)
+            style = line_style(i)
+            below.plot([place] * len(kept), kept, "o", markersize=4, color=style["color"])
+            if lost := len(trial.rms) - len(kept):
+                words = f"{lost} lost"
+                top = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
+                below.annotate(words, (place, 1.0), fontsize=7, color=style["color"], **top)
+    below.set_yscale("log")
+    below.set_xticks(range(len(plants)), plants, fontsize=7, rotation=15)
+    below.set(xlabel="plant", ylabel="rms of $e_0$")
+    for axis in figure.axes:
+        axis.grid(alpha=0.25)
+    return figure

@@ -1,0 +1,151 @@
+"""Poles and zeros in the plane; what lies far out is an arrow at the rim, with its value."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from textwrap import fill
+from typing import NamedTuple
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis
+from rcac_numeric.arrays._array_types import ComplexArray
+from rcac_numeric.arrays._wording import shortened
+from rcac_numeric.plots._library import Axes, Figure
+from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_circle
+
+REACH = 1.3  # half the width of a map: what lies further out would make the unit circle a dot
+ROOM = 1.4  # where words stand at the rim
+DIGITS = 6  # to which points count as one
+SAME_DIRECTION = 0.15  # radians within which far points share an arrow
+NAMED = 3  # values at one arrow
+
+
+class Kind(NamedTuple):
+    """Points of one kind: the words of the legend, one word for the rim, how they are drawn."""
+
+    label: str
+    word: str
+    values: ComplexArray
+    marker: str
+    colour: str
+    size: float
+
+
+def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
+    r"""Points near the unit circle, and arrows at the rim towards those beyond."""
+    far = _far(kinds, reach)
+    draw_circle(axis)
+    for kind in kinds:
+        values = kind.values[np.abs(kind.values) <= reach]
+        axis.plot(values.real, values.imag, kind.marker, mfc="none", mec=kind.colour, ms=kind.size,
+                  mew=1.5, label=kind.label, linestyle="none")  # fmt: skip
+    span = max(reach, ROOM) if far else reach
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    axis.set_aspect("equal")
+    axis.grid(alpha=0.25)
+    for direction, words, colour in far:
+        _draw_arrow(axis, direction, words, colour, span)
+
+
+def complex_word(value: complex) -> str:
+    """A point of the plane in three digits."""
+    return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"
+
+
+def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
+    """Points of several maps in one picture: each as often as in the map that has it most often."""
+    most: Counter[complex] = Counter()
+    for values in channels:
+        most |= Counter(np.round(values.astype(np.complex128), DIGITS).tolist())
+    return np.array(list(most.elements()), dtype=np.complex128)
+
+
+def _far(kinds: Sequence[Kind], reach: float) -> list[tuple[float, list[str], str]]:
+    """Direction, words and colour of each arrow; points in one direction share it."""
+    points = []
+    for kind in kinds:
+        beyond = kind.values[np.abs(kind.values) > reach]
+        values, counts = np.unique(np.round(beyond, DIGITS), return_counts=True)
+        points += [
+            (float(np.angle(v)) % (2 * np.pi), float(np.abs(v)), complex(v), int(count), kind)
+            for v, count in zip(values, counts, strict=True)
+        ]
+    found: list[tuple[float, list[str], str]] = []
+    for angle, _, value, count, kind in sorted(points, key=lambda point: point[:2]):
+        word = f"{kind.word}\n{complex_word(value)}" + (f" x{count}" if count > 1 else "")
+        if found and angle - found[-1][0] < SAME_DIRECTION:
+            found[-1][1].append(word)
+        else:
+            found.append((angle, [word], kind.colour))
+    return found
+
+
+def _draw_arrow(axis: Axes, angle: float, words: list[str], colour: str, reach: float) -> None:
+    towards = np.array([np.cos(angle), np.sin(angle)])
+    rim = towards * reach / np.abs(towards).max()
+    axis.annotate("", rim, 0.88 * rim,
+                  arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.2})  # fmt: skip
+    shown = words if len(words) <= NAMED else [*words[:NAMED], "..."]
+    x, y = towards
+    if abs(x) >= abs(y):  # at the sides narrow words, between the rim and the circle
+        text, at, offset = "\n".join(shown), (np.sign(x) * reach, rim[1]), (-3 * np.sign(x), 5)
+        places = "right" if x > 0 else "left", "bottom"
+    else:
+        text, at = ", ".join(shown).replace("\n", " "), (rim[0], 0.94 * rim[1])
+        offset = (-6 * np.sign(x) if x else 6, 0)  # towards the middle, where there is room
+        places = "right" if x > 0 else "left", "center"
+    note = axis.annotate(text, at, offset, textcoords="offset points", fontsize=7, color=INK,
+                         ha=places[0], va=places[1], linespacing=1.0)  # fmt: skip
+    note.set_in_layout(False)  # long words over a narrow map would leave it no room
+
+
+NARROWEST = 2.2  # inches of a map in which its words have room
+LETTERS = 11  # of a title, for each inch
+
+
+def draw_pole_maps(figure: Figure, runs: Mapping[str, LoopAnalysis]) -> None:
+    """A map for each run; what was asked for is drawn where the loop is scalar."""
+    width = figure.get_figwidth()
+    columns = min(int(width // NARROWEST), len(runs))
+    rows = -(-len(runs) // columns)
+    figure.set_figheight(min(width / columns, 4.4) * rows + 0.5)
+    axes = np.ravel(figure.subplots(rows, columns, squeeze=False))
+    for axis, (name, analysed) in zip(axes, runs.items(), strict=False):
+        _draw(axis, analysed)
+        if len(runs) > 1:
+            letters = int(LETTERS * min(width / columns, 4.4))
+            axis.set_title(fill(shortened(name, 60), letters), fontsize=9)
+    for axis in axes[len(runs) :]:
+        axis.set_visible(False)
+    handles, labels = axes[0].get_legend_handles_labels()
+    if handles:
+        figure.legend(handles, labels, fontsize=8, loc="outside lower center", ncols=3)
+
+
+def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
+    kinds: dict[str, ComplexArray] = {}
+    try:
+        if not analysed.obstacle:
+            comparison = analysed.comparison
+            kinds["asked for"] = comparison.asked_poles
+            kinds["zeros"] = largest_counts(comparison.zeros.values())
+            kinds["poles"] = comparison.poles
+        else:
+            kinds["poles"] = analysed.loop.poles()
+    except CompensatorError as error:
+        axis.annotate(shortened(str(error), 70), (0.5, 0.5), xycoords="axes fraction",
+                      ha="center", fontsize=7, wrap=True)  # fmt: skip
+    nothing = np.zeros(0, dtype=np.complex128)
+    drawn = [
+        Kind(name, word, values[np.isfinite(values)], marker, colour, size)
+        for name, word, marker, colour, size in (
+            ("asked for", "asked for", "s", WANTED, 10.0),
+            ("zeros", "zero", "o", SECOND, 7.0),
+            ("poles", "pole", "x", REACHED, 7.0),
+        )
+        for values in [kinds.get(name, nothing)]
+    ]
+    draw_plane(axis, drawn)

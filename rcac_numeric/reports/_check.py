@@ -1,0 +1,289 @@
+"""The check of a controller as a report."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from math import isnan
+from typing import Any
+
+from rcac_numeric.analysis._boundaries import StabilityBoundary
+from rcac_numeric.analysis._classical import Margins
+from rcac_numeric.analysis._disk import DiskMargin
+from rcac_numeric.analysis._exact_comparison import ExactComparison
+from rcac_numeric.checks._check import ControllerCheck
+from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.checks._hypotheses import Decision
+from rcac_numeric.reports._loop import (
+    health_lines,
+    health_record,
+    joined,
+    match_section,
+    missed_poles,
+    split_section,
+    zeros_facts,
+)
+from rcac_numeric.reports._sheet import (
+    Block,
+    Fact,
+    Section,
+    Sheet,
+    Table,
+    Text,
+    cells,
+    complex_list,
+)
+
+
+def check_sheet(check: ControllerCheck) -> Sheet:
+    """What the log says, what the loop is, and what cannot be said."""
+    health = loop_health(check)
+    sections = [Section(record=health_record(health)), _log(check), _controller(check)]
+    if check.loop is not None:
+        sections += [_loop(check), *(margins_section(n, m) for n, m in check.margins.items())]
+        sections += [_disk(check), _costs(check)]
+        if check.target is not None:
+            sections.append(_target(check))
+    return Sheet(
+        title=check.log.source,
+        remark=f": {check.log.steps} steps",
+        health=(
+            *_doubt(check),
+            *missed_poles(check.comparison, check.structure),
+            *health_lines(health),
+        ),
+        sections=(*sections, _unanswered(check)),
+    )
+
+
+def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
+    """That the log is not of the plant told, before anything is said with that plant."""
+    found, decision = check.plant_residual, check.decision
+    lines = []
+    if found is not None and found.is_doubtful:
+        lines.append(Text(str(found), "bad"))
+    if decision is not None:
+        words = decision if isinstance(decision, str) else str(decision)
+        if check.is_undecided:
+            words += " The standard problem is assumed; say --problem."
+        lines.append(Text(words, "bad" if check.is_undecided else "plain"))
+    return tuple(lines)
+
+
+def _decided(decision: Decision | str) -> dict[str, Any]:
+    if isinstance(decision, str):
+        return {"decided": None, "why": decision}
+    return {
+        "decided": decision.decided and decision.decided.problem,
+        "delay": decision.decided and decision.decided.delay,
+        "hypotheses": [
+            {"problem": h.problem, "delay": h.delay, "rms": h.rms} for h in decision.hypotheses
+        ],
+        "y_stays": decision.stays,
+    }
+
+
+def _log(check: ControllerCheck) -> Section:
+    replay, drift, residual = check.replay, check.drift, check.plant_residual
+    blocks: list[Block] = []
+    record: dict[str, Any] = {
+        "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
+        "problem": None if check.decision is None else _decided(check.decision),
+        "plant_residual": residual and {
+            name: getattr(residual, name)
+            for name in ("rms", "change", "best", "relative", "is_doubtful")
+        },
+    }  # fmt: skip
+    if residual is not None and not residual.is_doubtful:
+        blocks.append(Text(str(residual)))
+    if replay is not None:
+        blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
+        record["replay"] = {
+            name: getattr(replay, name)
+            for name in ("of", "agrees", "worst", "worst_step", "start", "shift", "tolerance")
+        }
+    if drift is not None:
+        blocks.append(Text(str(drift), "plain" if drift.is_converged else "bad"))
+        record["drift"] = {n: getattr(drift, n) for n in ("is_converged", "relative", "start")}
+    if not check.is_consistent:
+        words = "What follows is about theta; the logged u came from something else."
+        blocks.append(Text(words))
+    return Section(blocks=tuple(blocks), record=record)
+
+
+def _controller(check: ControllerCheck) -> Section:
+    poles = check.compensator.poles()
+    blocks: list[Block] = [Fact("poles", complex_list(poles))]
+    if (largest := float(abs(poles).max(initial=0.0))) > 1 + 1e-9:
+        words = f"it is unstable by itself: spectral radius {largest:.6g}"
+        blocks.append(Text(words, "warning"))
+    for model in check.internal_models:
+        left = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
+        left = f"; of these z keeps {left}" if left else ""
+        pole = complex_list([model.pole])
+        blocks.append(Text(f"internal model: pole {pole} rejects {model.rejects}{left}"))
+    record = {
+        "P": check.compensator.past_u,
+        "Q": check.compensator.past_y,
+        "poles": poles,
+        "internal_models": [
+            {name: getattr(model, name) for name in ("pole", "omega", "rejects", "gains")}
+            for model in check.internal_models
+        ],
+    }
+    return Section(
+        "The controller", tuple(blocks), {"controller": record}, remark=" at the end of the log"
+    )
+
+
+def _loop(check: ControllerCheck) -> Section:
+    loop, poles = check.loop, check.poles
+    assert loop is not None and poles is not None
+    record = {
+        "is_stable": loop.is_stable,
+        "spectral_radius": loop.spectral_radius,
+        "poles": poles,
+        "zeros": check.zeros,
+    }
+    zeros = {channel: complex_list(found) for channel, found in check.zeros.items()}
+    facts = (Fact("poles", complex_list(poles)), *zeros_facts(zeros))
+    return Section("The closed loop", facts, {"loop": record, "margins": {}})
+
+
+def _disk(check: ControllerCheck) -> Section:
+    blocks = () if check.disk is None else (Text(f"all of u at once: disk {check.disk}"),)
+    return Section(blocks=blocks, record={"disk_margin": disk_record(check.disk)})
+
+
+def _costs(check: ControllerCheck) -> Section:
+    costs = check.costs
+    assert costs is not None
+    blocks: list[Block] = []
+    if costs.reached is None:
+        blocks.append(Text(f"undecided: {costs.obstacle}.", "warning"))
+    else:
+        shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.reached.shares.items())
+        blocks.append(Text(f"{costs.reached.value:.6g} ({shares})"))
+    if costs.least is None:
+        blocks.append(Text(f"no LQG cost: {costs.obstacle}.", "warning"))
+    else:
+        ratio = "" if costs.ratio is None else f"; ratio {costs.ratio:.6g}"
+        blocks.append(Text(f"LQG: {costs.least.value:.6g}{ratio}"))
+    record = {
+        "cost": None if costs.reached is None else costs.reached.value,
+        "by_noise": {} if costs.reached is None else costs.reached.shares,
+        "lqg": None if costs.least is None else costs.least.value,
+        "obstacle": costs.obstacle or None,
+    }
+    remark = " for white noise, with the share of each"
+    return Section("H2 cost", tuple(blocks), {"h2": record}, remark)
+
+
+def _target(check: ControllerCheck) -> Section:
+    parts = []
+    if check.comparison is not None:
+        parts.append(_comparison(check.comparison))
+    if check.match is not None:
+        parts.append(match_section(check.match, ""))
+    if check.split is not None:
+        stable = check.loop is not None and check.loop.is_stable
+        parts.append(split_section(check.split, "", stable))
+    return joined("Against the target model", *parts)
+
+
+def _comparison(comparison: ExactComparison) -> Section:
+    rows = tuple(
+        cells(complex_list([wanted]), complex_list([pole]), f"{abs(wanted - pole):.2e}")
+        for wanted, pole in comparison.assigned
+    )
+    blocks: list[Block] = [Table(("pole of G_f", "closed-loop pole", "distance"), rows)]
+    if comparison.asked is None:
+        blocks.append(Text(f"no exact prediction: {comparison.obstacle}", "warning"))
+    else:
+        far = f"{comparison.spectrum_distance:.3g}"
+        words = f"distance of all poles from those the target asks for: {far}"
+        blocks.append(Text(words))
+    record = {
+        "poles": comparison.target_poles,
+        "worst_pole_distance": comparison.worst_distance,
+        "spectrum_distance": comparison.spectrum_distance,
+        "obstacle": comparison.obstacle or None,
+    }
+    return Section(blocks=tuple(blocks), record={"target": record})
+
+
+def _unanswered(check: ControllerCheck) -> Section:
+    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unanswered.items())
+    return Section("What cannot be said" if lines else "", lines, {"unanswered": check.unanswered})
+
+
+# The margins of a loop as a section of a report.
+
+HEADS = ("", "margin", "at rad/sample", "pole radius there")
+
+
+def margins_section(name: str, margins: Margins) -> Section:
+    """The margins of the loop opened at the signal `name`, each with the poles that show it."""
+    record: dict[str, Any] = {
+        "is_stable": margins.is_stable,
+        "gain_crossovers": margins.gain_crossovers,
+        "phase_crossovers": margins.phase_crossovers,
+    }
+    whole = {"margins": {name: record}}
+    remark = f", the loop opened at {name}"
+    if not margins.is_stable:
+        return Section("Margins", (Text(str(margins), "bad"),), whole, remark)
+    rows = []
+    for label, found, unit in _boundaries(margins):
+        omega = f"{found.omega:.6g}" if found.is_reached else ""
+        there = f"{found.radius_at:.12f}" if found.is_reached else ""
+        rows.append(cells(label, f"{found.value:.6g}{unit}", omega, there))
+        record[label.replace(" ", "_")] = {
+            part: getattr(found, part)
+            for part in ("value", "omega", "is_reached", "radius_before", "radius_at",
+                         "radius_after")
+        }  # fmt: skip
+    record["delay_time"] = margins.delay_time
+    disk = margins.disk
+    record["disk"] = disk_record(disk)
+    if disk is None:
+        return Section("Margins", (Table(HEADS, tuple(rows)),), whole, remark)
+    low, high = disk.gain
+    rows.append(
+        cells(
+            "disk, S - T",
+            f"{disk.alpha:.6g}: {low:.4g} to {high:.4g}, {disk.phase:.4g} deg",
+            f"{disk.omega:.6g}",
+            "" if isnan(disk.radius_at) else f"{disk.radius_at:.12f}",
+        )
+    )
+    peaks = (
+        f"peaks: |S| {disk.S_peak:.4g} at {disk.S_omega:.4g}, |T| {disk.T_peak:.4g} at "
+        f"{disk.T_omega:.4g} rad/sample"
+    )
+    return Section("Margins", (Table(HEADS, tuple(rows)), Text(peaks)), whole, remark)
+
+
+def margins_sheet(margins: Margins) -> Sheet:
+    """The margins of one loop as a report of their own."""
+    return Sheet("", sections=(margins_section("u", margins),))
+
+
+def disk_record(disk: DiskMargin | None) -> dict[str, Any] | None:
+    """A disk margin as a record."""
+    if disk is None:
+        return None
+    return {part.name: getattr(disk, part.name) for part in fields(disk)}
+
+
+def _boundaries(margins: Margins) -> list[tuple[str, StabilityBoundary, str]]:
+    """Name, boundary and unit of each margin of a stable loop."""
+    assert margins.gain_up and margins.gain_down and margins.phase_lag and margins.phase_lead
+    assert margins.delay
+    seconds = "" if margins.delay_time is None else f" = {margins.delay_time:.6g} s"
+    return [
+        ("gain up", margins.gain_up, ""),
+        ("gain down", margins.gain_down, ""),
+        ("phase lag", margins.phase_lag, " deg"),
+        ("phase lead", margins.phase_lead, " deg"),
+        ("delay", margins.delay, f" steps{seconds}"),
+    ]

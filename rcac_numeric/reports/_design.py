@@ -1,0 +1,108 @@
+"""What is said of a design, and of a tuned one: verdict, assumptions, evidence, reasons."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from rcac_numeric.designing._design import ADAPTED, Design, compared
+from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, Table, Text, cells
+
+
+def design_sheet(design: Design) -> Sheet:
+    """The verdict first; then what it rests on."""
+    verdict = design.verdict
+    rcac = verdict.rcac
+    lines = [
+        Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
+        Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
+    ]
+    if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
+        plants = [
+            t.variation.name for t in design.evidence
+            if t.controller == FIXED and not all(t.stable)
+        ]  # fmt: skip
+        words = (
+            f"The fixed controller is lost with {', '.join(plants)}: none on the ladder holds "
+            "over the uncertainty. Say less of it, shorten the dead time, or sample otherwise."
+        )
+        lines.append(Text(words, "bad"))
+    if PID in design.runs:
+        beside = compared(design.evidence, PID)
+        better = " It is the better one here." if beside.is_better else ""
+        lines.append(Text(f"{PID} {beside}.{better}", "warning" if better else "plain"))
+    if not verdict.Ms <= ADAPTED:
+        words = f"The adapted controllers have Ms = {verdict.Ms:.3g}: their loops are not robust."
+        lines.append(Text(words, "warning"))
+    lines += [
+        Text(f"Assumed: {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
+    ]
+    if verdict.use == RCAC:
+        lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
+    return Sheet(
+        "From a plant to a controller",
+        f": e = r - y_0 - v, {design.settings.structure.name} of order "
+        f"{design.settings.structure.n_c}",
+        health=tuple(lines),
+        sections=(_verdict(design), _evidence(design), _reasons(design), _alternatives(design)),
+    )
+
+
+def _verdict(design: Design) -> Section:
+    record = asdict(design.verdict) | {"questions": [asdict(q) for q in design.questions]}
+    return Section(record={"verdict": record})
+
+
+def _evidence(design: Design) -> Section:
+    names = list(dict.fromkeys(trial.controller for trial in design.evidence))
+    plants = list(dict.fromkeys(trial.variation.name for trial in design.evidence))
+    by_name = {(t.controller, t.variation.name): t for t in design.evidence}
+    rows = tuple(
+        cells(plant, *(_entry(by_name[name, plant]) for name in names)) for plant in plants
+    )
+    table = Table(("plant", *(f"{name}: rms, peak, Ms" for name in names)), rows)
+    record = [
+        {"controller": t.controller, "plant": t.variation.name, "stable": list(t.stable),
+         "rms": list(t.rms), "peak": list(t.peak), "Ms": list(t.Ms)}
+        for t in design.evidence
+    ]  # fmt: skip
+    words = Text(
+        "Medians over held-out draws: rms of e_0 over the whole run, largest abs(e_0), peak of S "
+        "with the last controller."
+    )
+    return Section("On held-out runs", (table, words), {"evidence": record})
+
+
+def _entry(trial: Trial) -> Text:
+    lost = len(trial.stable) - sum(trial.stable)
+    numbers = [float(np.median(values)) for values in (trial.rms, trial.peak, trial.Ms)]
+    words = ", ".join(f"{value:.3g}" for value in numbers)
+    if not lost:
+        return Text(words)
+    return Text(f"{words}; {lost} of {len(trial.stable)} lost", "bad")
+
+
+def _reasons(design: Design) -> Section:
+    facts: tuple[Block, ...] = tuple(
+        Fact(one.name, f"{one.value}: {one.words}") for one in design.reasons
+    )
+    record = {one.name: {"value": one.value, "why": one.words} for one in design.reasons}
+    return Section("Why", facts, {"reasons": record})
+
+
+def _alternatives(design: Design) -> Section:
+    blocks: list[Block] = []
+    record: dict[str, Any] = {}
+    for name, one in design.alternatives.items():
+        if isinstance(one, str):
+            blocks.append(Fact(name, f"none: {one}"))
+            record[name] = one
+            continue
+        G_c = one.compensator
+        record[name] = {"past_u": G_c.past_u, "past_y": G_c.past_y}
+        blocks.append(Fact(name, f"a fixed controller of order {G_c.n_c}"))
+    blocks.append(Fact(FIXED, "design.fixed, where the verdict is RCAC the way back"))
+    return Section("Beside it", tuple(blocks), {"alternatives": record})

@@ -1,0 +1,379 @@
+"""What is said of a loop: its health, match and split residual, the exact prediction beside it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import compensator_theory as exact
+from rcac_numeric.analysis._classical import Margins
+from rcac_numeric.analysis._exact_comparison import ExactComparison
+from rcac_numeric.analysis._loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.checks._health import LoopHealth, SignalHealth, SignalSize
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.engine._runs import Run
+from rcac_numeric.reports._sheet import (
+    Block,
+    Fact,
+    Level,
+    Section,
+    Sheet,
+    Table,
+    Text,
+    cells,
+    complex_list,
+    complex_text,
+    exact_text,
+    power_text,
+    rounded,
+)
+
+
+def health_lines(health: LoopHealth) -> tuple[Text, ...]:
+    """Stability, every warning with its remedy, then sizes of signals, margins and excitation."""
+    lines = [_stability(health)]
+    for warning in health.warnings:
+        level: Level = "bad" if warning.is_grave else "warning"
+        lines.append(Text(f"Warning ({warning.code}): {warning}", level))
+    for name, signal in health.signals.items():
+        words = f"{name}: {signal}"
+        if name == "z" and health.free is not None:
+            words += f" ({health.free.rms:.3g} with u = 0)"
+        lines.append(Text(words))
+    for name, margins in health.margins.items():
+        at = "" if len(health.margins) == 1 else f" at {name}"
+        if margins.is_stable:
+            lines.append(Text(f"margins{at}: {margin_words(margins)}"))
+    if health.excitation is not None:
+        guard = "no update was decided by rounding"
+        if health.guard_count:
+            guard = f"{health.guard_count} updates were decided by rounding"
+        lines.append(Text(f"adaptation: {health.excitation}; {guard}"))
+    if health.cost_ratio is not None:
+        lines.append(
+            Text(f"cost: {health.cost_ratio:.4g} times that of LQG for the noise of the run")
+        )
+    if health.supervision is not None and health.supervision.troubles:
+        lines.append(Text(f"supervision: {health.supervision}"))
+    if health.bounded:
+        steps = f"{health.bounded} of {health.steps} steps"
+        words = f"bounds: theta was moved to its bounds in {steps}"
+        if health.is_held and health.missed_by is not None:
+            words += (
+                f"; they decide where the poles are, up to {health.missed_by:.2g} from those of "
+                "the target model"
+            )
+        lines.append(Text(words))
+    return tuple(lines)
+
+
+def health_sheet(health: LoopHealth) -> Sheet:
+    """The lines of the health as a report of their own."""
+    return Sheet("Health of the loop", health=health_lines(health))
+
+
+def health_record(health: LoopHealth) -> dict[str, Any]:
+    """The entries "health" and "warnings" of a record."""
+    record = {
+        "is_stable": health.is_stable,
+        "spectral_radius": health.spectral_radius,
+        "obstacle": health.obstacle or None,
+        "outcome": health.outcome or None,
+        "steps": health.steps,
+        "k_w": health.k_w,
+        "signals": {name: _signal(signal) for name, signal in health.signals.items()},
+        "without_control": _size(health.free),
+        "margins": {name: _margins(found) for name, found in health.margins.items()},
+        "updates_decided_by_rounding": health.guard_count,
+        "updates_moved_to_bounds": health.bounded,
+        "missed_by": health.missed_by,
+        "cost_over_lqg": health.cost_ratio,
+        "next_disturbance": health.next_disturbance and {
+            "adapting": health.next_disturbance.adapting,
+            "frozen": health.next_disturbance.frozen,
+        },
+        "supervision": None if health.supervision is None else str(health.supervision),
+        "excitation": health.excitation and {
+            "l_theta": health.excitation.l_theta,
+            "outweighed": health.excitation.outweighed,
+            "excited": health.excitation.excited,
+        },
+    }  # fmt: skip
+    warnings = [
+        {"code": w.code, "sentence": w.sentence, "next_step": w.next_step, "is_grave": w.is_grave}
+        for w in health.warnings
+    ]
+    return {"health": record, "warnings": warnings}
+
+
+def _stability(health: LoopHealth) -> Text:
+    radius = health.spectral_radius
+    if health.is_stable is None:
+        return Text(f"Whether the loop is stable is not known: {health.obstacle}.", "warning")
+    assert radius is not None, "the loop is known"
+    return stability_line(health.is_stable, radius, "good" if health.is_healthy else "warning")
+
+
+def stability_line(is_stable: bool, radius: float, level: Level = "good") -> Text:
+    """Whether a loop is stable, the first line of its report."""
+    if not is_stable:
+        return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
+    return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", level)
+
+
+def _signal(signal: SignalHealth) -> dict[str, Any]:
+    return {name: _size(getattr(signal, name)) for name in ("before", "after", "late")}
+
+
+def _size(size: SignalSize | None) -> dict[str, float] | None:
+    return None if size is None else {"peak": size.peak, "rms": size.rms}
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    found = {
+        "gain_up": margins.gain_up, "gain_down": margins.gain_down, "phase": margins.phase,
+        "delay": margins.delay,
+    }  # fmt: skip
+    return {name: None if b is None else b.value for name, b in found.items()}
+
+
+def margin_words(margins: Margins) -> str:
+    """Gain, phase and delay margin in one line.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
+    >>> from rcac_numeric.reports._loop import margin_words
+    >>> loop = ClosedLoop(
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
+    >>> margin_words(stability_margins(loop))
+    'gain 0.8 to 1.2 (-1.9 to 1.6 dB), phase 8.43 deg, delay 0.242 steps'
+    """
+    if not margins.is_stable:
+        return "none: the loop is unstable"
+    assert margins.gain_up and margins.gain_down and margins.phase and margins.delay
+    low, high = margins.gain_down.value, margins.gain_up.value
+    delay = f"{margins.delay.value:.3g} steps" if np.isfinite(margins.delay.value) else "any"
+    phase = f"{margins.phase.value:.3g} deg" if np.isfinite(margins.phase.value) else "any"
+    if margins.delay_time is not None and np.isfinite(margins.delay_time):
+        delay += f" = {margins.delay_time:.3g} s"
+    gain = f"{low:.3g} to {high:.3g} ({_decibel(low)} to {_decibel(high)} dB)"
+    return f"gain {gain}, phase {phase}, delay {delay}"
+
+
+def _decibel(gain: float) -> str:
+    with np.errstate(divide="ignore"):
+        return f"{20 * np.log10(gain):.2g}".replace("inf", "infinity")
+
+
+def match_section(match: IntercalatedMatch | None, reason: str) -> Section:
+    """The intercalated transfer function beside G_f."""
+    if match is None:
+        words = f"No match of the intercalated transfer function: {reason}."
+        return Section(blocks=(Text(words),), record={"match": None})
+    words = (
+        "intercalated transfer function against G_f: worst relative error "
+        f"{match.worst:.3g}, median {match.median:.3g}"
+    )
+    record = {"match": {"worst": match.worst, "median": match.median}}
+    return Section(blocks=(Text(words),), record=record)
+
+
+def split_section(split: ResidualSplit | None, reason: str, is_stable: bool) -> Section:
+    """The mean squares of the residual and its parts; (4.14) only where the loop is stable."""
+    if split is None:
+        words = f"No split of the residual: {reason}."
+        return Section(blocks=(Text(words),), record={"residual": None})
+    power = split.power()
+    facts = [Text(f"mean squares of the split residual: {power_text(power)}")]
+    record: dict[str, float] = dict(power)
+    if is_stable:
+        record["identity_error"] = split.identity_error
+        facts.append(Text(f"the split holds to {split.identity_error:.1e} (4.14)"))
+    return Section(blocks=tuple(facts), record={"residual": record})
+
+
+def fitted_section(D_f: Array | None) -> Section:
+    """The denominator of the target model that was fitted with theta; nothing where none was."""
+    if D_f is None:
+        return Section()
+    terms = [f"{d:+.6g} q^-{i}" for i, d in enumerate(D_f[1:], 1)]
+    radius = float(np.abs(np.roots(D_f)).max(initial=0.0))
+    words = " ".join(["1", *terms]) + f", largest root {radius:.6g} in modulus"
+    record = {"D_f": D_f.tolist(), "D_f_spectral_radius": radius}
+    return Section(blocks=(Fact("D_f, fitted with theta", words),), record=record)
+
+
+def joined(title: str, *sections: Section, remark: str = "") -> Section:
+    """Several sections under one title."""
+    record: dict[str, object] = {}
+    for section in sections:
+        record |= section.record
+    blocks = tuple(block for section in sections for block in section.blocks)
+    return Section(title, blocks, record, remark)
+
+
+def zeros_facts(zeros: dict[str, str]) -> tuple[Fact, ...]:
+    """The zeros from each channel of w to z, in words."""
+    return tuple(Fact(f"zeros from {channel} to z", words) for channel, words in zeros.items())
+
+
+MISSED = 0.01  # a pole that is farther from the one asked for is not that pole
+
+
+def missed_poles(c: ExactComparison | None, structure: Structure | None = None) -> tuple[Text, ...]:
+    """The line that a report begins with where poles asked for are not reached.
+
+    A target model with all its poles at 0 asks for a finite response and not for poles. What no
+    theta of the structure places is no fault of the run.
+    """
+    if c is None or not c.target_poles.any():
+        return ()
+    missed = [(a, b) for a, b in c.assigned if not abs(a - b) <= MISSED]
+    if not missed:
+        return ()
+    missed.sort(key=lambda pair: -abs(pair[0] - pair[1]))
+    words = ", ".join(
+        f"{complex_list([a])} by {abs(a - b):.2g} (the loop has {complex_list([b])})"
+        for a, b in missed[:4]
+    )
+    more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
+    count = f"{len(missed)} of {len(c.assigned)} poles asked for"
+    if structure is not None and c.can_be_placed_by(structure) is False:
+        why = (
+            f"No theta of the structure {structure.name} with its {structure.l_theta} coefficients "
+            f"places the {len(c.poles)} poles that the target asks the loop for: "
+        )
+        return (Text(f"{why}{count} are missed, {words}{more}.", "warning"),)
+    return (Text(f"NOT reached: {count} are missed, {words}{more}.", "bad"),)
+
+
+def comparison_section(c: ExactComparison) -> Section:
+    """Coefficients, poles and zeros, reached and asked for."""
+    blocks: list[Block] = [
+        Text("Characteristic polynomial D D_c - N_yu N_c:"),
+        _polynomial(c),
+    ]
+    if c.asked is None:
+        blocks.append(Text(f"No exact prediction: {c.obstacle}", "warning"))
+    pairs = tuple(
+        cells(complex_text(wanted), complex_text(pole), f"{abs(wanted - pole):.2e}")
+        for wanted, pole in c.assigned
+    )
+    blocks.append(Table(("pole of G_f", "closed-loop pole", "distance"), pairs))
+    blocks.append(Fact("other closed-loop poles", complex_list(c.unassigned)))
+    blocks += zeros_facts({channel: complex_list(zeros) for channel, zeros in c.zeros.items()})
+    blocks.append(Fact("worst pole distance", f"{c.worst_distance:.3g}"))
+    if c.compensators is not None:
+        free = len(c.compensators.homogeneous)
+        family = "the one compensator" if not free else f"the {free}-parameter family"
+        far = f"{c.controller_distance:.3g}"
+        words = f"distance of (D_c, N_c) to {family} that places it: {far}"
+        blocks.append(Text(words))
+    record = {
+        "poles": c.poles,
+        "asked_poles": c.asked_poles,
+        "zeros": c.zeros,
+        "characteristic_polynomial": {
+            "asked": None if c.asked is None else [str(v) for v in c.asked.all_coeffs()],
+            "reached": [rounded(v) for v in c.reached.all_coeffs()],
+            "obstacle": c.obstacle or None,
+        },
+        "worst_pole_distance": c.worst_distance,
+        "is_reached": not missed_poles(c),
+        "controller_distance": c.controller_distance,
+    }
+    return Section(blocks=tuple(blocks), record=record)
+
+
+def comparison_sheet(c: ExactComparison) -> Sheet:
+    """A compensator beside the exact prediction: stability, missed poles, the numbers."""
+    radius = float(np.abs(c.poles).max(initial=0.0))
+    is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
+    health = (stability_line(is_stable, radius), *missed_poles(c))
+    return Sheet(
+        "The loop beside the exact prediction", health=health, sections=(comparison_section(c),)
+    )
+
+
+def analysis_sheet(found: LoopAnalysis) -> Sheet:
+    """A run's last controller, or a plant and a compensator, beside theory."""
+    if isinstance(found.of, Run):
+        remark = f": {found.of.outcome} after {found.of.steps} steps"
+        missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)
+        health = (*missed, *health_lines(loop_health(found)))
+    else:
+        remark = ""
+        health = (stability_line(found.loop.is_stable, found.loop.spectral_radius),)
+    return Sheet("The loop", remark, health, (loop_section(found),))
+
+
+def _or_none(found: LoopAnalysis) -> ExactComparison | None:
+    return attempted(lambda: found.comparison)[0]
+
+
+def loop_section(found: LoopAnalysis, title: str = "", remark: str = "") -> Section:
+    """The exact prediction, the match with G_f and the split residual, each or why it is not."""
+    parts = []
+    run = found.of if isinstance(found.of, Run) else None
+    if run is not None and run.saturation is not None:
+        words = "What follows is the linear loop, without the saturation."
+        parts.append(Section(blocks=(Text(words, "warning"),)))
+    comparison, obstacle = attempted(lambda: found.comparison)
+    if comparison is not None:
+        parts.append(comparison_section(comparison))
+    else:
+        parts.append(poles_section(found, found.obstacle or obstacle))
+    match, reason = attempted(lambda: found.match)
+    parts.append(match_section(match, reason))
+    if run is not None:
+        split, reason = attempted(lambda: found.split)
+        parts += [split_section(split, reason, found.loop.is_stable), _guard(run)]
+        parts.append(fitted_section(run.D_f))
+    return joined(title, *parts, remark=remark)
+
+
+def _guard(run: Run) -> Section:
+    if not run.guard_count:
+        return Section()
+    words = (
+        f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided by "
+        "rounding: the data cannot support this R_theta. Use a larger R_theta."
+    )
+    return Section(blocks=(Text(words, "warning"),))
+
+
+def _polynomial(c: ExactComparison) -> Table:
+    rows = []
+    for power in range(c.reached.degree(), -1, -1):
+        reached = c.reached.nth(power)
+        row = [str(power), "", f"{rounded(reached):.12g}", ""]
+        if c.asked is not None:
+            asked = c.asked.nth(power)
+            row[1], row[3] = exact_text(asked), f"{rounded(reached - asked):.1e}"
+        rows.append(cells(*row))
+    return Table(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
+
+
+def poles_section(found: LoopAnalysis, obstacle: str) -> Section:
+    """What float64 can say where the exact comparison does not apply."""
+    poles = found.loop.poles()
+    blocks: list[Block] = [
+        Text(f"No exact comparison: {obstacle}.", "warning"),
+        Fact("closed-loop poles", complex_list(poles)),
+        Fact("controller poles", complex_list(found.compensator.poles())),
+    ]
+    if found.plant.l_z == 1:
+        zeros = {channel: complex_list(values) for channel, values in found.zeros.items()}
+        blocks += zeros_facts(zeros)
+    return Section(blocks=tuple(blocks), record={"obstacle": obstacle, "poles": poles})
+
+
+def run_sheet(run: Run) -> Sheet:
+    """How it ended, and the health of its loop."""
+    remark = f": {run.outcome} after {run.steps} steps"
+    return Sheet("Run", remark, health_lines(loop_health(run)))

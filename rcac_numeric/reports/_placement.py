@@ -1,0 +1,72 @@
+"""An exact pole placement as a report, with what float64 would have kept of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import compensator_theory as exact
+from compensator_theory.errors import CompensatorError
+from compensator_theory.polynomials._poly import is_rational
+from rcac_numeric.analysis._placement_conditioning import PlacementConditioning, compared_solves
+from rcac_numeric.reports._sheet import Section, Sheet, Text
+
+
+def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
+    """The compensator, how many there are, and what the same solve in float64 is worth."""
+    found = _conditioning(placement)
+    lines = [Text(line) for line in str(placement).splitlines()]
+    if placement.numerator.is_zero:
+        lines.insert(0, Text(_of_zero(placement), "warning"))
+    if found is not None:
+        is_worse = found.target_is_stable and not found.float64_is_stable
+        lines.append(Text(f"in float64: {found}", "bad" if is_worse else "plain"))
+    record = {
+        "plant": str(placement.plant),
+        "feedback": placement.feedback,
+        "order": int(placement.denominator.degree()),
+        "compensator": str(placement.compensator),
+        "numerator": _written(placement.numerator),
+        "denominator": _written(placement.denominator),
+        "closed_loop": _written(placement.target),
+        "is_unique": placement.is_unique,
+        "residual_is_zero": bool(placement.residual.is_zero),
+        "summary": str(placement),
+        "is_rational": all(map(is_rational, (placement.target, placement.numerator))),
+        "float64": found and {
+            "condition_number": found.condition_number,
+            "relative_error": found.relative_error,
+            "digits": found.digits,
+            "is_stable": found.float64_is_stable,
+            "target_is_stable": found.target_is_stable,
+            "summary": str(found),
+        },
+    }  # fmt: skip
+    health: tuple[Text, ...] = ()
+    if found is not None and not found.target_is_stable:
+        z = placement.target.gen
+        where = "left of the imaginary axis" if z.name == "s" else "inside the unit circle"
+        health = (Text(f"The loop is UNSTABLE as asked for: poles in {z} belong {where}.", "bad"),)
+    return Sheet(
+        f"G = {placement.plant}", health=health, sections=(Section("", tuple(lines), record),)
+    )
+
+
+def _of_zero(placement: exact.results.PolePlacement) -> str:
+    """What G_c = 0 means: nobody who asks for a compensator expects none."""
+    n, n_c = placement.plant.denominator.degree(), placement.denominator.degree()
+    parts = [f"the plant alone has {n} of the poles asked for"] * (n > 0)
+    parts += [f"D_c has {'the others' if n else 'them'}"] * (n_c > 0)
+    several = "" if placement.is_unique else " is one of several answers and"
+    return f"G_c = 0{several} places them: {', '.join(parts)}. Nothing is fed back."
+
+
+def _conditioning(placement: exact.results.PolePlacement) -> PlacementConditioning | None:
+    """What the float64 solve is worth; None where the question makes no sense."""
+    try:
+        return compared_solves(placement)
+    except CompensatorError:
+        return None
+
+
+def _written(polynomial: Any) -> list[str]:
+    return [str(coefficient) for coefficient in polynomial.all_coeffs()]

@@ -1,0 +1,172 @@
+"""Numeric variables of .mat files, versions 4 to 7, read so that no damaged file can do harm.
+
+SciPy's reader is C that trusts the types and sizes in the file, and dies of a segmentation fault
+where they are wrong; here every size is checked against what is there before it is used.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._files import MOST_BYTES
+from rcac_numeric.arrays._untrusted import Budget
+from rcac_numeric.signals._mat_version_4 import read_version_4
+
+COMPRESSED, MATRIX = 15, 14
+TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+# The class of a variable, and the type of its entries however they are stored.
+CLASSES = {6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4", 14: "i8",
+           15: "u8"}  # fmt: skip
+SPARSE = 5
+COMPLEX_FLAG = 0x0800
+
+
+class DamagedError(ValueError):
+    """What is wrong in a file; the reader adds which file."""
+
+
+def read_mat(file: Path) -> dict[str, np.ndarray]:
+    """The numeric arrays of a file by name; texts, cells and structures are left out."""
+    contents, budget = file.read_bytes(), Budget(file)
+    try:
+        if b"\0" in contents[:4]:
+            return read_version_4(contents, budget)
+        if contents.startswith(b"\x89HDF") or _version(contents) == 2:
+            raise InputError(
+                f"{file} is a .mat file of version 7.3 (HDF5), which is not read here. Save it "
+                "with save('-v7', ...) in MATLAB or Octave."
+            )
+        if _version(contents) != 1 or contents[126:128] not in (b"IM", b"MI"):
+            raise InputError(f"{file} is not a .mat file that can be read.")
+        return _Version5(contents, "<" if contents[126:128] == b"IM" else ">", budget).variables()
+    except (DamagedError, zlib.error, struct.error) as error:
+        raise InputError(f"{file} is a damaged .mat file: {error}.") from None
+
+
+def _version(contents: bytes) -> int:
+    """The major version in the header: 1 for 5 to 7, 2 for 7.3."""
+    tail = contents[124:128]
+    return tail[1 if tail[2:] == b"IM" else 0] if len(tail) == 4 else 0
+
+
+class _Version5:
+    """A file as a sequence of elements: a type, a number of bytes, and so many bytes."""
+
+    def __init__(self, contents: bytes, order: str, budget: Budget) -> None:
+        self.contents, self.order, self.budget = contents, order, budget
+        self.unpacked = 0
+
+    def variables(self) -> dict[str, np.ndarray]:
+        found: dict[str, np.ndarray] = {}
+        view = memoryview(self.contents)[128:]
+        while len(view) >= 8:
+            kind, size = struct.unpack(self.order + "II", view[:8])
+            if size > len(view) - 8:
+                raise DamagedError(f"an element of {size} bytes has {len(view) - 8}")
+            body = view[8 : 8 + size]
+            view = view[8 + size :]
+            if kind == COMPRESSED:
+                body = self._unpacked(body)
+                kind, size = struct.unpack(self.order + "II", body[:8])
+                if size > len(body) - 8:
+                    raise DamagedError(f"an element of {size} bytes has {len(body) - 8}")
+                body = body[8 : 8 + size]
+            if kind == MATRIX:
+                name, values = self._matrix(body)
+                if values is not None and name and not name.startswith("__"):
+                    found[name] = values
+        return found
+
+    def _unpacked(self, body: memoryview) -> memoryview:
+        stream = zlib.decompressobj()
+        room = MOST_BYTES - self.unpacked
+        data = stream.decompress(body, room)
+        if stream.unconsumed_tail:
+            self.budget.take([self.budget.left + 1])  # says what is too much
+        if not stream.eof:
+            raise DamagedError("a compressed variable ends too soon")
+        self.unpacked += len(data)
+        return memoryview(data)
+
+    def _matrix(self, body: memoryview) -> tuple[str, Any]:
+        if not body:
+            return "", None
+        flags, body = self._element(body)
+        if flags.dtype.itemsize != 4 or len(flags) != 2:
+            raise DamagedError("a variable has no class")
+        code = int(flags[0])
+        if code & 0xFF not in (*CLASSES, SPARSE):
+            return "", None
+        dims, body = self._element(body)
+        label, body = self._element(body)
+        shape = [int(size) for size in dims] if dims.dtype.kind in "iu" else []
+        if len(shape) < 2 or min(shape) < 0:
+            raise DamagedError(f"a variable has the dimensions {shape[:8]}")
+        name = label.tobytes().decode("latin-1")
+        if code & 0xFF == SPARSE:
+            return name, self._sparse(body, shape, is_complex=bool(code & COMPLEX_FLAG))
+        count = self.budget.take(shape)
+        real, body = self._element(body)
+        parts = [real]
+        if code & COMPLEX_FLAG:
+            parts.append(self._element(body)[0])
+        if any(len(part) != count for part in parts):
+            raise DamagedError(f"{name} of shape {tuple(shape)} has {len(parts[-1])} entries")
+        kind = CLASSES[code & 0xFF]
+        with np.errstate(invalid="ignore", over="ignore"):  # damaged numbers are numbers
+            values = parts[0].astype(kind) if len(parts) == 1 else _complex(*parts)
+        return name, values.reshape(shape, order="F")
+
+    def _sparse(self, body: memoryview, shape: list[int], *, is_complex: bool) -> np.ndarray:
+        """All entries of a sparse matrix, written out."""
+        self.budget.take(shape)
+        rows, body = self._element(body)
+        starts, body = self._element(body)
+        values, body = self._element(body)
+        if is_complex:
+            values = _complex(values, self._element(body)[0])
+        kinds = rows.dtype.kind + starts.dtype.kind
+        if len(shape) != 2 or len(starts) != shape[1] + 1 or "f" in kinds:
+            raise DamagedError("a sparse matrix has no columns")
+        ends = starts.astype(np.int64)
+        count = int(ends[-1])
+        fits = ends[0] == 0 and (np.diff(ends) >= 0).all() and count <= min(len(rows), len(values))
+        where = rows[: max(count, 0)].astype(np.int64)
+        if not fits or (where.size and not (where.min() >= 0 and where.max() < shape[0])):
+            raise DamagedError("a sparse matrix has entries outside of it")
+        full = np.zeros(shape, dtype=values.dtype if is_complex else np.float64)
+        np.add.at(full, (where, np.repeat(np.arange(shape[1]), np.diff(ends))), values[:count])
+        return full
+
+    def _element(self, view: memoryview) -> tuple[np.ndarray, memoryview]:
+        """The numbers of the next element, and what follows it."""
+        if len(view) < 8:
+            raise DamagedError("a variable ends too soon")
+        (first,) = struct.unpack(self.order + "I", view[:4])
+        if first >> 16:  # up to four bytes, in the tag itself
+            kind, size, start, step = first & 0xFFFF, first >> 16, 4, 8
+            if size > 4:
+                raise DamagedError(f"an element of {size} bytes stands where four have room")
+        else:
+            (size,) = struct.unpack(self.order + "I", view[4:8])
+            kind, start, step = first, 8, 8 + size + -size % 8
+        if kind not in TYPES:
+            raise DamagedError(f"an element has the type {kind}")
+        dtype = np.dtype(TYPES[kind]).newbyteorder(self.order)  # type: ignore[arg-type]
+        if size > len(view) - start or size % dtype.itemsize:
+            raise DamagedError(f"an element of {size} bytes has {max(len(view) - start, 0)}")
+        return np.frombuffer(view[start : start + size], dtype), view[step:]
+
+
+def _complex(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    if len(real) != len(imaginary):
+        raise DamagedError(f"{len(real)} real parts have {len(imaginary)} imaginary ones")
+    values = real.astype(np.complex128)
+    values.imag = imaginary
+    return values

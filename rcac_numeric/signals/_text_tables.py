@@ -1,0 +1,136 @@
+"""Tables of numbers in text files, with or without a row of names."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._untrusted import Budget
+from rcac_numeric.arrays._wording import shortened
+
+
+def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
+    r"""The names of a table's columns, and its numbers; shape (rows, columns).
+
+    Parameters
+    ----------
+    file : path
+        Rows of numbers separated by commas, semicolons or tabs. Empty lines are skipped.
+    named : bool
+        Whether the first row must name the columns. Where it need not, it does if none of its
+        entries is a number; without names the list is empty.
+    """
+    try:
+        with _opened(file) as stream:
+            head, row, delimiter = _first_row(file, stream)
+        _require_room(file, delimiter)
+        is_head = named or all(as_number(entry) is None for entry in row)
+        names = _names(file, head, row) if is_head else []
+        skipped = head if is_head else head - 1
+        with _opened(file) as stream:
+            for _ in range(skipped):
+                stream.readline()
+            table = _table(stream, delimiter)
+        if table is None or table.shape[1] != len(row):  # slower, but it knows what is wrong
+            labels = names or [str(i) for i in range(1, len(row) + 1)]
+            with _opened(file) as stream:
+                table = _checked_table(file, stream, skipped, labels, delimiter)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(
+            f"{file} is not a text file of numbers: {shortened(str(error), 200)}."
+        ) from None
+    if not len(table):
+        held = f"the names {shortened(', '.join(names))} and " if names else ""
+        raise InputError(f"{file} has {held}no row of numbers.")
+    return names, table
+
+
+def as_number(text: str) -> float | None:
+    """The number that a text is, or None; 1_000 is Python, and no number in a file."""
+    try:
+        return None if "_" in text else float(text)
+    except ValueError:
+        return None
+
+
+def _opened(file: Path) -> TextIO:
+    return file.open(newline="", encoding="utf-8-sig")
+
+
+def _first_row(file: Path, stream: TextIO) -> tuple[int, list[str], str]:
+    """The number of the first line that is not empty, its entries, and what separates them."""
+    for line, text in enumerate(stream, start=1):
+        delimiter = next((d for d in ",;\t" if d in text), ",")
+        row = [entry.strip() for entry in next(csv.reader([text], delimiter=delimiter), [])]
+        if any(row):
+            return line, row, delimiter
+    raise InputError(f"{file} is empty.")
+
+
+def _names(file: Path, line: int, row: list[str]) -> list[str]:
+    if all(as_number(name) is not None for name in row):
+        raise InputError(
+            f"{file} begins with numbers; its first row must name the columns, for instance u,y,z."
+        )
+    if len(set(row)) < len(row) or not all(row):
+        raise InputError(
+            f"{file}, line {line}: the columns are named {shortened(', '.join(row))}; each needs a "
+            "name of its own."
+        )
+    return row
+
+
+def _table(stream: TextIO, delimiter: str) -> Array | None:
+    """The rest of the file by NumPy's own reader; None where an entry or a row is not right."""
+    place = stream.tell()
+    while not (line := stream.readline()).strip("\r\n"):
+        if not line:
+            return np.empty((0, 0))  # NumPy would warn
+    stream.seek(place)
+    try:
+        table = np.loadtxt(stream, delimiter=delimiter, comments=None, ndmin=2, quotechar='"')
+    except ValueError:
+        return None
+    return np.asarray(table, dtype=np.float64)
+
+
+def _require_room(file: Path, delimiter: str) -> None:
+    """Refuse more entries than may be read, as far as separators and line ends count them."""
+    separator, count = delimiter.encode(), 0
+    with file.open("rb") as stream:
+        while piece := stream.read(2**20):
+            count += piece.count(separator) + piece.count(b"\n") + piece.count(b"\r")
+    Budget(file).take([count])
+
+
+def _checked_table(
+    file: Path, stream: TextIO, head: int, names: list[str], delimiter: str
+) -> Array:
+    entries = array("d")
+    for line, row in enumerate(csv.reader(stream, delimiter=delimiter), 1):
+        if line <= head or not any(row):
+            continue
+        if len(row) != len(names):
+            raise InputError(
+                f"{file}, line {line}: {len(row)} entries where {len(names)} are needed, one for "
+                "each column."
+            )
+        entries.extend(_entry(file, line, n, entry) for n, entry in zip(names, row, strict=True))
+    return np.array(entries, dtype=np.float64).reshape(-1, len(names))
+
+
+def _entry(file: Path, line: int, name: str, entry: str) -> float:
+    value = as_number(entry)
+    if value is not None:
+        return value
+    hint = " Write decimals with a point." if as_number(entry.replace(",", ".")) is not None else ""
+    raise InputError(
+        f"{file}, line {line}, column {shortened(name, 60)}: {shortened(entry.strip(), 60)!r} is "
+        f"not a number.{hint}"
+    )
