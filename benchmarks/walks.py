@@ -38,7 +38,9 @@ from rcac_numeric import (
 from rcac_numeric.estimation import EKF, Estimator, LinearModel
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = tuple(str(ROOT / name) for name in ("compensator_theory", "rcac_numeric", "rcac_experiments"))
+PACKAGES = tuple(
+    str(ROOT / name) for name in ("compensator_theory", "rcac_numeric", "rcac_experiments")
+)
 EXAMPLES = ROOT / "examples"
 CASE = ROOT / "rcac_experiments/dissertation/example_files/4.7.toml"
 STUDY = """

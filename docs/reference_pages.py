@@ -18,15 +18,15 @@ ROOT = Path(__file__).resolve().parents[1]
 GROUPS = Path(__file__).resolve().parent / "reference_groups"
 PACKAGES = {
     "rcac_numeric": "The numeric half: run RCAC in float64, and hold it against exact theory.",
-    "rcac_experiments": "What uses the libraries: experiment files, studies, pages, the dissertation.",
+    "rcac_experiments": "What uses the two: experiment files, studies, pages, the dissertation.",
     "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
 }
 INDEX = """# Reference
 
 Every public name has a page under the name by which it is imported: from its package,
 `from rcac_numeric import simulate`, or from one of the package's namespaces,
-`from rcac_experiments.sweeps import Study`; the classes of what functions return are all in `results`.
-The groups are by task. Whoever has the dissertation beside them begins with
+`from rcac_experiments.sweeps import Study`; the classes of what functions return are all in
+`results`. The groups are by task. Whoever has the dissertation beside them begins with
 [its equations](equations.md); whoever changes the code, with [the folders](folders.md).
 
 {tables}

@@ -25,7 +25,10 @@ COMMANDS = {
     "explore": ("rcac_experiments.cli._explore:explore", "Write a page on which a loop runs live."),
     "export": ("rcac_experiments.cli._export:export", "Write a controller as C, for a board."),
     "list": ("rcac_experiments.cli._list:list_examples", "List the examples that can be verified."),
-    "observer": ("rcac_experiments.cli._observer:observer", "Tell if a compensator is observer-based."),
+    "observer": (
+        "rcac_experiments.cli._observer:observer",
+        "Tell if a compensator is observer-based.",
+    ),
     "place": ("rcac_experiments.cli._place:place", "Place closed-loop poles exactly."),
     "reproduce": (
         "rcac_experiments.cli._dissertation:reproduce_command",
@@ -42,7 +45,10 @@ COMMANDS = {
     ),
     "store": ("rcac_experiments.cli._studies:store", "Check the store of a study; repair it."),
     "sweep": ("rcac_experiments.cli._studies:sweep", "Run a study: many runs of one experiment."),
-    "tune": ("rcac_experiments.cli._design:tune_command", "rcac design, with settings found by trying."),
+    "tune": (
+        "rcac_experiments.cli._design:tune_command",
+        "rcac design, with settings found by trying.",
+    ),
     "verify": ("rcac_experiments.cli._verify:verify", "Hold a case against the exact prediction."),
 }
 

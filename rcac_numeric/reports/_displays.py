@@ -41,18 +41,14 @@ PICTURES = {
     ),
     "rcac_numeric.checks._check:ControllerCheck": "rcac_numeric.plots._check:plot_check",
     "rcac_numeric.engine._runs:Run": "rcac_numeric.plots._runs:plot_run",
-    "rcac_numeric.estimation._estimates:ModeEstimates": (
-        "rcac_numeric.plots._modes:plot_modes"
-    ),
+    "rcac_numeric.estimation._estimates:ModeEstimates": ("rcac_numeric.plots._modes:plot_modes"),
     "rcac_numeric.analysis._lqg:LQG": "rcac_numeric.plots._lqg:plot_lqg",
     "rcac_numeric.analysis._classical:Margins": "rcac_numeric.plots._margins:plot_margins",
     "rcac_numeric.analysis._disk:DiskMargin": "rcac_numeric.plots._margins:plot_disk_margin",
     "rcac_numeric.plants.gallery._continuous:ContinuousPlant": (
         "rcac_numeric.plots._plants:plot_continuous_plant"
     ),
-    "rcac_numeric.plants.gallery._zeros:ZeroPath": (
-        "rcac_numeric.plots._plants:plot_zero_path"
-    ),
+    "rcac_numeric.plants.gallery._zeros:ZeroPath": ("rcac_numeric.plots._plants:plot_zero_path"),
     "rcac_numeric.designing._design:Design": "rcac_numeric.plots._design:plot_design",
 }
 
@@ -61,7 +57,9 @@ SHEETS = {
     "rcac_numeric.analysis._exact_comparison:ExactComparison": (
         "rcac_numeric.reports._loop:comparison_sheet"
     ),
-    "rcac_numeric.analysis._loop_analysis:LoopAnalysis": "rcac_numeric.reports._loop:analysis_sheet",
+    "rcac_numeric.analysis._loop_analysis:LoopAnalysis": (
+        "rcac_numeric.reports._loop:analysis_sheet"
+    ),
     "rcac_numeric.checks._check:ControllerCheck": "rcac_numeric.reports._check:check_sheet",
     "rcac_numeric.engine._runs:Run": "rcac_numeric.reports._loop:run_sheet",
     "rcac_numeric.analysis._lqg:LQG": "rcac_numeric.reports._lqg:lqg_sheet",

@@ -186,9 +186,7 @@ SAMPLES = {
         exact.decide_positive_real
     ),
     results.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
-        lambda over: exact.forms.jordan_form(
-            [[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over
-        )
+        lambda over: exact.forms.jordan_form([[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over)
     ),
     results.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
         exact.forms.frobenius_form

@@ -22,8 +22,9 @@ def test_a_file_is_verified_without_what_few_files_need():
     """Each of these takes a sixth of a second or more, in every worker and every command."""
     heavy = "{'scipy.stats', 'scipy.signal', 'scipy.optimize', 'control', 'matplotlib'}"
     code = (
-        "import sys; from rcac_experiments import verify; from rcac_experiments.dissertation import "
-        f"load_example; verify(load_example('1.1')); print(sorted({heavy} & set(sys.modules)))"
+        "import sys; from rcac_experiments import verify; "
+        "from rcac_experiments.dissertation import load_example; "
+        f"verify(load_example('1.1')); print(sorted({heavy} & set(sys.modules)))"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"

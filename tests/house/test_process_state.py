@@ -6,7 +6,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FILES = [p for name in ("compensator_theory", "rcac_numeric", "rcac_experiments") for p in (ROOT / name).rglob("*.py")]
+FILES = [
+    p
+    for name in ("compensator_theory", "rcac_numeric", "rcac_experiments")
+    for p in (ROOT / name).rglob("*.py")
+]
 # Each holds for a whole process and all its threads.
 SETTERS = {
     "catch_warnings", "simplefilter", "filterwarnings", "resetwarnings", "umask", "chdir",

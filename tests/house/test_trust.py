@@ -123,4 +123,6 @@ def test_what_a_file_can_reach_is_ours():
     for functions in reachable().values():
         assert functions
         for function, _ in functions:
-            assert function.startswith(("rcac_experiments.", "rcac_numeric.", "compensator_theory.")), function
+            assert function.startswith(
+                ("rcac_experiments.", "rcac_numeric.", "compensator_theory.")
+            ), function

@@ -10,7 +10,9 @@ from docs.reference_pages import public_names
 
 ROOT = Path(__file__).resolve().parents[2]
 HOMES = [
-    (name, m) for p in ("compensator_theory", "rcac_numeric", "rcac_experiments") for name, m in public_names(p).items()
+    (name, m)
+    for p in ("compensator_theory", "rcac_numeric", "rcac_experiments")
+    for name, m in public_names(p).items()
 ]
 
 

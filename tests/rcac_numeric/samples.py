@@ -401,17 +401,27 @@ SAMPLES = {
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
         *answered(seed), orders=(1,), delays=(0,)
     ),
-    rcac_experiments.results.Tuned: lambda seed: rcac_experiments.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
+    rcac_experiments.results.Tuned: lambda seed: rcac_experiments.tune(
+        design(seed), 2, held_out=1, seeds=1, seed=seed
+    ),
     # export, explorer
-    rcac_experiments.results.ExplorerPage: lambda seed: rcac_experiments.results.ExplorerPage("own", f"page {seed}"),
+    rcac_experiments.results.ExplorerPage: lambda seed: rcac_experiments.results.ExplorerPage(
+        "own", f"page {seed}"
+    ),
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),
     # errata
     rcac_experiments.results.Erratum: erratum,
-    rcac_experiments.results.ErratumEvidence: lambda seed: rcac_experiments.results.ErratumEvidence(check=f"chapter_{seed}.step"),
-    rcac_experiments.results.Checked: lambda seed: rcac_experiments.results.Checked(erratum(seed), ()),
-    rcac_experiments.results.Reproduction: lambda seed: rcac_experiments.results.Reproduction((), Path(f"gallery-{seed}/index.html")),
+    rcac_experiments.results.ErratumEvidence: lambda seed: rcac_experiments.results.ErratumEvidence(
+        check=f"chapter_{seed}.step"
+    ),
+    rcac_experiments.results.Checked: lambda seed: rcac_experiments.results.Checked(
+        erratum(seed), ()
+    ),
+    rcac_experiments.results.Reproduction: lambda seed: rcac_experiments.results.Reproduction(
+        (), Path(f"gallery-{seed}/index.html")
+    ),
     # sweeps
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
     sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
@@ -449,7 +459,9 @@ SAMPLES = {
     ),
     rcac_experiments.results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
     # experiments, checks
-    rcac_experiments.FigureRequest: lambda seed: rcac_experiments.FigureRequest("responses", "", first=seed),
+    rcac_experiments.FigureRequest: lambda seed: rcac_experiments.FigureRequest(
+        "responses", "", first=seed
+    ),
     rcac_experiments.Budget: lambda seed: rcac_experiments.Budget(memory=1e8 + seed),
     rcac_experiments.Experiment: experiment,
     rcac_experiments.results.Verification: lambda seed: rcac_experiments.verify(experiment(seed)),

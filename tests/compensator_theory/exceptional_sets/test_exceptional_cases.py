@@ -231,29 +231,19 @@ def test_algebraic_values():
     values = [value for case in found.cases[1:] for _, value in case.values]
     assert {sympy.expand(v**2) for v in values} == {2, 3} and len(values) == 4
     assert all(len(case.answer.elementary_divisors) == 2 for case in found.cases[1:])
-    cubic = exceptional_cases(
-        exact.forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s"
-    )
+    cubic = exceptional_cases(exact.forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s")
     assert [case.values[0][1] for case in cubic.cases[1:]] == [sympy.CRootOf(s**3 - s - 1, 0)]
-    assert exceptional_cases(
-        exact.forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s"
-    ).is_complete
+    assert exceptional_cases(exact.forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s").is_complete
 
 
 def test_what_is_left_open_says_why():
-    circle = exceptional_cases(
-        exact.forms.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s"
-    )
+    circle = exceptional_cases(exact.forms.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s")
     assert circle.cases[1].status == "open" and "linear in no symbol" in circle.cases[1].reason
     assert circle.at({"a": "3/5", "b": "4/5"}) == circle.cases[1] and not circle.is_complete
     with exact.budget(field_degree=2):
-        found = exceptional_cases(
-            exact.forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s"
-        )
+        found = exceptional_cases(exact.forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s")
         assert "field_degree" in found.cases[1].reason
-    few = exceptional_cases(
-        exact.forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2
-    )
+    few = exceptional_cases(exact.forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2)
     assert [case.status for case in few.cases] == ["answered", "answered", "open"]
     found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
     assert "drops out" in found.cases[1].reason
@@ -295,9 +285,7 @@ def test_systems_and_matrices_are_substituted():
 
 def test_a_function_of_several_constructions():
     def both(plant, matrix):
-        return exact.place_poles(plant, [-1], feedback=-1), exact.forms.smith_form(
-            matrix, "s"
-        )
+        return exact.place_poles(plant, [-1], feedback=-1), exact.forms.smith_form(matrix, "s")
 
     found = exceptional_cases(both, "k/(s + a)", [["s", "a*k"], [0, "s"]])
     assert conditions(found) == [
@@ -328,9 +316,9 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
         (lambda: exceptional_cases(exact.forms.smith_form, [["1/s"]]), "polynomial"),
         (lambda: exceptional_cases(exact.forms.smith_form, [["s"]]).at(1), "mapping"),
         (
-            lambda: exceptional_cases(
-                exact.forms.smith_form, [["s", "a"], [0, "s"]], "s"
-            ).at({"b": 1}),
+            lambda: exceptional_cases(exact.forms.smith_form, [["s", "a"], [0, "s"]], "s").at(
+                {"b": 1}
+            ),
             "value for a",
         ),
     ],

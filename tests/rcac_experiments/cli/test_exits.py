@@ -144,7 +144,9 @@ def test_control_c_while_a_command_is_imported(ignored, status, at_a_terminal):
 
 
 def test_the_program_answers_control_c_before_it_imports_anything():
-    code = "import sys, rcac_experiments.cli.__main__; print({'typing', 'click'} & set(sys.modules))"
+    code = (
+        "import sys, rcac_experiments.cli.__main__; print({'typing', 'click'} & set(sys.modules))"
+    )
     shown = subprocess.run(
         [sys.executable, "-S", "-c", f"import sys; sys.path[:] = {sys.path}; {code}"],
         capture_output=True, text=True, check=True,

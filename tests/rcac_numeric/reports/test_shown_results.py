@@ -103,4 +103,6 @@ def test_no_public_class_shows_itself_by_its_address(package):
         public = getattr(importlib.import_module(module), last, None)
         if isinstance(public, type) and not inspect.isabstract(public):
             shown += [name] * (public.__repr__ is object.__repr__)
-    assert shown == ["ProgressLine"] * (package == "rcac_experiments")  # it is a line of the terminal
+    assert shown == ["ProgressLine"] * (
+        package == "rcac_experiments"
+    )  # it is a line of the terminal
