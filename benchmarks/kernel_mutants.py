@@ -115,11 +115,11 @@ def pytest_configure() -> None:
     """In the process of a mutant pytest has this file for a plugin, before it imports a test."""
     import rcac_numeric.engine
 
-    name = "rcac_numeric.engine._kernel"
+    name = "rcac_numeric.compiled._kernel"
     (path,) = glob.glob(os.environ["MUTANT"])
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
-    rcac_numeric.engine._kernel = sys.modules[name] = importlib.util.module_from_spec(spec)  # type: ignore[attr-defined]
+    rcac_numeric.compiled._kernel = sys.modules[name] = importlib.util.module_from_spec(spec)  # type: ignore[attr-defined]
     spec.loader.exec_module(sys.modules[name])
 
 

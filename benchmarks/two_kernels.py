@@ -3,7 +3,7 @@
     python benchmarks/two_kernels.py BEFORE.so AFTER.so [--rounds 31] [--plain]
 
 A process for each build, which measure in turn; processor time, medians over the rounds. Where a
-build lies after an install says `rcac_numeric.engine._kernel.__file__`.
+build lies after an install says `rcac_numeric.compiled._kernel.__file__`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def measurements(kind: str, l_theta: int):
         simulate,
         standard_plant,
     )
-    from rcac_numeric.engine import _kernel as kernel
+    from rcac_numeric.compiled import _kernel as kernel
 
     rng = np.random.default_rng(0)
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
@@ -77,7 +77,7 @@ def measurements(kind: str, l_theta: int):
 
 def measure(path: str) -> None:
     """What a process does: a line "kind l_theta" in, nanoseconds out."""
-    name = "rcac_numeric.engine._kernel"
+    name = "rcac_numeric.compiled._kernel"
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg.blas import dsymv, dsyr
 from yardsticks import symmetric_covariance
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 
 SIZES = (10, 20, 40, 80, 160)
 LANE_SIZES = (10, 20, 40)

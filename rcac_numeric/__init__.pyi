@@ -70,6 +70,7 @@ from .designing._plants import Uncertainty as Uncertainty
 from .engine._batches import SimulationCase as SimulationCase
 from .engine._batches import simulate_many as simulate_many
 from .engine._batches import simulate_stream as simulate_stream
+from .engine._changes import ControllerChange as ControllerChange
 from .engine._controller import Controller as Controller
 from .engine._jobs import RunInterrupted as RunInterrupted
 from .engine._recorder import Recorder as Recorder
@@ -81,7 +82,6 @@ from .engine._simulation import simulate as simulate
 from .engine._simulator import Simulator as Simulator
 from .engine._states import SavedState as SavedState
 from .engine._target_learner import TargetLearner as TargetLearner
-from .engine.live._changes import ControllerChange as ControllerChange
 from .export._fmu import export_fmu as export_fmu
 from .export._folder import export_controller as export_controller
 from .identification._data_targets import target_from_data as target_from_data

@@ -22,9 +22,9 @@ from .controllers._supervision import TroubleCount as TroubleCount
 from .designing._design import Design as Design
 from .designing._logs import LoggedPlant as LoggedPlant
 from .engine._batches import CaseResult as CaseResult
+from .engine._changes import AppliedChange as AppliedChange
 from .engine._run import ReferenceRun as ReferenceRun
 from .engine._target_learner import LearnedTarget as LearnedTarget
-from .engine.live._changes import AppliedChange as AppliedChange
 from .estimation._consistency import Consistency as Consistency
 from .estimation._estimates import AdaptedEstimates as AdaptedEstimates
 from .estimation._estimates import ModeEstimates as ModeEstimates
@@ -46,7 +46,7 @@ from .identification._mu_markov import IdentifiedMarkovParameters as IdentifiedM
 from .identification._output_error import OutputErrorModel as OutputErrorModel
 from .identification._prediction_error import PredictionErrorModel as PredictionErrorModel
 from .identification._zeros import IdentifiedZeros as IdentifiedZeros
-from .identification.online._zeros import OnlineZeros as OnlineZeros
+from .identification._zeros_of_arx import OnlineZeros as OnlineZeros
 from .plants.gallery._operating_points import OperatingPoint as OperatingPoint
 from .plants.gallery._zeros import ZeroPath as ZeroPath
 from .targets._direction_checks import DirectionCheck as DirectionCheck

@@ -25,7 +25,8 @@ def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Gener
 
     Examples
     --------
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer, generic_answer_of
+    >>> from compensator_theory.polynomials._generic_answers import generic_answer
+    >>> from compensator_theory.polynomials._generic_answers import generic_answer_of
     >>> def double(x):
     ...     return 2 * x
     >>> @generic_answer_of(double)

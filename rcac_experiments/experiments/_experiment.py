@@ -13,8 +13,8 @@ import numpy as np
 
 from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.estimation._studies import MEASURES as ESTIMATION_MEASURES
-from rcac_experiments.estimation._studies import EstimationStudy, StudyResult
+from rcac_experiments.experiments._estimation_studies import MEASURES as ESTIMATION_MEASURES
+from rcac_experiments.experiments._estimation_studies import EstimationStudy, StudyResult
 from rcac_experiments.experiments._figure_requests import STANDARD_FIGURES, FigureRequest
 from rcac_experiments.format._places import did_you_mean
 from rcac_experiments.format._values import Integer

@@ -8,17 +8,17 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import InputError
-from rcac_experiments.estimation._estimators import (
+from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._estimation_studies import MEASURES, Estimation, EstimationStudy
+from rcac_experiments.experiments._estimators import (
     ExtendedFilter,
     UnscentedFilter,
     controlled,
     refined,
 )
-from rcac_experiments.estimation._studies import MEASURES, Estimation, EstimationStudy
-from rcac_experiments.estimation._true_systems import TrueSystem
-from rcac_experiments.experiments._budgets import Budget
 from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.experiments._figure_requests import FigureRequest
+from rcac_experiments.experiments._true_systems import TrueSystem
 from rcac_experiments.files._documents import Heading
 from rcac_experiments.format._parts import Shorthand, resolved
 from rcac_experiments.format._places import Errors, Place, brief

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcac_experiments.estimation._true_systems import EXCITATION
+from rcac_experiments.experiments._true_systems import EXCITATION
 from rcac_experiments.files._builder import FILE
 from rcac_experiments.files._estimation import ESTIMATION_FILE
 from rcac_experiments.files._exact import EXACT_FILE

@@ -12,6 +12,7 @@ from rcac_experiments.format._parts import Shorthand
 from rcac_experiments.format._tables import Kinds, Table
 from rcac_experiments.format._values import ByStep, Numbers, Real
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.compiled._updates import ARGUMENTS
 from rcac_numeric.controllers._forgetting import (
     Forgetting,
     ScheduledForgetting,
@@ -23,7 +24,6 @@ from rcac_numeric.controllers._prior import PriorSamples
 from rcac_numeric.controllers._recursive import UD, Covariance
 from rcac_numeric.controllers._resets import CovarianceReset
 from rcac_numeric.controllers._update import weight
-from rcac_numeric.engine.compiled._updates import ARGUMENTS
 
 FACTOR = Real(forgetting_factor)
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
-from rcac_experiments.estimation._studies import StudyResult
+from rcac_experiments.experiments._estimation_studies import StudyResult
 from rcac_experiments.experiments._experiment import RunResult
 from rcac_experiments.experiments._figure_requests import FigureRequest
 from rcac_experiments.judging._measures import MEASURES

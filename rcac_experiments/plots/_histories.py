@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rcac_experiments.estimation._studies import StudyResult
+from rcac_experiments.experiments._estimation_studies import StudyResult
 from rcac_experiments.experiments._experiment import RunResult
 from rcac_experiments.experiments._figure_requests import FigureRequest
 from rcac_numeric.arrays._array_types import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from compensator_theory.errors import InputError
-from rcac_experiments.estimation._studies import StudyResult
+from rcac_experiments.experiments._estimation_studies import StudyResult
 from rcac_experiments.experiments._experiment import RunResult, Verification
 from rcac_experiments.experiments._figure_requests import FigureRequest, require_drawable
 from rcac_experiments.plots._distributions import draw_distribution, draw_study_distribution

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rcac_experiments.estimation._studies import StudyResult
+from rcac_experiments.experiments._estimation_studies import StudyResult
 from rcac_experiments.experiments._experiment import RunResult, Verification
 from rcac_experiments.judging._claim import (
     DEPENDS,

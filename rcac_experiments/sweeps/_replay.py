@@ -27,7 +27,7 @@ from rcac_numeric.arrays._showing import report_of
 from rcac_numeric.arrays._validation import integer
 from rcac_numeric.arrays._values import Value, fingerprint
 from rcac_numeric.arrays._wording import printable, shortened
-from rcac_numeric.engine.compiled._controllers import VARIABLE, instruction_set
+from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 
 @dataclass(frozen=True, eq=False)

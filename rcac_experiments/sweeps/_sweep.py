@@ -27,7 +27,7 @@ from rcac_experiments.sweeps._study import Coordinates, Study, require_meant
 from rcac_experiments.sweeps._versions import differing, versions
 from rcac_experiments.sweeps._worker import KeyWatch, run_chunk
 from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
-from rcac_numeric.engine.compiled._controllers import VARIABLE, instruction_set
+from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 # A chunk takes about so many seconds, and its runs so many bytes.
 CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512

@@ -20,7 +20,7 @@ from rcac_numeric.checks._trials import MISSED, what_places_them
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
 from rcac_numeric.engine._runs import Run
-from rcac_numeric.identification.online._arx import WHITE, RecursiveARX
+from rcac_numeric.identification._recursive_arx import WHITE, RecursiveARX
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import plant_at
 from rcac_numeric.targets._data_driven import DataDriven

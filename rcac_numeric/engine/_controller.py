@@ -21,6 +21,8 @@ from compensator_theory.errors import (
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, number, vector
 from rcac_numeric.arrays._values import fingerprint, html_table, shown_array
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._controllers import compiled_controller, fitted_denominator
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._limits import ControlLimits
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -30,12 +32,10 @@ from rcac_numeric.controllers._supervision import (
     SupervisionWarning,
 )
 from rcac_numeric.controllers._weights import SignalWeight
+from rcac_numeric.engine._changes import AppliedChange, ControllerChange
+from rcac_numeric.engine._device_learner import DeviceLearner, require_not_learnt
+from rcac_numeric.engine._live_control import apply_change
 from rcac_numeric.engine._states import SavedState, saved_state
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._controllers import compiled_controller, fitted_denominator
-from rcac_numeric.engine.live._changes import AppliedChange, ControllerChange
-from rcac_numeric.engine.live._control import apply_change
-from rcac_numeric.engine.live._device_learner import DeviceLearner, require_not_learnt
 from rcac_numeric.targets._model import TargetModel
 
 

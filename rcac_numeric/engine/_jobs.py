@@ -12,12 +12,16 @@ from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, integer, number, real_array, signal_array
 from rcac_numeric.arrays._values import fingerprint
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._controllers import compiled_controller, fitted_denominator
+from rcac_numeric.compiled._plants import compiled_plant
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._recursive import RecursiveLeastSquares
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._supervision import Supervision, SupervisionRecord
-from rcac_numeric.engine import _kernel
+from rcac_numeric.engine._changes import AppliedChange, ControllerChange
 from rcac_numeric.engine._compatibility import (
     AnyController,
     OneController,
@@ -25,15 +29,11 @@ from rcac_numeric.engine._compatibility import (
     controllers_of,
     require_fit,
 )
+from rcac_numeric.engine._learner import DataDrivenLearner, LearningLoop, Restorable
+from rcac_numeric.engine._live_control import apply_change
 from rcac_numeric.engine._runs import OUTCOMES, Run
 from rcac_numeric.engine._states import SavedState, saved_state
 from rcac_numeric.engine._stepwise import StepwiseLoop
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._controllers import compiled_controller, fitted_denominator
-from rcac_numeric.engine.compiled._plants import compiled_plant
-from rcac_numeric.engine.live._changes import AppliedChange, ControllerChange
-from rcac_numeric.engine.live._control import apply_change
-from rcac_numeric.engine.live._learner import DataDrivenLearner, LearningLoop, Restorable
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._saturation import Saturation
 

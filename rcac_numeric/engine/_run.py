@@ -12,6 +12,9 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer, real_array, signal_array
+from rcac_numeric.compiled._controllers import require_parts
+from rcac_numeric.compiled._plants import initial_state, require_linear
+from rcac_numeric.compiled._updates import require_kind
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._weights import SignalWeight, Weight
@@ -25,9 +28,6 @@ from rcac_numeric.engine._ball_updates import (
 )
 from rcac_numeric.engine._compatibility import AnyController, command_position, require_fit
 from rcac_numeric.engine._runs import Run
-from rcac_numeric.engine.compiled._controllers import require_parts
-from rcac_numeric.engine.compiled._plants import initial_state, require_linear
-from rcac_numeric.engine.compiled._updates import require_kind
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._foreign import as_plant
 from rcac_numeric.plants._linear import MATRICES, Plant

@@ -50,9 +50,9 @@ from rcac_numeric.controllers._supervision import (
     TroubleCount,
 )
 from rcac_numeric.controllers._weights import SignalWeight
+from rcac_numeric.engine._changes import AppliedChange, ControllerChange
 from rcac_numeric.engine._compatibility import AnyController, require_fit
 from rcac_numeric.engine._states import SavedState
-from rcac_numeric.engine.live._changes import AppliedChange, ControllerChange
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._linear import MATRICES, Plant
 from rcac_numeric.plants._saturation import Saturation

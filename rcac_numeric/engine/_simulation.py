@@ -17,7 +17,9 @@ from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._supervision import Supervision
+from rcac_numeric.engine._changes import ControllerChange
 from rcac_numeric.engine._compatibility import AnyController
+from rcac_numeric.engine._device_learner import require_not_learnt
 from rcac_numeric.engine._jobs import (
     PreparedRun,
     RunInterrupted,
@@ -25,8 +27,6 @@ from rcac_numeric.engine._jobs import (
 )
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._states import SavedState
-from rcac_numeric.engine.live._changes import ControllerChange
-from rcac_numeric.engine.live._device_learner import require_not_learnt
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._foreign import as_plant
 from rcac_numeric.plants._saturation import Saturation

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import FunctionFailedError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import vector
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._plants import compiled_plant
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._plants import compiled_plant
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._foreign import as_plant
 

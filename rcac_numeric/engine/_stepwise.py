@@ -8,11 +8,11 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, DivergedError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._plants import compiled_plant, initial_state
 from rcac_numeric.controllers._stepwise import StepwiseController
-from rcac_numeric.engine import _kernel
 from rcac_numeric.engine._runs import OUTCOMES
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._plants import compiled_plant, initial_state
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._schedules import PlantSchedule
 

@@ -10,8 +10,8 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, number, one_of
 from rcac_numeric.arrays._values import Standing, Value
+from rcac_numeric.engine._changes import COVARIANCES, ControllerChange
 from rcac_numeric.engine._runs import Run
-from rcac_numeric.engine.live._changes import COVARIANCES, ControllerChange
 from rcac_numeric.identification._data_targets import DataTarget, target_from_data
 from rcac_numeric.plants._any_plant import block_start
 from rcac_numeric.plants._schedules import plant_at

@@ -13,7 +13,7 @@ import numpy as np
 import sympy
 
 from compensator_theory.errors import InputError
-from rcac_numeric.engine.compiled._estimators import (
+from rcac_numeric.compiled._estimators import (
     EstimationModel,
     Tape,
     function_estimation_model,

@@ -15,7 +15,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import float_array, real_array, signal_array
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.engine.compiled._estimators import estimation_failure
+from rcac_numeric.compiled._estimators import estimation_failure
 from rcac_numeric.estimation._any_model import AnyModel
 from rcac_numeric.estimation._consistency import Consistency, nees_consistency, nis_consistency
 from rcac_numeric.estimation._estimator import (

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import float_array, vector
-from rcac_numeric.engine.compiled._estimators import (
+from rcac_numeric.compiled._estimators import (
     EstimationModel,
     Filter,
     estimation_failure,

@@ -12,7 +12,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
 from rcac_numeric.arrays._validation import signal_array
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.engine.compiled._estimators import (
+from rcac_numeric.compiled._estimators import (
     EstimationModel,
     estimation_failure,
     sensitivity,

@@ -13,7 +13,7 @@ from compensator_theory.errors import DivergedError, IllConditionedError, InputE
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Value, replaced
-from rcac_numeric.engine.compiled._estimators import estimation_failure, learn_noises
+from rcac_numeric.compiled._estimators import estimation_failure, learn_noises
 from rcac_numeric.estimation._compiled import compiled_model
 from rcac_numeric.estimation._estimates import record_of
 from rcac_numeric.estimation._identifiability import NoiseInformation, noise_information

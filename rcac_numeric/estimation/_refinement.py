@@ -15,7 +15,7 @@ from compensator_theory.errors import CompensatorError, DivergedError, InputErro
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, signal_array, vector
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.engine.compiled._estimators import (
+from rcac_numeric.compiled._estimators import (
     EstimationError,
     Refinement,
     estimation_failure,

@@ -11,14 +11,14 @@ import numpy as np
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._controllers import compiled_controller
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.engine._compatibility import command_position
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._simulator import Simulator
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._controllers import compiled_controller
 from rcac_numeric.export._tables import CoreTables
 from rcac_numeric.plants._saturation import Saturation
 

@@ -15,6 +15,9 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import BudgetError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._controllers import kernel_arguments
+from rcac_numeric.compiled._updates import require_kind
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -23,9 +26,6 @@ from rcac_numeric.controllers._recursive import UD
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import Supervision
 from rcac_numeric.controllers._weights import SignalWeight
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._controllers import kernel_arguments
-from rcac_numeric.engine.compiled._updates import require_kind
 from rcac_numeric.plants._saturation import Saturation
 
 # What a controller of the core may need at most: beyond it no microcontroller holds P.

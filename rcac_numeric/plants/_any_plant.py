@@ -12,7 +12,7 @@ from rcac_numeric.arrays._validation import instance_of, integer
 class AnyPlant(Protocol):
     """A plant of any kind: `Plant`, `PlantSchedule`, `FunctionPlant`, or one of your own.
 
-    The engine knows how to run those that `rcac_numeric.engine.compiled._plants` has registered.
+    The engine knows how to run those that `rcac_numeric.compiled._plants` has registered.
     """
 
     @property

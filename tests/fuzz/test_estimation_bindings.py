@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from rcac_numeric.estimation import RCMR, FIRSubsystem
 from rcac_numeric.estimation._refinement import compiled_refinement
 from tests.support.kernel_arguments import damaged_state, perhaps_damaged

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.binding_arguments import FUNCTIONS, MAY_REFUSE, METHODS
 from tests.support.kernel_arguments import damaged_state, perhaps_damaged
 from tests.support.kernel_calls import attempt, calls

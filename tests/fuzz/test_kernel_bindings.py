@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.kernel_arguments import (
     SIZES,
     controller_arguments,

@@ -1,54 +1,24 @@
-"""The folders of the packages, in the order of their layers."""
+"""The folders of the packages, from the ground up."""
 
-# From the ground up: a folder imports itself and what stands above it in this list, late imports
-# and those for type checking counted.
-LAYERS = {
-    "compensator_theory": [
-        "polynomials",
-        "matrices",
-        "bezout",
-        "roots",
-        "systems",
-        "forms",
-        "exceptional_sets",
-        "loops",
-        "stability",
-        "placement",
-        "lqg",
-        "observers",
-        "strategies",
-    ],
-    "rcac_numeric": [
-        "arrays",
-        "plants",
-        "plants.gallery",
-        "signals",
-        "targets",
-        "identification",
-        "controllers",
-        "engine.compiled",
-        "identification.online",
-        "engine.live",
-        "engine",
-        "analysis",
-        "estimation",
-        "checks",
-        "designing",
-        "plots",
-        "reports",
-        "export",
-    ],
-    "rcac_experiments": [
-        "format",
-        "estimation",
-        "judging",
-        "experiments",
-        "files",
-        "sweeps",
-        "plots",
-        "reports",
-        "explorer",
-        "dissertation",
-        "cli",
-    ],
+# A folder imports itself and what stands before a `<` to its left, late imports and those for type
+# checking counted. Folders between commas stand side by side and do not know each other.
+HOUSE = {
+    "compensator_theory": """
+        polynomials < matrices, exceptional_sets < bezout, roots < systems
+        < forms, loops, strategies < stability, placement < lqg, observers
+    """,
+    "rcac_numeric": """
+        arrays < plants, signals < plants.gallery, targets < controllers < compiled
+        < identification < engine < analysis, export < estimation, checks < designing
+        < plots, reports
+    """,
+    "rcac_experiments": """
+        format < judging < experiments < files < sweeps, explorer < plots < reports
+        < dissertation < cli
+    """,
 }
+FLOORS = {
+    package: [[folder.strip() for folder in floor.split(",")] for floor in floors.split("<")]
+    for package, floors in HOUSE.items()
+}
+LAYERS = {package: [one for floor in floors for one in floor] for package, floors in FLOORS.items()}

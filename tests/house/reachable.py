@@ -6,7 +6,7 @@ What a file names is a key of one of these tables; it is looked up, and never im
 from collections.abc import Iterator
 from pathlib import Path
 
-from rcac_experiments.estimation._studies import MEASURES as OF_ESTIMATES
+from rcac_experiments.experiments._estimation_studies import MEASURES as OF_ESTIMATES
 from rcac_experiments.experiments._exact_statements import STATEMENTS
 from rcac_experiments.files._builder import FILE
 from rcac_experiments.files._estimation import ESTIMATION_FILE

@@ -10,7 +10,7 @@ from datetime import datetime_CAPI  # a capsule, and no function
 import numpy as np
 from hypothesis import strategies as st
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.kernel_arguments import (
     controller_arguments,
     plant_arguments,

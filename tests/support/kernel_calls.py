@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 
 REFUSALS = (ValueError, TypeError, IndexError, OverflowError, _kernel.EstimationError)
 calls: Counter[str] = Counter()  # "answered", "refused"

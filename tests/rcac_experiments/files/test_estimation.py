@@ -13,8 +13,8 @@ from rcac_experiments import FigureRequest, verify
 from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
 from rcac_experiments.dissertation._examples import absent_examples, example_ids, read_example
-from rcac_experiments.estimation._studies import MEASURES, EstimatedRun
-from rcac_experiments.estimation._true_systems import TrueSystem
+from rcac_experiments.experiments._estimation_studies import MEASURES, EstimatedRun
+from rcac_experiments.experiments._true_systems import TrueSystem
 from rcac_experiments.files._builder import build
 from rcac_numeric import Ramp
 from rcac_numeric.estimation import refine

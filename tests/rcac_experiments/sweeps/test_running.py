@@ -39,7 +39,7 @@ from rcac_experiments.sweeps._store import Store
 from rcac_experiments.sweeps._worker import run_chunk
 from rcac_numeric import simulate
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.engine.compiled._controllers import instruction_set
+from rcac_numeric.compiled._controllers import instruction_set
 from tests.support import studies
 
 ROOT = Path(__file__).parents[3]

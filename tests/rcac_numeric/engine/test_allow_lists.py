@@ -30,10 +30,10 @@ from rcac_numeric import (
     simulate_reference,
 )
 from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.compiled._updates import ARGUMENTS
 from rcac_numeric.controllers._recursive import RecursiveLeastSquares
 from rcac_numeric.controllers._update import Update
 from rcac_numeric.engine._ball_updates import BALL_UPDATES
-from rcac_numeric.engine.compiled._updates import ARGUMENTS
 from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT
 from tests.support.signals import white

@@ -16,7 +16,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 
 PLANT = standard_plant("1/(q - 0.9)")
 UNSTABLE = standard_plant("1/(q - 2)")

@@ -5,7 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.kernel_arguments import segment
 
 

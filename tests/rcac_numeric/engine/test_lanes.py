@@ -18,7 +18,7 @@ from rcac_numeric import (
     simulate_reference,
 )
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from rcac_numeric.engine._jobs import PreparedRun
 from rcac_numeric.plants._linear import MATRICES
 from tests.support.comparisons import identical, same

@@ -32,8 +32,8 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._plants import compiled_plant
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds
 
 

@@ -20,7 +20,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.engine_cases import positive
 from tests.support.strategies import seeds, sizes
 

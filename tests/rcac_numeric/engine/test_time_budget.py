@@ -23,7 +23,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from rcac_numeric.engine._jobs import PreparedRun
 from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from benchmarks.yardsticks import symmetric_covariance
 from compensator_theory import InputError
 from rcac_numeric import UD, ControllerSettings, fir_target, iir, simulate, standard_plant
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 from tests.support.strategies import seeds
 
 SETS = _kernel.instruction_sets()

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import IllConditionedError, InputError
-from rcac_numeric.engine.compiled._estimators import learn_noises
+from rcac_numeric.compiled._estimators import learn_noises
 from rcac_numeric.estimation import (
     EKF,
     IMM,

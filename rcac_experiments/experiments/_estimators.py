@@ -18,8 +18,8 @@ from compensator_theory.errors import (
     IllConditionedError,
     InputError,
 )
-from rcac_experiments.estimation._studies import EstimatedRun, Estimation
-from rcac_experiments.estimation._true_systems import TrueSystem, columns_of, rows_of
+from rcac_experiments.experiments._estimation_studies import EstimatedRun, Estimation
+from rcac_experiments.experiments._true_systems import TrueSystem, columns_of, rows_of
 from rcac_experiments.format._values import Numbers
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight

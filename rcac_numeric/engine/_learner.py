@@ -10,9 +10,9 @@ import numpy as np
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.controllers._structure import Structure
-from rcac_numeric.engine.live._changes import ControllerChange
-from rcac_numeric.identification.online._arx import RecursiveARX
-from rcac_numeric.identification.online._zeros import PHASES, OnlineZeros
+from rcac_numeric.engine._changes import ControllerChange
+from rcac_numeric.identification._recursive_arx import RecursiveARX
+from rcac_numeric.identification._zeros_of_arx import PHASES, OnlineZeros
 from rcac_numeric.targets._data_driven import DataDriven
 from rcac_numeric.targets._model import TargetModel
 

@@ -12,7 +12,7 @@ from compensator_theory.errors import (
     IllConditionedError,
 )
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.engine import _kernel
+from rcac_numeric.compiled import _kernel
 
 Filter = _kernel.Filter
 Refinement = _kernel.Refinement

@@ -27,7 +27,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from rcac_numeric.engine.live._changes import nmp_zero_count
+from rcac_numeric.engine._changes import nmp_zero_count
 from tests.support import textbook
 from tests.support.engine_cases import cases
 from tests.support.signals import noise

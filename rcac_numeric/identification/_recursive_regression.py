@@ -11,7 +11,7 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number, real_array
 from rcac_numeric.arrays._values import Standing
-from rcac_numeric.engine.compiled._estimators import Arx
+from rcac_numeric.compiled._estimators import Arx
 
 
 def floor_of(R_theta: float) -> float:
@@ -19,7 +19,7 @@ def floor_of(R_theta: float) -> float:
 
     Examples
     --------
-    >>> from rcac_numeric.identification.online._regression import floor_of
+    >>> from rcac_numeric.identification._recursive_regression import floor_of
     >>> floor_of(1)
     1.0
     """

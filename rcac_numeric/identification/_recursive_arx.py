@@ -7,10 +7,10 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer
+from rcac_numeric.compiled._estimators import make_arx
 from rcac_numeric.controllers._forgetting import forgetting_factor
-from rcac_numeric.engine.compiled._estimators import make_arx
-from rcac_numeric.identification.online._regression import RecursiveRegression, floor_of
-from rcac_numeric.identification.online._zeros import OnlineZeros, zeros_of
+from rcac_numeric.identification._recursive_regression import RecursiveRegression, floor_of
+from rcac_numeric.identification._zeros_of_arx import OnlineZeros, zeros_of
 
 # Residuals this unlikely to be white say that the order is too small.
 WHITE = 0.001

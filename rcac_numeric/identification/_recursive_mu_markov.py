@@ -7,12 +7,12 @@ import numpy as np
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer
+from rcac_numeric.compiled._estimators import make_mu_markov
 from rcac_numeric.controllers._forgetting import forgetting_factor
-from rcac_numeric.engine.compiled._estimators import make_mu_markov
 from rcac_numeric.identification._mu_markov import IdentifiedMarkovParameters
+from rcac_numeric.identification._recursive_regression import RecursiveRegression, floor_of
 from rcac_numeric.identification._zeros import IdentifiedZeros, identified_zeros
-from rcac_numeric.identification.online._regression import RecursiveRegression, floor_of
-from rcac_numeric.identification.online._zeros import whiteness
+from rcac_numeric.identification._zeros_of_arx import whiteness
 
 # Residuals this unlikely to be white leave the correlations between the H_j unknown.
 WHITE = 0.001

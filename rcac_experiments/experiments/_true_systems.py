@@ -64,7 +64,7 @@ class TrueSystem(Value):
 
     Examples
     --------
-    >>> from rcac_experiments.estimation._true_systems import TrueSystem
+    >>> from rcac_experiments.experiments._true_systems import TrueSystem
     >>> system = TrueSystem(A=[[0.5]], D_1=[1], C=[1], truth=[(0, 2), (10, 3)], A_then=[[0.6]])
     >>> record = system.record(steps=12, seed=0)
     >>> record.y.shape, record.truth[[0, 5, 11]]

@@ -17,6 +17,14 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight, square_root_columns
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._updates import (
+    Event,
+    KernelUpdate,
+    kernel_update,
+    require_kind,
+)
 from rcac_numeric.controllers._bounds import CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
@@ -28,14 +36,6 @@ from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers._supervision import POLICIES, Supervision
 from rcac_numeric.controllers._weights import SignalWeight, Weight
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._updates import (
-    Event,
-    KernelUpdate,
-    kernel_update,
-    require_kind,
-)
 from rcac_numeric.targets._data_driven import DataDriven
 from rcac_numeric.targets._model import TargetModel
 

@@ -13,8 +13,8 @@ from rcac_numeric.identification import (
     identified_zeros,
     identify_markov_parameters,
 )
-from rcac_numeric.identification.online._mu_markov import WHITE
-from rcac_numeric.identification.online._zeros import whiteness
+from rcac_numeric.identification._recursive_mu_markov import WHITE
+from rcac_numeric.identification._zeros_of_arx import whiteness
 from tests.support.strategies import seeds
 
 # (q - 0.3)(q - 1.2)/((q - 0.5)(q^2 - 1.2 q + 0.52)), the plant of the notes

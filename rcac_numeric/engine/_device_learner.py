@@ -8,10 +8,10 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.compiled import _kernel
 from rcac_numeric.controllers._settings import ControllerSettings
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.live._changes import AppliedChange, ControllerChange
-from rcac_numeric.engine.live._learner import DataDrivenLearner, LearningLoop
+from rcac_numeric.engine._changes import AppliedChange, ControllerChange
+from rcac_numeric.engine._learner import DataDrivenLearner, LearningLoop
 
 # Steps that wait to be learnt where no look is due for long.
 LONGEST_WAIT = 4096

@@ -24,7 +24,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.engine.live._learner import FrozenPerturbation
+from rcac_numeric.engine._learner import FrozenPerturbation
 from rcac_numeric.identification import RecursiveARX
 
 ZERO = "(q - 0.8)*(q - {})/((q - 0.5)*(q**2 - 1.9*q + 1))"  # example 6.1 with its zero moved

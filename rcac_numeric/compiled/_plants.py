@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import float_array, real_array
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.compiled._callbacks import Failures
-from rcac_numeric.engine.compiled._updates import require_kind
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._updates import require_kind
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import MATRICES, Plant

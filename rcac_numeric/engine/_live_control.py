@@ -7,6 +7,9 @@ import numpy as np
 from compensator_theory.errors import DivergedError, ImproperError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._controllers import penalty_rows
+from rcac_numeric.compiled._updates import require_kind
 from rcac_numeric.controllers._forgetting import VariableRateForgetting
 from rcac_numeric.controllers._joint import JointUD
 from rcac_numeric.controllers._memoryless import Gradient, Instantaneous
@@ -14,10 +17,7 @@ from rcac_numeric.controllers._recursive import RecursiveLeastSquares
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._sliding_window import SlidingWindow
 from rcac_numeric.controllers._weights import SignalWeight
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.compiled._controllers import penalty_rows
-from rcac_numeric.engine.compiled._updates import require_kind
-from rcac_numeric.engine.live._changes import (
+from rcac_numeric.engine._changes import (
     AppliedChange,
     ControllerChange,
     LiveWeight,

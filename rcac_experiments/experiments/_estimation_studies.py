@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_experiments.estimation._true_systems import TrueSystem
+from rcac_experiments.experiments._true_systems import TrueSystem
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer
 from rcac_numeric.arrays._values import Value

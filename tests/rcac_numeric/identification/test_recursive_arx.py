@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from compensator_theory import InputError
 from rcac_numeric.identification import RecursiveARX
-from rcac_numeric.identification.online._zeros import whiteness, zeros_of
+from rcac_numeric.identification._zeros_of_arx import whiteness, zeros_of
 from tests.support.strategies import seeds
 
 # (q - 0.3)(q - 1.2)/((q - 0.5)(q^2 - 1.2 q + 0.52)), the plant of the notes

@@ -1,1 +1,0 @@
-"""From plants, updates and controllers as data to objects of the kernel."""

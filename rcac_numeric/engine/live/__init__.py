@@ -1,1 +1,0 @@
-"""What is changed in a controller while it runs."""
