@@ -232,36 +232,36 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
         lambda x: len(x.homogeneous) or (x.Pi, x.Gamma),
     ),
     "interactor": (
-        exact.placement.interactor,
+        exact.geometry.interactor,
         lambda p, q, r, t: _plain([[f"1/(s + {p})", f"{q}/(s + 1)"], [f"{r}/s", f"{t}/s**2"]], "s"),
         invariants("powers", "matrix"),
     ),
     "decouple": (
-        exact.placement.decouple,
+        exact.geometry.decouple,
         lambda p, q, r, t: _plain(
             ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), variable="s"
         ),
         invariants("relative_degrees", "matrix"),
     ),
     "controlled_invariant_subspaces": (
-        exact.placement.controlled_invariant_subspaces,
+        exact.geometry.controlled_invariant_subspaces,
         lambda p, q, r, t: _plain(([[p, "1"], [q, r]], [["1"], [t]], [["1", "0"]]), variable="s"),
         lambda x: (x.V.cols, x.R.cols, x.S.cols, x.zero_polynomial),
     ),
     "laurent_expansion": (
-        exact.stability.laurent_expansion,
+        exact.interpolation.laurent_expansion,
         lambda p, q, r, t: _plain(
             f"(s + {p})/((s + {q})*(s**2 + {r}*s + {t}))", "0", 3, variable="s"
         ),
         invariants("order", "coefficients"),
     ),
     "pade_approximant": (
-        exact.stability.pade_approximant,
+        exact.interpolation.pade_approximant,
         lambda p, q, r, t: _plain([p, q, r, t], 1, 2),
         lambda x: (x.approximant.numerator, x.approximant.denominator),
     ),
     "partial_realisation": (
-        exact.stability.partial_realisation,
+        exact.interpolation.partial_realisation,
         lambda p, q, r, t: _plain([p, q, r, t]),
         lambda x: (x.order, x.free_parameters),
     ),

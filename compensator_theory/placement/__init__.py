@@ -1,5 +1,1 @@
-"""Geometric control: controlled invariant subspaces, decoupling, fixed modes."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Where poles can be put: compensators, gains, factorisations, geometric control."""

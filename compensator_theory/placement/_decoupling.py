@@ -123,7 +123,7 @@ def decouple(
 
     Examples
     --------
-    >>> from compensator_theory.placement import decouple
+    >>> from compensator_theory.geometry import decouple
     >>> plant = [[0, 1], [2, 3]], [[1, 0], [0, 1]], [[1, 0], [1, 1]]
     >>> found = decouple(plant, ["s + 1", "s + 2"], variable="s")
     >>> print(found)

@@ -82,7 +82,7 @@ def decouple_disturbance(
 
     Examples
     --------
-    >>> from compensator_theory.placement import decouple_disturbance
+    >>> from compensator_theory.geometry import decouple_disturbance
     >>> A, B, C = [[0, 1, 0], [0, 0, 1], [0, 0, 0]], [[0], [1], [0]], [[1, 0, 0]]
     >>> print(decouple_disturbance((A, B, C), [[0], [0], [1]], variable="s"))
     u = F x with F = [[0, 0, -1]] hides the disturbance from the output

@@ -111,7 +111,7 @@ def decentralised_fixed_modes(
 
     Examples
     --------
-    >>> from compensator_theory.placement import decentralised_fixed_modes
+    >>> from compensator_theory.geometry import decentralised_fixed_modes
     >>> A, B = [[2, 0, 0], [0, 1, 0], [0, 0, 3]], [[1, 0], [1, 0], [0, 1]]
     >>> plant = A, B, [[1, 0, 0], [0, 1, 1]]
     >>> print(decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])], variable="s"))

@@ -97,7 +97,7 @@ def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> I
 
     Examples
     --------
-    >>> from compensator_theory.placement import interactor
+    >>> from compensator_theory.geometry import interactor
     >>> print(interactor([["1/(s + 1)", "1/(s + 2)"], ["1/(s + 3)", "1/(s + 4)"]]))
     [[s, 0], [-s**3 + 2*s**2, s**3]], limit [[1, 1], [6, 8]]
     """

@@ -108,7 +108,7 @@ def controlled_invariant_subspaces(
 
     Examples
     --------
-    >>> from compensator_theory.placement import controlled_invariant_subspaces
+    >>> from compensator_theory.geometry import controlled_invariant_subspaces
     >>> A = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
     >>> print(controlled_invariant_subspaces((A, [[0], [0], [1]], [[2, 1, 0]]), variable="s"))
     V* = span [[1, -2, 4]], R* = span [], zeros of s + 2

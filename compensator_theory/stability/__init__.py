@@ -1,5 +1,1 @@
-"""Where roots lie for which parameters, margins, norms and what interpolation decides of them."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Where roots lie for which parameters: conditions, regions, margins, norms, interpolation."""

@@ -116,7 +116,7 @@ def laurent_expansion(
 
     Examples
     --------
-    >>> from compensator_theory.stability import laurent_expansion
+    >>> from compensator_theory.interpolation import laurent_expansion
     >>> found = laurent_expansion("(s + 5)/(s*(s + 1)**2)", -1, 3)
     >>> print(found, found.residue[0, 0])
     about -1: -4 of power -2, -5 of power -1, -5 of power 0 -5

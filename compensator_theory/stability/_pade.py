@@ -93,7 +93,7 @@ def pade_approximant(
 
     Examples
     --------
-    >>> from compensator_theory.stability import pade_approximant
+    >>> from compensator_theory.interpolation import pade_approximant
     >>> print(pade_approximant([1, -1, "1/2", "-1/6", "1/24"], 2, 2))  # of exp(-s)
     (s**2 - 6*s + 12)/(s**2 + 6*s + 12)
     """

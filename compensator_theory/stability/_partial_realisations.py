@@ -95,7 +95,7 @@ def partial_realisation(
 
     Examples
     --------
-    >>> from compensator_theory.stability import partial_realisation
+    >>> from compensator_theory.interpolation import partial_realisation
     >>> print(partial_realisation([1, 2, -8, 20]))
     (s + 5)/(s**2 + 3*s + 2)
     >>> print(partial_realisation([1, 2, -8]))

@@ -111,7 +111,7 @@ class PickInterpolation(ExactValue):
         Examples
         --------
         >>> from compensator_theory import h_infinity_norm
-        >>> from compensator_theory.stability import nevanlinna_pick
+        >>> from compensator_theory.interpolation import nevanlinna_pick
         >>> found = nevanlinna_pick([1, 2], ["1/2", "1/3"])
         >>> f = found.interpolant()
         >>> print(f, h_infinity_norm(f).value)
@@ -197,7 +197,7 @@ def nevanlinna_pick(
 
     Examples
     --------
-    >>> from compensator_theory.stability import nevanlinna_pick
+    >>> from compensator_theory.interpolation import nevanlinna_pick
     >>> print(nevanlinna_pick([1, 2], [1, -1], 5))
     not feasible with bound 5; the least bound is 2*sqrt(2) + 3
     >>> nevanlinna_pick([1, 2], ["1/2", "1/3"]).is_feasible

@@ -166,19 +166,19 @@ SAMPLES = {
         lambda a: exact.solve_regulator_equations(f"1/(s + {a})", [[0]], [[-1]])
     ),
     results.ControlledInvariantSubspaces: STATE_SPACES.map(
-        exact.placement.controlled_invariant_subspaces
+        exact.geometry.controlled_invariant_subspaces
     ),
     results.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
-        lambda E: exact.placement.decouple_disturbance(
+        lambda E: exact.geometry.decouple_disturbance(
             ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E, variable="s"
         )
     ),
     results.FixedModes: minimal_plants(2).map(
-        lambda plant: exact.placement.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
+        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])], variable="s")
     ),
-    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.placement.decouple),
-    results.Interactor: strictly_proper_plants(max_order=2).map(exact.placement.interactor)
-    | st.just(exact.placement.interactor("a/(s + 1)", "s")),
+    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.geometry.decouple),
+    results.Interactor: strictly_proper_plants(max_order=2).map(exact.geometry.interactor)
+    | st.just(exact.geometry.interactor("a/(s + 1)", "s")),
     results.HInfinityNorm: st.sampled_from(
         ["1/(s + 1)", "(s + 1)/(s**2 + s + 2)", "z/(z - 1/3)"]
     ).map(exact.h_infinity_norm),
@@ -196,16 +196,16 @@ SAMPLES = {
     ),
     results.PopovForm: POLYNOMIAL_MATRICES.map(exact.forms.popov_form),
     results.PadeApproximant: nonzero_rationals().map(
-        lambda c: exact.stability.pade_approximant([1, c, "a"], 1, 1)
+        lambda c: exact.interpolation.pade_approximant([1, c, "a"], 1, 1)
     ),
     results.PartialRealisation: nonzero_rationals().map(
-        lambda c: exact.stability.partial_realisation([1, c, "a", 0], "z")
+        lambda c: exact.interpolation.partial_realisation([1, c, "a", 0], "z")
     ),
     results.LaurentExpansion: strictly_proper_plants().map(
-        lambda plant: exact.stability.laurent_expansion(plant, "a", 2)
+        lambda plant: exact.interpolation.laurent_expansion(plant, "a", 2)
     ),
     results.PickInterpolation: nonzero_rationals().map(
-        lambda w: exact.stability.nevanlinna_pick([1, 2], [w, 1], 3)
+        lambda w: exact.interpolation.nevanlinna_pick([1, 2], [w, 1], 3)
     ),
     results.IntervalStability: rationals().map(
         lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])

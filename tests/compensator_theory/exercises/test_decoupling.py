@@ -4,7 +4,7 @@ import pytest
 import sympy
 
 from compensator_theory.errors import CompensatorError
-from compensator_theory.placement import (
+from compensator_theory.geometry import (
     controlled_invariant_subspaces,
     decentralised_fixed_modes,
     decouple,

@@ -6,7 +6,7 @@ from sympy import Rational, sqrt
 
 from compensator_theory import decide_bounded_real, decide_positive_real, h_infinity_norm
 from compensator_theory.errors import CompensatorError
-from compensator_theory.stability import nevanlinna_pick
+from compensator_theory.interpolation import nevanlinna_pick
 from tests.support.exercises import equal
 
 s = sympy.Symbol("s")

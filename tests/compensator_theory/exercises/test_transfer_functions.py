@@ -13,7 +13,7 @@ from compensator_theory import (
     transfer_function,
     transfer_matrix,
 )
-from compensator_theory.stability import (
+from compensator_theory.interpolation import (
     laurent_expansion,
     pade_approximant,
     partial_realisation,

@@ -20,14 +20,14 @@ from compensator_theory import (
 )
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.forms import smith_mcmillan_form
-from compensator_theory.matrices._linear_algebra import rank
-from compensator_theory.placement import (
+from compensator_theory.geometry import (
     controlled_invariant_subspaces,
     decentralised_fixed_modes,
     decouple,
     decouple_disturbance,
     interactor,
 )
+from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer, realisations, transfer_matrices

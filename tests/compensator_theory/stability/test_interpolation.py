@@ -15,7 +15,7 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.errors import BudgetError, NoSolutionError
-from compensator_theory.stability import (
+from compensator_theory.interpolation import (
     laurent_expansion,
     nevanlinna_pick,
     pade_approximant,

@@ -9,8 +9,8 @@ from sympy import QQ_I, I, Rational
 
 from compensator_theory import CompensatorError, InputError, h_infinity_norm, transfer_function
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.interpolation import nevanlinna_pick
 from compensator_theory.stability import _pick_interpolation as module
-from compensator_theory.stability import nevanlinna_pick
 from compensator_theory.stability._pick_interpolation import solve_pick
 from tests.support.bad_inputs import BAD
 from tests.support.structure_cases import fewer

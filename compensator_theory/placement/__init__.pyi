@@ -1,5 +1,0 @@
-from ._decoupling import decouple as decouple
-from ._disturbance_decoupling import decouple_disturbance as decouple_disturbance
-from ._fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
-from ._interactors import interactor as interactor
-from ._invariant_subspaces import controlled_invariant_subspaces as controlled_invariant_subspaces
