@@ -1,4 +1,4 @@
-"""The one tree of errors of both packages: what was wrong with the input, and what to do next."""
+"""The one tree of errors of all packages: what was wrong with the input, and what to do next."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import rcac_experiments.dissertation
 from rcac_experiments.dissertation._entries import KINDS, Erratum
 from rcac_experiments.dissertation._reading import find_errata
 
-CHAPTERS = Path(rcac_experiments.dissertation.__file__).parent / "chapters"
+CHAPTERS = Path(rcac_experiments.dissertation.__file__).parent / "errata_files"
 HEADINGS = {
     "1": "Chapter 1: plants that are hard to control",
     "2": "Chapter 2: the controller and its update",

@@ -1,7 +1,7 @@
 """Retrospective cost adaptive control in float64: run it, and hold it against exact theory.
 
 Every name below is imported when it is first used, so that the command line answers at once.
-``__version__`` is that of the distribution, for both packages.
+``__version__`` is that of the distribution, for all its packages.
 """
 
 import lazy_loader

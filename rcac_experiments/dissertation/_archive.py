@@ -22,7 +22,7 @@ README = """This is a reproduction of the examples of a dissertation.
 index.html         the page, which needs no network
 cases/             each example as it was computed: claims, measures, verdicts, pictures
 examples/, errata/ the files that say what was run, quoted and claimed, as they were written
-sources/           the two packages in Python, and their data; the compiled kernel is in the
+sources/           the three packages in Python, and their data; the compiled kernel is in the
                    source distribution of compensator-theory {version}
 environment.json   versions of everything that was installed, and the machine
 
@@ -48,7 +48,7 @@ def write_archive(found: Reproduction, path: str | Path) -> None:
         home = resources.files("rcac_experiments.dissertation")
         for name, content in _files(home.joinpath("example_files"), "examples"):
             add(name, content)
-        for name, content in _files(home.joinpath("chapters"), "errata"):
+        for name, content in _files(home.joinpath("errata_files"), "errata"):
             add(name, content)
         for package in PACKAGES:
             for name, content in _files(resources.files(package), f"sources/{package}"):

@@ -85,7 +85,7 @@ def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
 
 @lru_cache(maxsize=1)
 def _every() -> tuple[Erratum, ...]:
-    folder = resources.files("rcac_experiments.dissertation").joinpath("chapters")
+    folder = resources.files("rcac_experiments.dissertation").joinpath("errata_files")
     entries: list[Erratum] = []
     for chapter in CHAPTERS:
         name = f"{'appendix' if chapter in 'AB' else 'chapter'}_{chapter}.toml"

@@ -1,4 +1,4 @@
-"""Pictures of several runs, of stability regions, and of what a figure of a file asks for."""
+"""Pictures of studies and of the figures that an experiment file asks for."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Pictures of several runs, of stability regions, and of what a figure of a file asks for."""
+"""Pictures of runs, loops, designs, margins and stability regions."""
 
 import lazy_loader
 
