@@ -62,11 +62,13 @@ class LoopAnalysis(Value):
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     Compensator, LoopAnalysis, fir_target, standard_plant, target_model)
+    ...     UD, Compensator, ControllerSettings, LoopAnalysis, Step, exogenous, fir_target, iir,
+    ...     simulate, standard_plant, target_model)
     >>> from rcac_numeric.analysis._loop_analysis import attempted
-    >>> from rcac_experiments.dissertation import load_example
-    >>> run = load_example("4.7").main_run.execute().first.run
-    >>> other = target_model("1/q")
+    >>> plant = standard_plant("1/(q - 0.9)")
+    >>> settings = ControllerSettings(structure=iir(2), target=fir_target(plant), update=UD(1e-10))
+    >>> run = simulate(plant, settings, exogenous([Step()], steps=300))
+    >>> other = target_model("1/(2*q)")
     >>> LoopAnalysis(run).match.worst < 1e-5, LoopAnalysis(run, other).match.worst > 0.1
     (True, True)
     >>> plant = standard_plant("1/(q - 2)")

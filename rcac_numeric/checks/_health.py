@@ -241,10 +241,13 @@ class LoopHealth(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import loop_health
-    >>> from rcac_experiments import verify
-    >>> from rcac_experiments.dissertation import load_example
-    >>> health = loop_health(verify(load_example("4.7")))
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, exogenous, iir, loop_health, pole_placement_target,
+    ...     simulate, standard_plant)
+    >>> plant = standard_plant("(q**2 - 1.44*q + 0.81)/((q - 0.9)*(q**2 - 1.71*q + 0.903))")
+    >>> target = pole_placement_target(plant, ["0.5", "-0.5", "0.8j", "-0.8j"])
+    >>> settings = ControllerSettings(structure=iir(4), target=target, update=UD(1e-10), k_w=50)
+    >>> health = loop_health(simulate(plant, settings, exogenous([Step()], steps=100)))
     >>> health.is_stable, round(health.margins["u"].gain_up.value, 3)
     (True, 1.041)
     >>> [warning.code for warning in health.warnings]

@@ -288,9 +288,12 @@ def load_run(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_numeric import load_run
-    >>> from rcac_experiments.dissertation import load_example
-    >>> run = load_example("4.7").main_run.execute().first.run
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, exogenous, fir_target, iir, load_run, simulate,
+    ...     standard_plant)
+    >>> plant = standard_plant("1/(q - 0.9)")
+    >>> settings = ControllerSettings(structure=iir(2), target=fir_target(plant), update=UD(1e-3))
+    >>> run = simulate(plant, settings, exogenous([Step()], steps=100))
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "run.npz"
     >>> run.save(file)
     >>> load_run(file) == run
@@ -315,9 +318,10 @@ def require_consistent(run: Run) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from rcac_experiments.dissertation import load_example
+    >>> from rcac_numeric import Compensator, FixedController, simulate, standard_plant
     >>> from rcac_numeric.engine._runs import require_consistent
-    >>> run = load_example("4.7").main_run.execute().first.run
+    >>> fixed = FixedController(Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[-0.1]]]))
+    >>> run = simulate(standard_plant("1/(q - 0.9)"), fixed, [[1.0]] * 100)
     >>> require_consistent(run)
     >>> require_consistent(replace(run, u=run.u[:3]))
     Traceback (most recent call last):

@@ -35,7 +35,7 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     Parameters
     ----------
     repetition : LoopAnalysis
-        ``verify(experiment).main.first``, for example.
+        ``LoopAnalysis(run)``, for example.
     title : str
 
     Returns
@@ -45,10 +45,14 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
 
     Examples
     --------
-    >>> from rcac_experiments import verify
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, LoopAnalysis, Step, exogenous, fir_target, iir, simulate,
+    ...     standard_plant)
     >>> from rcac_numeric.plots import plot_sheet
-    >>> from rcac_experiments.dissertation import load_example
-    >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
+    >>> plant = standard_plant("(q - 0.5)/((q - 0.9)*(q - 0.8))")
+    >>> settings = ControllerSettings(structure=iir(2), target=fir_target(plant), update=UD(1e-3))
+    >>> run = simulate(plant, settings, exogenous([Step()], steps=100))
+    >>> figure = plot_sheet(LoopAnalysis(run), "A step disturbance")
     >>> len(figure.axes)
     6
     """

@@ -75,10 +75,17 @@ def plot_runs(
 
     Examples
     --------
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, exogenous, fir_target, iir, servo_plant, simulate)
     >>> from rcac_numeric.plots import plot_runs
-    >>> from rcac_experiments.dissertation import load_example
-    >>> specs = load_example("2.1").runs
-    >>> figure = plot_runs({name: spec.execute().first.run for name, spec in specs.items()})
+    >>> plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
+    >>> w = exogenous([Step(), Step(0), Step(0)], steps=300)
+    >>> runs = {}
+    >>> for R_theta in (0.2, 20):
+    ...     settings = ControllerSettings(
+    ...         structure=iir(3), target=fir_target(plant), update=UD(R_theta))
+    ...     runs[f"R_theta = {R_theta}"] = simulate(plant, settings, w)
+    >>> figure = plot_runs(runs)
     >>> figure.axes[0].get_ylabel(), figure.axes[-1].get_xlabel()
     ('performance $z$', 'step $k$')
     """
