@@ -10,23 +10,20 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from compensator_theory.errors import ImproperError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
     Plant,
     Simulator,
-    Step,
     TargetModel,
     compare_exactly,
-    exogenous,
     fir_target,
     intercalated_match,
-    simulate,
     split_residual,
     standard_plant,
 )
 from rcac_numeric.analysis._exact_comparison import pairing
+from tests.support.examples import EXAMPLE_4_6, EXAMPLE_4_7, EXAMPLE_4_8
 from tests.support.strategies import plants, seeds, targets
 
 
@@ -116,8 +113,7 @@ def test_the_residual_splits_exactly(data, seed):
 
 def test_the_split_explains_a_run():
     """In Example 4.7 the match is good, so what is left of z is the disturbance response."""
-    specification = load_example("4.7").main_run
-    run = simulate(specification.plant, specification.settings, exogenous([Step()], 100))
+    run = EXAMPLE_4_7.run()
     split = split_residual(
         run.plant, run.compensator, run.settings.target, u=run.u, y=run.y, z=run.z, w=run.w
     )
@@ -133,8 +129,7 @@ def test_the_split_explains_a_run():
 
 def test_certified_poles_are_the_eigenvalues():
     """Two routes to the closed-loop poles: exact polynomial and float64 eigenvalues."""
-    specification = load_example("4.7").main_run
-    run = simulate(specification.plant, specification.settings, exogenous([Step()], 100))
+    run = EXAMPLE_4_7.run()
     comparison = compare_exactly(run.plant, run.compensator, run.settings.target)
     eigenvalues = ClosedLoop(run.plant, run.compensator).poles()
     assert max(abs(a - b) for a, b in pairing(comparison.poles, eigenvalues)) < 1e-8
@@ -150,9 +145,7 @@ def test_certified_poles_are_the_eigenvalues():
 
 def test_zeros_from_each_channel_of_the_servo_problem():
     """(2.27): from r and v the zeros are those of D D_c, from d those of N D_c."""
-    specification = load_example("4.6").main_run
-    run = simulate(specification.plant, specification.settings, exogenous(
-        specification.signals, 100))  # fmt: skip
+    run = EXAMPLE_4_6.run()
     zeros = compare_exactly(run.plant, run.compensator, run.settings.target).zeros
     N, D = [1, -1.4, 0.85], np.poly([1.05, 0.8 + 0.5j, 0.8 - 0.5j]).real
     for channel, plant_part in (("r", D), ("v", D), ("d", N)):
@@ -163,9 +156,8 @@ def test_zeros_from_each_channel_of_the_servo_problem():
 
 def test_an_exactly_placed_loop_matches_its_target():
     """The compensator that the theory asks for, rounded once, gives G_f in float64."""
-    specification = load_example("4.8").main_run
-    plant, target = specification.plant, specification.settings.target
-    run = simulate(plant, specification.settings, exogenous([Step()], 100))
+    run = EXAMPLE_4_8.run()
+    plant, target = run.plant, run.settings.target
     asked = compare_exactly(plant, run.compensator, target).compensators
     D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
     N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -21,11 +20,12 @@ from rcac_numeric import (
     target_model,
 )
 from rcac_numeric.analysis._loop_analysis import attempted
+from tests.support.examples import EXAMPLE_4_7
 
 
 @pytest.fixture(scope="module")
 def run():
-    return load_example("4.7").main_run.execute().first.run
+    return EXAMPLE_4_7.run()
 
 
 def test_a_run_and_its_log_have_the_same_analyses(run):

@@ -13,8 +13,6 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
-from rcac_experiments.dissertation import load_example
-from rcac_experiments.files._builder import build
 from rcac_numeric import Plant, h2_cost, lqg, servo_plant, standard_plant, with_bias
 from tests.support.dissertation_plants import (
     PLANT_4_1,
@@ -23,12 +21,12 @@ from tests.support.dissertation_plants import (
     PLANT_4_4,
     PLANT_4_4_LITERAL,
     PLANT_6_1,
+    PLANT_6_2,
+    PLANT_A_1,
+    PLANT_A_2,
     rescaled,
 )
 from tests.support.strategies import plants, seeds
-
-PLANT_6_2 = load_example("6.2").main_run.plant
-A_1, A_2 = (load_example(number).main_run.plant for number in ("A.1", "A.2"))
 
 # What a plant with R_2 and V_2 nonsingular needs: as many components of z as of u, of w as of y.
 REGULAR = {"l_u": st.integers(1, 2), "l_y": st.integers(1, 2)} | {
@@ -55,8 +53,8 @@ def regular_plants():
         pytest.param(PLANT_4_4_LITERAL, None, 0.686, 1e-3, id="4.4, d = v"),
         pytest.param(PLANT_6_1, None, 1.9620, 1e-4, id="6.1"),
         pytest.param(PLANT_6_2, None, 2.2769, 1e-4, id="6.2"),
-        pytest.param(A_1, None, 0.81367, 1e-5, id="A.1"),
-        pytest.param(A_2, None, 3.40068, 1e-5, id="A.2"),
+        pytest.param(PLANT_A_1, None, 0.81367, 1e-5, id="A.1"),
+        pytest.param(PLANT_A_2, None, 3.40068, 1e-5, id="A.2"),
     ],
 )
 def test_costs_of_the_text(plant, noise, cost, tolerance):
@@ -69,7 +67,7 @@ def test_costs_of_the_text(plant, noise, cost, tolerance):
     )
 
 
-@pytest.mark.parametrize("plant", [A_1, A_2, PLANT_4_1], ids=["A.1", "A.2", "4.1"])
+@pytest.mark.parametrize("plant", [PLANT_A_1, PLANT_A_2, PLANT_4_1], ids=["A.1", "A.2", "4.1"])
 def test_spectra_are_the_exact_prediction(plant):
     """Against the spectral factors, which no Riccati solver had a part in; and the exact cost."""
     design, exact = lqg(plant), lqg_controller(plant.problem)
@@ -292,36 +290,3 @@ def test_no_exact_poles_are_explained():
         lqg(plant, form="both")
     with pytest.raises(InputError, match="plant = 3"):
         lqg(3)
-
-
-def table(**controller):
-    return {
-        "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.2))"},
-        "signals": {"d": {"white_noise": 1}, "v": {"white_noise": 0.5}},
-        "target": {"model": "fir"},
-        "controller": {"structure": "lqg", **controller},
-        "run": {"steps": 20_000, "stride": 1000},
-    }
-
-
-@pytest.mark.parametrize("form", ["predictor", "filter"])
-def test_an_experiment_runs_lqg_without_adapting(form):
-    noise = {"d": 1.0, "v": 0.25}
-    experiment = build(table(noise=noise, form=form), "case")
-    result = experiment.main_run.execute().first.run
-    design = lqg(experiment.main_run.plant, noise=noise, form=form)
-    assert (result.theta == result.theta[0]).all()
-    assert (result.compensator.past_u == design.compensator.past_u).all()
-    assert (result.compensator.past_y == design.compensator.past_y).all()
-    assert np.mean(result.z[100:] ** 2) == pytest.approx(design.cost.value, rel=0.1)
-
-
-def test_experiments_of_lqg_that_make_no_sense():
-    with pytest.raises(InputError, match="sets 'n_c', which structure = \"lqg\" does not read"):
-        build(table(n_c=3), "case")
-    with pytest.raises(InputError, match="form = 'both'"):
-        build(table(form="both"), "case")
-    changing = table()
-    changing["plant"]["changes"] = [{"start": 10, "gain": 2}]
-    with pytest.raises(InputError, match="this one changes"):
-        build(changing, "case")

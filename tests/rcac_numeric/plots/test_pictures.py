@@ -8,11 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from rcac_experiments import verify
-from rcac_experiments.dissertation import load_example
-from rcac_numeric import check_controller, iir, read_log
+from rcac_numeric import LoopAnalysis, check_controller, iir, read_log
 from rcac_numeric.analysis._match import IntercalatedMatch
 from rcac_numeric.plots._style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
+from tests.support.examples import EXAMPLE_2_3, EXAMPLE_4_7
 
 OMEGA = np.linspace(0.01, 3.13, 200)
 
@@ -51,7 +50,7 @@ def test_a_phase_that_turns_is_followed():
 
 @pytest.mark.costly
 def test_the_phases_of_example_2_3_lie_on_each_other():
-    match = verify(load_example("2.3")).main.first.match
+    match = LoopAnalysis(EXAMPLE_2_3.run()).match
     first, second = phases(match.wanted[:, 0, 0], match.reached[:, 0, 0])
     assert np.abs(first - second).max() < 1
 
@@ -79,12 +78,10 @@ def test_any_title_is_drawn(title):
 
 def test_results_draw_themselves():
     """`plot` of each result is the function of the folder above."""
-    run = load_example("4.7").main_run.execute()
-    assert len(run.first.plot("4.7").axes) == 6
-    log, target = read_log("examples/octave/rcac_loop.mat"), run.first.compared_with
-    check = check_controller(
-        log, structure=iir(n_c=4), plant=run.first.plant, target=target, k_w=50
-    )
+    found = LoopAnalysis(EXAMPLE_4_7.run())
+    assert len(found.plot("4.7").axes) == 6
+    log, target = read_log("examples/octave/rcac_loop.mat"), found.compared_with
+    check = check_controller(log, structure=iir(n_c=4), plant=found.plant, target=target, k_w=50)
     assert len(check.plot().axes) == 7
     alone = check_controller(log.u, log.y, theta=log.theta[-1], structure=iir(n_c=4))
     for axis in (*check.plot().axes, *alone.plot().axes):

@@ -6,9 +6,8 @@ from matplotlib.figure import Figure
 
 from compensator_theory import place_poles
 from compensator_theory.errors import InputError
-from rcac_experiments import verify
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
+    LoopAnalysis,
     check_controller,
     load_run,
     loop_health,
@@ -23,12 +22,12 @@ from rcac_numeric import (
 from rcac_numeric.plots import plot_runs
 from rcac_numeric.plots._coefficients import coefficient_names
 from tests.rcac_numeric import samples
+from tests.support.examples import EXAMPLE_2_1, EXAMPLE_4_7
 
 
 @pytest.fixture(scope="module")
 def compared():
-    experiment = load_example("2.1")
-    return {name: spec.execute().first.run for name, spec in experiment.runs.items()}
+    return {name: loop.run() for name, loop in EXAMPLE_2_1.items()}
 
 
 def test_several_runs_share_their_axes(compared):
@@ -98,12 +97,11 @@ def test_bad_comparisons_are_refused(compared):
 
 @pytest.mark.slow
 def test_notebooks_show_results_in_their_own_ink(tmp_path):
-    verification = verify(load_example("4.7"))
-    run = verification.main.first.run
+    run = EXAMPLE_4_7.run()
     run.save(tmp_path / "run.npz")
     check = check_controller(load_run(tmp_path / "run.npz"))
-    margins = stability_margins(verification.main.first.loop)
-    for shown in (run, verification, check, margins, loop_health(run)):
+    margins = stability_margins(run)
+    for shown in (run, LoopAnalysis(run), check, margins, loop_health(run)):
         text = shown._repr_html_()
         assert text.startswith('<div class="rcac">') and text.rstrip().endswith("</div>")
         assert "#000000" not in text and "currentColor" in text
@@ -125,7 +123,7 @@ def test_results_in_numbers_are_latex_and_pictures():
 
 def test_what_was_kept_of_theta_is_seen_whatever_the_stride():
     """With one row kept the axes were empty: theta(0) is zero, and the last one stood nowhere."""
-    case = load_example("9.1").main_run.execute().first.run
+    case = EXAMPLE_4_7.run(stride=100)
     assert len(case.theta) == 1
     figure = plot_runs([case], signals=["theta"])
     for line, last in zip(figure.axes[0].lines, case.theta_final, strict=True):

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric.plots import plot_runs
+from tests.support.examples import EXAMPLE_4_8
 
 
 @pytest.fixture(scope="module")
 def burst():
     """Its control has a peak that is drawn over decades."""
-    return load_example("4.8").main_run.execute().first.run
+    return EXAMPLE_4_8.run()
 
 
 def overlaps(boxes):

@@ -6,7 +6,6 @@ import re
 from itertools import pairwise
 
 import pytest
-from matplotlib.figure import Figure
 
 from rcac_experiments import verify
 from rcac_experiments.dissertation import load_example
@@ -23,9 +22,7 @@ from rcac_experiments.judging._claim import (
 from rcac_experiments.reports._cases import Case, ClaimRow, case_of, case_page
 from rcac_experiments.reports._verification import verification_sheet
 from rcac_numeric.arrays._values import replaced as replace
-from rcac_numeric.reports._rendering import sheet_html, words
-from rcac_numeric.reports._sheet import Fact, Section, Sheet, Table, Text, cells
-from rcac_numeric.reports._svg import COLOURS, svg_of
+from rcac_numeric.reports._rendering import words
 from rcac_numeric.reports._terminal import as_text
 from tests.support.pages import Page
 
@@ -171,15 +168,6 @@ def test_the_same_case_gives_the_same_page(cases):
     assert Case.from_record(again.to_record()) == again
 
 
-def test_a_legend_of_a_figure_has_no_face_of_its_own():
-    """A white box behind it would stand out on a dark page."""
-    figure = Figure(figsize=(3, 2))
-    figure.subplots().plot([0, 1], label="x")
-    figure.legend()
-    assert "fill: #ffffff" not in svg_of(figure, "a", "A title").replace("opacity: 0", "")
-    assert figure.legends[0].get_frame().get_alpha() == 0
-
-
 def test_words_of_a_user_are_words_and_no_markup():
     table = {
         "id": "<b>x", "title": '<script>alert("x")</script>', "notes": "a & b",
@@ -239,29 +227,3 @@ def test_control_characters_of_a_user_are_written_out():
     for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.report()):
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", text)
         assert r"a\x1b[31m\nb\u202e" in text and r"c\x9b\u2066" in text and r"d\x07" in text
-
-
-def test_a_sheet_keeps_the_order_of_its_blocks():
-    blocks = (Text("one"), Fact("two", "2"), Table(("three",), (cells("3"),)), Text("four", "bad"))
-    found = Page(
-        sheet_html(Sheet("", sections=(Section("Title", blocks, remark=": r"),), notes="n"))
-    )
-    assert found.text == "Title: r one two 2 three 3 four n"
-
-
-def test_a_picture_follows_the_theme_and_keeps_its_labels():
-    figure = Figure(figsize=(3, 2))
-    axis = figure.subplots()
-    axis.plot([0, 1, 2], [0.0, 0.05, 0.1], color="#0b62a3", label="x")
-    axis.legend()
-    one, other = (svg_of(figure, prefix, "A title") for prefix in "ab")
-    assert "var(--c1)" in one and not [colour for colour in COLOURS if colour in one]
-    assert "0.02" in Page(one).text, "labels are words, and no coordinates to be rounded"
-    assert not set(Page(one).ids) & set(Page(other).ids)
-    assert one == svg_of(figure, "a", "A title")
-    longest = max(len(n.split(".")[1]) for n in re.findall(r"\d+\.\d+", "".join(_paths(one))))
-    assert longest == 1
-
-
-def _paths(svg):
-    return [attributes["d"] for attributes in Page(svg).all("path")]
