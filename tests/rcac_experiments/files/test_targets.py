@@ -5,7 +5,8 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments import load_experiment
-from rcac_numeric import Plant, servo_plant, standard_plant
+from rcac_experiments.files._builder import build
+from rcac_numeric import DataDriven, Plant, servo_plant, standard_plant
 from rcac_numeric.targets import high_authority_target_model, markov_target, output_subspace_target
 
 G = "(q - 1.2)/((q - 0.5)*(q - 0.2))"
@@ -97,3 +98,22 @@ def test_high_authority_refuses_the_servo_problem(tmp_path):
     assert servo_plant(G).l_w == 3
     with pytest.raises(InputError, match="scalar u, w, y and z"):
         experiment(tmp_path, 'model = "high authority"', problem="servo")
+
+
+def test_the_input_of_a_model_from_data_is_said_and_why_not_another():
+    """The two inputs are the schema's; asking for the literal one gives the reason."""
+    table = {
+        "plant": {"problem": "standard", "G": "(q - 1.5)/(q*(q - 0.5))"},
+        "signals": {"w": {"white_noise": 0.01}},
+        "target": {"model": "data driven", "order": 9, "start": 100, "input": "frozen u~", "n": 2},
+        "controller": {"n_c": 6, "R_theta": 0.5},
+        "run": {"steps": 300},
+    }
+    settings = build(table, "case").main_run.settings
+    assert settings.learning == DataDriven(order=9, start=100, input="frozen u~", n=2)
+    table["target"]["input"] = "literal u~"
+    with pytest.raises(InputError, match="fades as theta converges"):
+        build(table, "case")
+    table["target"]["input"] = "frozen u"
+    with pytest.raises(InputError, match=r"choose one of u, frozen u~.*Did you mean"):
+        build(table, "case")

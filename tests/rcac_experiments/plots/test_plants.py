@@ -8,10 +8,7 @@ from rcac_experiments.dissertation import load_example
 from rcac_experiments.files._builder import build
 from rcac_experiments.judging._measures import windows_of
 from rcac_experiments.plots._requested import plot_request
-from rcac_numeric.gallery import (
-    plant_zeros,
-    rohrs_plant,
-)
+from rcac_numeric.gallery import plant_zeros, rohrs_plant
 
 OPEN_LOOP = {
     "plant": {"problem": "aircraft transition", "start": 14, "duration": 1},

@@ -12,13 +12,7 @@ from rcac_experiments.dissertation import load_example
 from rcac_experiments.dissertation._pages import LETTERS, WORK, example_page, gallery_page, headline
 from rcac_experiments.dissertation._typesetting import typeset
 from rcac_experiments.files._builder import build
-from rcac_experiments.judging._claim import (
-    CLASSES,
-    DEPENDS,
-    NOT_REPRODUCED,
-    REPRODUCED,
-    VERDICTS,
-)
+from rcac_experiments.judging._claim import CLASSES, DEPENDS, NOT_REPRODUCED, REPRODUCED, VERDICTS
 from rcac_experiments.reports._cases import Case, ClaimRow, case_of, case_page
 from rcac_experiments.reports._verification import verification_sheet
 from rcac_numeric.arrays._values import replaced as replace

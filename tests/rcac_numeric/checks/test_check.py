@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Compensator,
@@ -32,6 +31,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.checks._replays import replay_compensator
+from tests.support.examples import EXAMPLE_4_7
 from tests.support.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"
@@ -39,18 +39,18 @@ OCTAVE = "examples/octave/rcac_loop.mat"
 
 @pytest.fixture(scope="module")
 def octave():
-    run = load_example("4.7").main_run
+    plant, target = EXAMPLE_4_7.plant, EXAMPLE_4_7.settings.target
     return check_controller(
-        read_log(OCTAVE), structure=iir(n_c=4), plant=run.plant, target=run.settings.target, k_w=50
+        read_log(OCTAVE), structure=iir(n_c=4), plant=plant, target=target, k_w=50
     )
 
 
 @pytest.mark.parametrize("update", [UD(R_theta=1e-6), Covariance(R_theta=1e-6)], ids=repr)
 def test_the_log_that_octave_wrote_is_the_run_that_our_engine_makes(octave, update):
     """The same w. The transient is ill-conditioned (R_theta = 1e-6), what it ends at is not."""
-    run = load_example("4.7").main_run
     log = octave.log
-    ours = simulate(run.plant, replace(run.settings, update=update), log.w)
+    settings = replace(EXAMPLE_4_7.settings, update=update)
+    ours = simulate(EXAMPLE_4_7.plant, settings, log.w)
     assert np.abs(ours.z - log.z).max() < 1e-4 * np.abs(log.z).max()
     assert np.abs(ours.u - log.u).max() < 1e-4 * np.abs(log.u).max()
     assert np.abs(ours.theta[-1] - log.theta[-1]).max() < 1e-4 * np.abs(log.theta[-1]).max()

@@ -1,13 +1,9 @@
 """Target models that lose a zero of several inputs and outputs are named, in text and JSON."""
 
-import json
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from benchmarks.yardsticks.directed_plants import plant_of_fractions
-from rcac_experiments.cli._main import main
 from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, iir, loop_health, simulate
 from rcac_numeric.checks._rules import direction_errors
 from rcac_numeric.targets import markov_target, zero_direction_target
@@ -72,35 +68,3 @@ def test_what_is_not_square_or_too_large_is_not_asked():
     poles = [(0.1 * i, 0.2) for i in range(6)]
     large = plant_of_fractions(poles, np.eye(6), 1.5 * np.eye(6))
     assert direction_errors(large, fir(np.eye(6))) == ()
-
-
-@pytest.mark.costly
-def test_verify_says_it_in_its_lines_and_in_json(tmp_path):
-    """The acceptance: `rcac verify` of a user's file with T1."""
-    file = tmp_path / "case.toml"
-    file.write_text(
-        f"""
-title = "two inputs, a delay as the target"
-[plant]
-problem = "standard"
-A = {P1.A.tolist()}
-B = {P1.B.tolist()}
-D_1 = {P1.B.tolist()}
-C = {P1.C.tolist()}
-[signals]
-w = [{{ white_noise = 0.01 }}, {{ white_noise = 0.01 }}]
-[target]
-model = "filter"
-numerator = [[[0, 0], [0, 0]], {H.tolist()}]
-[controller]
-structure = "iir"
-n_c = 8
-R_theta = 1e-3
-[run]
-steps = 60
-"""
-    )
-    said = CliRunner().invoke(main, ["verify", str(file)])
-    assert "Warning (unmodelled zero)" in said.output.replace("\n", " ")
-    record = json.loads(CliRunner().invoke(main, ["verify", str(file), "--json"]).output)
-    assert "unmodelled zero" in {warning["code"] for warning in record["warnings"]}

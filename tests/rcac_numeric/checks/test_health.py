@@ -1,14 +1,9 @@
 """The health of a loop: what is wrong is said first, with the remedy that cures it."""
 
-import json
-
 import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
-from rcac_experiments import load_experiment, verify
-from rcac_experiments.reports._cases import case_of
-from rcac_experiments.reports._verification import verification_sheet
 from rcac_numeric import (
     UD,
     Compensator,
@@ -25,7 +20,6 @@ from rcac_numeric import (
     loop_health,
     servo_plant,
     simulate,
-    stability_margins,
     standard_plant,
 )
 from rcac_numeric.analysis._internal_models import drift_of
@@ -36,24 +30,6 @@ from rcac_numeric.checks._target_errors import target_errors
 from rcac_numeric.checks._trials import next_disturbance
 from rcac_numeric.reports._check import check_sheet
 from rcac_numeric.reports._loop import health_lines
-from rcac_numeric.reports._sheet import as_dict
-
-MOTOR = """
-title = "A motor with unit steps"
-[plant]
-problem = "servo"
-G = "(0.0001*q + 0.00009)/(q**2 - 1.9*q + 0.9)"
-[signals]
-r = { step = 1.0 }
-[target]
-model = "fir"
-[controller]
-structure = "iir"
-n_c = 4
-R_theta = 1e-6
-[run]
-steps = 2000
-"""
 
 
 def codes(health):
@@ -65,52 +41,24 @@ def adapted(plant, target, w, R_theta=1e-2, n_c=2, **options):
     return simulate(plant, settings, w, **options)
 
 
-@pytest.fixture(scope="module")
-def motor(tmp_path_factory):
-    file = tmp_path_factory.mktemp("motor") / "motor.toml"
-    file.write_text(MOTOR)
-    return verify(load_experiment(file))
+def motor(R_theta):
+    """A motor that follows a unit step."""
+    plant = servo_plant("(0.0001*q + 0.00009)/(q**2 - 1.9*q + 0.9)")
+    w = exogenous([Step(), Step(0), Step(0)], steps=2000)
+    return adapted(plant, fir_target(plant), w, R_theta, n_c=4)
 
 
-def test_a_motor_that_blew_up_on_the_way_does_not_end_green(motor):
-    run = motor.main.first.run
+def test_a_motor_that_blew_up_on_the_way_does_not_end_green():
+    run = motor(R_theta=1e-6)
     assert run.outcome == "completed" and abs(run.u).max() > 1e6 and abs(run.z[-1]).max() < 1e-9
-    health = loop_health(motor)
-    assert {"large transient", "large control"} <= set(codes(health))
-    sheet = verification_sheet(motor)
-    assert [t.level for t in sheet.health][:3] == ["warning", "bad", "bad"]
-    record = as_dict(sheet)
-    assert record["health"]["signals"]["u"]["after"]["peak"] == abs(run.u).max()
-    assert [w["code"] for w in record["warnings"]] == codes(health)
-    assert all(w["next_step"] and w["sentence"] for w in record["warnings"])
-    json.dumps(record, allow_nan=False)
+    assert {"large transient", "large control"} <= set(codes(loop_health(run)))
 
 
-@pytest.mark.costly
-def test_text_and_page_begin_with_what_the_record_says(motor):
-    text, body = str(motor), case_of(motor).body
-    first = text.split("\n\n", maxsplit=1)[0]
-    assert repr(motor) == first and "Warning (large transient)" in first
-    assert body.index("Warning (large transient)") < body.index("The problem")
-
-
-def test_a_larger_R_theta_cures_the_motor_as_the_warning_says(motor):
+def test_a_larger_R_theta_cures_the_motor_as_the_warning_says():
     """R_theta = 1: |u| stays below 1, and no grave warning is left."""
-    spec = motor.main.specification
-    tame = replace(spec, settings=replace(spec.settings, update=UD(R_theta=1.0)))
-    health = loop_health(tame.execute().first)
+    health = loop_health(motor(R_theta=1.0))
     assert health.signals["u"].after.peak < 1
     assert not any(warning.is_grave for warning in health.warnings)
-
-
-def test_the_boost_converter_says_its_gain_margin():
-    found = verify(load_experiment("examples/boost_converter.toml"))
-    health = loop_health(found)
-    oracle = stability_margins(found.main.first.loop).gain_up.value
-    assert oracle < 1.5 and health.margins["u"].gain_up.value == oracle
-    assert "small margins" in codes(health)
-    assert f"{oracle:.3g} times the gain is unstable" in str(found).split("The problem")[0]
-    assert health.is_stable and "NOT reached" not in str(found), "an example shows what works"
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

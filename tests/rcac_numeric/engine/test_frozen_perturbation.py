@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments.files._builder import build
 from rcac_numeric import (
     UD,
     Controller,
@@ -122,25 +121,6 @@ def test_a_run_cut_or_driven_step_by_step_is_the_run():
             state, controller = controller.state, Controller(settings)
             controller.restore(state)
         assert np.array_equal(controller.step(run.y[k], run.z[k]), run.u[k])
-
-
-def test_an_experiment_file_says_it_and_says_why_not():
-    """The two inputs are the schema's; asking for the literal one gives the reason."""
-    table = {
-        "plant": {"problem": "standard", "G": "(q - 1.5)/(q*(q - 0.5))"},
-        "signals": {"w": {"white_noise": 0.01}},
-        "target": {"model": "data driven", "order": 9, "start": 100, "input": "frozen u~", "n": 2},
-        "controller": {"n_c": 6, "R_theta": 0.5},
-        "run": {"steps": 300},
-    }
-    settings = build(table, "case").main_run.settings
-    assert settings.learning == DataDriven(order=9, start=100, input="frozen u~", n=2)
-    table["target"]["input"] = "literal u~"
-    with pytest.raises(InputError, match="fades as theta converges"):
-        build(table, "case")
-    table["target"]["input"] = "frozen u"
-    with pytest.raises(InputError, match=r"choose one of u, frozen u~.*Did you mean"):
-        build(table, "case")
 
 
 def test_refusals():

@@ -2,7 +2,7 @@
 
 `saved/run.npz` and the fingerprints here were written by the dataclasses that came before; the
 state is of format 2, which keeps what the supervisor knows, and one of format 1 is refused. Who
-changes a field or a name of one of these classes changes the fingerprint of every state and study
+changes a field or a name of one of these classes changes the fingerprint of every state
 that was ever saved: that is refused here, until the files' version moves.
 """
 
@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
-from rcac_experiments.sweeps import Axis, Kept, Study
 from rcac_numeric import (
     UD,
     CoefficientBounds,
@@ -73,17 +72,6 @@ def settings(**others):
     )
 
 
-def study():
-    base = {
-        "plant": {"problem": "standard", "G": "1/(q - 0.9)", "sample_time": 0.1},
-        "signals": {"w": {"white_noise": 1}},
-        "target": {"model": "fir"},
-        "controller": {"n_c": 2, "R_theta": 1e-20, "lambda": 0.99},
-        "run": {"steps": 200},
-    }
-    return Study(base, [Axis("R_theta", [0.01, 1, 100], sets="controller.R_theta")], [Kept("rms")])
-
-
 VALUES = {
     "settings": (settings, "d075e0a52be80bb0"),
     "filter form": (lambda: settings(form="filter"), "cb54acbbfb36b1a2"),
@@ -118,7 +106,6 @@ VALUES = {
     "levels": (lambda: Levels([1, -1], hold=2), "c775f552d20d1a93"),
     "piecewise": (lambda: Piecewise([(0, Step()), (5, 2 * Ramp() + Step(1))]), "76745055b03931ac"),
 }
-STUDY = "3647be7414e81284"
 
 
 @pytest.mark.exact_data
@@ -126,11 +113,6 @@ STUDY = "3647be7414e81284"
 def test_a_fingerprint_is_what_it_was(name):
     make, known = VALUES[name]
     assert fingerprint(make()) == known
-
-
-@pytest.mark.exact_data
-def test_the_fingerprint_of_a_study_is_what_it_was():
-    assert study().fingerprint == STUDY
 
 
 def run():

@@ -9,30 +9,9 @@ from hypothesis import strategies as st
 
 import rcac_numeric as r
 from compensator_theory.errors import InputError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import FunctionPlant, load_run, simulate, simulate_reference
 from tests.rcac_numeric import samples
-
-SPECIFICATIONS = {
-    (number, name): spec
-    for number in ("2.4", "2.6", "2.7", "4.7", "5.2", "5.6")
-    for name, spec in load_example(number).reduced(1).runs.items()
-    if not spec.reference
-}
-
-
-@pytest.mark.costly
-@pytest.mark.cases(15)
-@pytest.mark.parametrize("of", SPECIFICATIONS, ids=str)
-def test_every_kind_of_run_comes_back_bit_for_bit(of, tmp_path):
-    """Schedules, saturations, several controllers, fixed ones, divergences."""
-    with np.errstate(all="ignore"):
-        run = SPECIFICATIONS[of].execute().first.run
-    run.save(tmp_path / "run.npz")
-    again = load_run(tmp_path / "run.npz")
-    assert again == run
-    for name in ("u", "y", "z", "w", "theta", "theta_final", "u_applied"):
-        assert getattr(again, name).tobytes() == getattr(run, name).tobytes()
+from tests.support.examples import EXAMPLE_4_6
 
 
 @settings(max_examples=20)
@@ -118,7 +97,7 @@ def test_a_plant_made_of_functions_is_asked_for(tmp_path):
 
 @pytest.mark.costly
 def test_tables_hold_the_arrays():
-    run = load_example("6.4").main_run.execute().first.run
+    run = EXAMPLE_4_6.run(stride=10)
     frame, data = run.to_pandas(), run.to_xarray()
     assert list(frame.index) == list(run.k) and frame.index.name == "k"
     for name in ("z", "u", "w", "y"):

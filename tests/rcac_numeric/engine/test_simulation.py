@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from compensator_theory import CompensatorError, InputError
 from compensator_theory.errors import DivergedError, ImproperError
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Controller,
@@ -34,6 +33,7 @@ from rcac_numeric import (
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._plants import compiled_plant
+from tests.support.examples import EXAMPLE_4_6
 from tests.support.strategies import controllers, plants, seeds
 
 
@@ -78,15 +78,14 @@ def test_both_updates_agree_with_300_digits(data, seed):
 @pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20, 1e-40])
 def test_ud_keeps_ten_digits_where_the_covariance_loses_them(R_theta):
     """Example 4.6 from k_w = n_f = 5: the float64 covariance fails from R_theta = 1e-20 on."""
-    specification = load_example("4.6").main_run
-    settings = replace(specification.settings, k_w=5, k_update=5, update=UD(R_theta=R_theta))
-    w = exogenous(specification.signals, specification.steps)
-    exact = simulate_reference(specification.plant, settings, w, digits=250)
+    plant, w = EXAMPLE_4_6.plant, EXAMPLE_4_6.w()
+    settings = replace(EXAMPLE_4_6.settings, k_w=5, k_update=5, update=UD(R_theta=R_theta))
+    exact = simulate_reference(plant, settings, w, digits=250)
     assert exact.digits > 50
     size = np.abs(exact.theta_final).max()
 
     def error(kind):
-        run = simulate(specification.plant, replace(settings, update=kind(R_theta=R_theta)), w)
+        run = simulate(plant, replace(settings, update=kind(R_theta=R_theta)), w)
         return np.abs(run.theta_final - exact.theta_final).max() / size
 
     assert error(UD) < 1e-10
@@ -96,14 +95,13 @@ def test_ud_keeps_ten_digits_where_the_covariance_loses_them(R_theta):
 
 def test_the_guard_speaks_where_the_data_cannot_support_the_weight():
     """A filter switched on at k_w makes Example 4.6 ill-posed for R_theta = 1e-40."""
-    specification = load_example("4.6").main_run
-    w = exogenous(specification.signals, specification.steps)
+    plant, w = EXAMPLE_4_6.plant, EXAMPLE_4_6.w()
     settings = replace(
-        specification.settings, k_w=5, k_update=5, k_filter=5, update=UD(R_theta=1e-40 * np.eye(8))
+        EXAMPLE_4_6.settings, k_w=5, k_update=5, k_filter=5, update=UD(R_theta=1e-40 * np.eye(8))
     )
-    assert simulate(specification.plant, settings, w).guard_count > 0
+    assert simulate(plant, settings, w).guard_count > 0
     mild = replace(settings, update=UD(R_theta=1e-6 * np.eye(8)))
-    assert simulate(specification.plant, mild, w).guard_count == 0
+    assert simulate(plant, mild, w).guard_count == 0
 
 
 def test_start_up():

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
     Covariance,
     TargetModel,
-    exogenous,
     iir,
     simulate,
     simulate_reference,
@@ -19,6 +17,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support.dissertation_plants import PLANT_4_1
+from tests.support.examples import EXAMPLE_4_6, EXAMPLE_4_7, EXAMPLE_4_8
 
 
 def split(row, inputs):
@@ -50,9 +49,8 @@ def example(name, k_w):
         return PLANT_4_1, ControllerSettings(
             structure=structure, target=target, update=UD(R_theta=1.0), k_w=k_w
         ), w  # fmt: skip
-    run = load_example(name).main_run
-    settings = replace(run.settings, k_w=k_w, k_update=k_w)
-    return run.plant, settings, exogenous(run.signals, 200)
+    loop = {"4.6": EXAMPLE_4_6, "4.7": EXAMPLE_4_7, "4.8": EXAMPLE_4_8}[name]
+    return loop.plant, replace(loop.settings, k_w=k_w, k_update=k_w), loop.w(200)
 
 
 # What the covariance of the text loses at R_theta = 1e-10 and 1e-20; None: little or by luck.

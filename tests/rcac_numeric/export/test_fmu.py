@@ -7,10 +7,8 @@ import zipfile
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli._main import main
 from rcac_numeric import (
     UD,
     Compensator,
@@ -186,22 +184,6 @@ def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version)
         slave.step(k, np.array([np.nan]), np.array([np.inf]))
         assert np.isfinite(slave.read("u")).all()
     slave.close()
-
-
-@pytest.mark.costly
-def test_an_fmu_from_a_shell(tmp_path):
-    file = tmp_path / "c.fmu"
-    run = CliRunner().invoke
-    done = run(main, ["export", "4.7", "-o", str(file), "--sample-time", "0.1", "--supervised"])
-    assert done.exit_code == 0 and "FMI 2.0" in done.output
-    assert fmpy.read_model_description(str(file)).modelName == "rcac"
-    for more, words in (
-        ([], "sample time"),
-        (["--sample-time", "-1"], "x>0"),
-        (["--sample-time", "1", "--real", "float32"], "--real belong"),
-    ):
-        wrong = run(main, ["export", "4.7", "-o", str(file), *more])
-        assert wrong.exit_code == 2 and words in wrong.output
 
 
 @pytest.mark.costly

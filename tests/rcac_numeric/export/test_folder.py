@@ -1,18 +1,14 @@
 """The exported folder: its bytes, its test, what is refused, and the command."""
 
-import json
 import re
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 
 from compensator_theory.errors import BudgetError, DivergedError, InputError
-from rcac_experiments.cli._main import main
-from rcac_experiments.dissertation import load_example
 from rcac_numeric import (
     UD,
     Compensator,
@@ -40,6 +36,7 @@ from rcac_numeric.export._recording import recorded
 from rcac_numeric.export._tables import core_tables
 from tests.support import core_builds
 from tests.support.core_cases import core_settings
+from tests.support.examples import EXAMPLE_4_7
 from tests.support.signals import noise
 
 SETTINGS = ControllerSettings(
@@ -155,8 +152,7 @@ def test_every_controller_of_the_core_has_a_vector(case):
 
 def test_the_vector_of_a_run_is_a_closed_loop():
     """What the plant answered to other last digits would drive an unstable controller away."""
-    run = replace(load_example("4.7").main_run, steps=200, seeds=1, repetitions=1)
-    run = run.execute().first.run
+    run = EXAMPLE_4_7.run(200)
     poles = np.abs(run.compensator.poles())
     found = recorded(run.settings, core_tables(run.settings), run=run)
     assert poles.max() > 1.05 and found.steps == run.steps
@@ -258,7 +254,7 @@ def test_other_arguments_that_do_not_fit(tmp_path):
     ):
         with pytest.raises(InputError, match=words):
             export_controller(SETTINGS, tmp_path, **arguments)
-    for wrong in (3, "4.7", None, load_example("4.7")):
+    for wrong in (3, "4.7", None, PLANT):
         with pytest.raises(InputError, match="cannot be exported"):
             export_controller(wrong, tmp_path)
     with pytest.raises(InputError, match="each of its `controllers`"):
@@ -291,27 +287,6 @@ def test_the_ranges_of_float32(tmp_path):
 
 
 # ---- the command
-
-
-def test_the_command(tmp_path):
-    out = CliRunner().invoke(
-        main, ["export", "4.7", "-o", str(tmp_path), "--real", "float32", "--json"]
-    )
-    assert out.exit_code == 0, out.output
-    record = json.loads(out.output)["export"]
-    assert record["real"] == "float32" and "src/rcac.c" in record["files"]
-
-
-def test_the_command_on_a_run_that_was_kept(tmp_path):
-    run = simulate(PLANT, SETTINGS, noise(3, 300, 1))
-    run.save(tmp_path / "run.npz")
-    for more in ([], ["--fixed"]):
-        command = ["export", str(tmp_path / "run.npz"), "-o", str(tmp_path / "out"), *more]
-        assert CliRunner().invoke(main, command).exit_code == 0
-    wrong = CliRunner().invoke(main, [*command, "--run", "UD"])
-    assert wrong.exit_code and "one run as it was" in wrong.output
-    wrong = CliRunner().invoke(main, ["export", "4.7", "-o", str(tmp_path), "--run", "none"])
-    assert wrong.exit_code and "the runs are" in wrong.output
 
 
 def test_a_name_cannot_bring_code_along(tmp_path):

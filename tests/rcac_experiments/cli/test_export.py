@@ -1,0 +1,70 @@
+"""`rcac export`: of an example and of a run that was kept, as a folder and as an FMU."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from compensator_theory.errors import InputError
+from rcac_experiments.cli._main import main
+from rcac_experiments.dissertation import load_example
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    TargetModel,
+    export_controller,
+    iir,
+    simulate,
+    standard_plant,
+)
+from tests.support import core_builds
+from tests.support.signals import noise
+
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+)
+PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+
+
+def test_the_command(tmp_path):
+    out = CliRunner().invoke(
+        main, ["export", "4.7", "-o", str(tmp_path), "--real", "float32", "--json"]
+    )
+    assert out.exit_code == 0, out.output
+    record = json.loads(out.output)["export"]
+    assert record["real"] == "float32" and "src/rcac.c" in record["files"]
+
+
+def test_the_command_on_a_run_that_was_kept(tmp_path):
+    run = simulate(PLANT, SETTINGS, noise(3, 300, 1))
+    run.save(tmp_path / "run.npz")
+    for more in ([], ["--fixed"]):
+        command = ["export", str(tmp_path / "run.npz"), "-o", str(tmp_path / "out"), *more]
+        assert CliRunner().invoke(main, command).exit_code == 0
+    wrong = CliRunner().invoke(main, [*command, "--run", "UD"])
+    assert wrong.exit_code and "one run as it was" in wrong.output
+    wrong = CliRunner().invoke(main, ["export", "4.7", "-o", str(tmp_path), "--run", "none"])
+    assert wrong.exit_code and "the runs are" in wrong.output
+
+
+@pytest.mark.costly
+@pytest.mark.skipif(core_builds.compiler() is None, reason="there is no C compiler on this machine")
+def test_an_fmu_from_a_shell(tmp_path):
+    fmpy = pytest.importorskip("fmpy", reason="needs fmpy: pip install it")
+    file = tmp_path / "c.fmu"
+    run = CliRunner().invoke
+    done = run(main, ["export", "4.7", "-o", str(file), "--sample-time", "0.1", "--supervised"])
+    assert done.exit_code == 0 and "FMI 2.0" in done.output
+    assert fmpy.read_model_description(str(file)).modelName == "rcac"
+    for more, words in (
+        ([], "sample time"),
+        (["--sample-time", "-1"], "x>0"),
+        (["--sample-time", "1", "--real", "float32"], "--real belong"),
+    ):
+        wrong = run(main, ["export", "4.7", "-o", str(file), *more])
+        assert wrong.exit_code == 2 and words in wrong.output
+
+
+def test_an_experiment_is_no_controller(tmp_path):
+    with pytest.raises(InputError, match="cannot be exported"):
+        export_controller(load_example("4.7"), tmp_path)
