@@ -13,7 +13,7 @@ from rcac_experiments import load_experiment, tune
 from rcac_experiments.sweeps import read_table
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._tuning import LEARNING, RULE, Candidate, _judged, drawn
-from rcac_numeric import Uncertainty, design
+from rcac_numeric import Uncertainty, design, pid
 from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._design import compared
 from rcac_numeric.designing._plants import read_plant
@@ -207,3 +207,12 @@ def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, t
     kept = _judged(found, made, candidates[1], candidates, 300, (2, 1, 0), runner)
     assert kept.chosen.name == RULE and equal(kept.settings, made[RULE])
     assert kept.verdict.rcac.stable == (3, 3) and kept.beside_rule.losses == 0
+
+
+@pytest.mark.costly
+def test_tuning_leaves_the_order_of_a_structure():
+    lags = "1/((20*s + 1)*(3*s + 1))"
+    found = design(lags, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300)
+    tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)
+    assert all(one.knobs is None or one.knobs.spare == 0 for one in tuned.candidates)
+    assert tuned.settings.structure == pid("PI")

@@ -11,17 +11,11 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import t as student
 
-from compensator_theory.errors import InputError, NoSolutionError, PrecisionError
-from rcac_experiments import load_experiment
-from rcac_experiments.files import _design_files as files
-from rcac_experiments.files._builder import build
-from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
-from rcac_experiments.files._documents import parsed
+from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric import (
     ClosedLoop,
     FixedController,
     Harmonic,
-    Levels,
     Ramp,
     Saturation,
     Step,
@@ -131,14 +125,9 @@ def test_the_target_is_what_the_reference_loop_is(G, dead_time):
 def test_frozen_rcac_is_the_fixed_controller():
     found = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), noise=0.01, **QUICK)
     w = exogenous([Step(0.0), Step(0.5), WhiteNoise(0.01)], 200, seed=5)
-    frozen = load_of(found).runs["fixed"].settings
-    ours = simulate(found.plant, frozen, w)
+    ours = simulate(found.plant, found.frozen, w)
     theirs = simulate(found.plant, found.fixed, w)
     assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
-
-
-def load_of(found):
-    return build(parsed(design_toml(found)), "design.toml")
 
 
 def test_spare_order_is_the_same_controller():
@@ -311,45 +300,6 @@ def test_the_limits_scale_what_nobody_said():
     assert sizes[1] == pytest.approx(10 * sizes[0])
 
 
-@pytest.mark.costly
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        {"disturbance": Step(0.5), "noise": 0.01},
-        {"disturbance": Harmonic(0.3, 0.5, 0.1) + WhiteNoise(0.1), "command": 2 * Step(1.0)},
-        {"u_limits": Saturation(low=-1.0, high=2.0, rate=0.5)},
-        {"disturbance": 0.3, "command": Levels([1.0, -1.0], hold=50)},
-    ],
-)
-def test_the_file_says_the_same(arguments, tmp_path):
-    found = design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
-    path = tmp_path / "tuned.toml"
-    save_design(found, path)
-    experiment = load_experiment(path)
-    run = experiment.runs[RCAC]
-    assert equal(run.settings, found.settings)
-    assert np.array_equal(run.plant.A, found.plant.A) and run.plant.sample_time == 0.5
-    assert experiment.main_run.name == ("RCAC" if found.verdict.use == RCAC else "fixed")
-    assert np.allclose(run.cases()[0].w, found.expected.w(300, run.seed))
-    assert equal(run.saturation, found.saturation)
-    assert path.read_text(encoding="utf-8").startswith(f"# {found.verdict}")
-
-
-def test_a_file_is_read_for_a_design(tmp_path):
-    file = tmp_path / "plant.toml"
-    file.write_text(
-        '[plant]\nproblem = "servo"\nG = "1/(8*s + 1)"\nsample_time = 0.5\n[signals]\n'
-        "r = 1\nd = { step = 0.3 }\nv = { white_noise = 0.02 }\n[saturation]\nlow = -1\nhigh = 1\n"
-    )
-    found = design(**design_arguments(file), **QUICK)
-    assert found.model.continuous is not None and found.plant.sample_time == 0.5
-    assert (found.expected.noise, found.expected.disturbance.height) == (0.02, 0.3)
-    assert {question.name for question in found.questions} == {"plant", "dead_time"}
-    file.write_text('[plant]\nproblem = "servo"\nG = "1/(q - 0.5)"\n[signals]\nv = { step = 1 }\n')
-    with pytest.raises(InputError, match="white"):
-        design_arguments(file)
-
-
 def test_a_design_pickles_and_draws():
     found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, **QUICK)
     again = pickle.loads(pickle.dumps(found))
@@ -383,15 +333,3 @@ def test_another_uncertainty_is_tried():
     assert [t.variation.name for t in found.evidence if t.controller == RCAC] == [
         "nominal", "gain x 0.5"
     ]  # fmt: skip
-
-
-def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
-    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, **QUICK)
-    monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
-    with pytest.raises(PrecisionError, match="does not read back"):
-        design_toml(found)
-
-
-def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
-    with pytest.raises(InputError, match="a file holds 2000 values"):
-        files._signal(Levels([0.0, 1.0], hold=900), 3000)

@@ -7,8 +7,6 @@ import pytest
 from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_experiments import load_experiment
-from rcac_experiments.files._design_files import save_design
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -193,11 +191,6 @@ def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
         u[k] = r[k] - 0.1 * y[k]
     with pytest.raises(InputError, match="no model tells the plant from the loop"):
         plant_from_log(ControllerLog(u, y, r=r))
-
-
-def test_its_file_says_the_same(found, tmp_path):
-    save_design(found, tmp_path / "log.toml")
-    assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
 
 
 def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel_at_rest():

@@ -6,10 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_experiments import tune
-from rcac_experiments.files._builder import build
-from rcac_experiments.files._design_files import design_toml
-from rcac_experiments.files._documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -33,7 +29,6 @@ from rcac_numeric import (
     simulate,
 )
 from rcac_numeric.analysis._closed_loop import frozen_loop
-from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant, variations
 from rcac_numeric.designing._reduced import reduced_reference, with_feedforward
@@ -120,23 +115,13 @@ def test_other_structures_are_refused_by_name(structure, words):
 
 @pytest.mark.costly
 @pytest.mark.parametrize("structure", [pid("DI"), fir(6), fir_integrator(5), OWN])
-def test_a_reduced_design_has_lqg_beside_it_and_a_file(structure):
+def test_a_reduced_design_has_lqg_beside_it(structure):
     found = design(
         LAGS, sample_time=1.0, disturbance=0.5, noise=0.01, structure=structure, seeds=1, steps=300
     )
     assert isinstance(found.alternatives[FULL], FixedController)
     assert any(trial.controller == FULL for trial in found.evidence)
-    read = build(parsed(design_toml(found)), "design.toml")
-    assert equal(read.runs["RCAC"].settings, found.settings)
     assert found.settings.structure == structure
-
-
-@pytest.mark.costly
-def test_tuning_leaves_the_order_of_a_structure():
-    found = design(LAGS, sample_time=1.0, disturbance=0.5, structure=pid("PI"), seeds=1, steps=300)
-    tuned = tune(found, budget=4, held_out=1, seeds=1, steps=200)
-    assert all(one.knobs is None or one.knobs.spare == 0 for one in tuned.candidates)
-    assert tuned.settings.structure == pid("PI")
 
 
 # The command.
@@ -169,8 +154,6 @@ def test_a_design_with_feedforward():
     assert np.array_equal(first.past_y, found.fixed.compensator.past_y)
     alone = Compensator(first.past_u, first.past_y[:, :, :1])
     assert intercalated_match(ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
-    read = build(parsed(design_toml(found)), "design.toml")
-    assert equal(read.runs["RCAC"].settings, found.settings)
 
 
 def test_feedforward_needs_a_command():

@@ -9,17 +9,11 @@ from scipy.signal import butter, freqz, lfilter, sosfilt
 
 from compensator_theory import transfer_matrix
 from compensator_theory.errors import InputError
-from rcac_experiments.files._builder import build
-from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
-from rcac_experiments.files._documents import parsed
 from rcac_numeric import (
     ClosedLoop,
     Step,
-    WhiteNoise,
     design,
-    exogenous,
     intercalated_match,
-    simulate,
 )
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._expected import read_expected
@@ -151,30 +145,6 @@ def test_it_is_a_design_as_any_other(two):
     assert {"input 1 x 0.8, others x 1.25"} <= {t.variation.name for t in two.evidence}
     assert "direction" in two.report() and two.plot().axes
     assert ClosedLoop(two.plant, two.fixed.compensator).is_stable
-
-
-@pytest.mark.costly
-def test_the_file_says_the_same(two):
-    file = build(parsed(design_toml(two)), "design.toml")
-    assert equal(file.runs[RCAC].settings, two.settings)
-    w = exogenous([Step(0.0)] * 2 + [Step(0.5)] * 2 + [WhiteNoise(0.01)] * 2, 200, seed=5)
-    ours = simulate(two.plant, file.runs["fixed"].settings, w)
-    theirs = simulate(two.plant, two.fixed, w)
-    assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
-
-
-@pytest.mark.costly
-def test_a_file_of_several_signals_is_read_for_a_design(two, tmp_path):
-    file = tmp_path / "two.toml"
-    save_design(two, file)
-    arguments = design_arguments(file)
-    again = design(**arguments, seeds=1, steps=100)
-    assert again.expected.m == 2 and again.expected.size == two.expected.size
-    assert np.allclose(again.settings.theta_0, two.settings.theta_0, rtol=1e-6, atol=1e-9)
-    text = file.read_text().replace("d = [{ step = 0.5", "d = [{ step = 0.7")
-    file.write_text(text)
-    with pytest.raises(InputError, match="differ"):
-        design_arguments(file)
 
 
 @pytest.mark.parametrize(
