@@ -9,18 +9,13 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import lfilter
 
-import rcac_experiments
 import rcac_numeric as rcac
-from rcac_experiments import sweeps
-from rcac_experiments.files._builder import build
 from rcac_numeric import gallery, identification, results
-from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.designing._logs import plant_from_log
 from rcac_numeric.signals._signal import Scaled, Sum
+from tests.support.equality import SEEDS
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
-
-SEEDS = 100_000  # seeds are below
 
 
 def random(seed, *shape):
@@ -181,17 +176,6 @@ def loop(seed):
     return rcac.ClosedLoop(exact_plant(seed), compensator(seed))
 
 
-def experiment(seed):
-    table = {
-        "title": f"case {seed}",
-        "plant": {"problem": "standard", "G": f"1/(q - {fraction(seed)})"},
-        "target": {"model": "fir"},
-        "controller": {"n_c": 1, "R_theta": 1.0 + seed, "R_u": {"z_squared": 0.5}},
-        "run": {"steps": 10},
-    }
-    return build(table, "case")
-
-
 def comparison(seed):
     goal = rcac.pole_placement_target(exact_plant(seed), ["1/2", "1/4"])
     return rcac.compare_exactly(exact_plant(seed), compensator(seed), goal)
@@ -208,17 +192,6 @@ def agreement(seed):
 
 def two_outputs(seed):
     return rcac.Plant(A=np.diag([0.5, 0.9]), B=random(seed, 2, 1), D_1=[[1], [0]], C=np.eye(2))
-
-
-def sweep_table(seed):
-    outcomes = np.array(["completed", "diverged"] * 2, dtype=object)
-    columns = {"run": np.arange(4), "gain": np.array([1, 1, 2, 2]), "outcome": outcomes,
-               "rms": np.abs(random(seed, 4))}  # fmt: skip
-    return sweeps.SweepTable(columns, ("gain",), ("rms",))
-
-
-def erratum(seed):
-    return replace(rcac_experiments.dissertation.find_errata()[0], name=f"entry-{seed}")
 
 
 def first_order(seed):
@@ -401,70 +374,12 @@ SAMPLES = {
     results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
         *answered(seed), orders=(1,), delays=(0,)
     ),
-    rcac_experiments.results.Tuned: lambda seed: rcac_experiments.tune(
-        design(seed), 2, held_out=1, seeds=1, seed=seed
-    ),
-    # export, explorer
-    rcac_experiments.results.ExplorerPage: lambda seed: rcac_experiments.results.ExplorerPage(
-        "own", f"page {seed}"
-    ),
+    # export, streams
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),
-    # errata
-    rcac_experiments.results.Erratum: erratum,
-    rcac_experiments.results.ErratumEvidence: lambda seed: rcac_experiments.results.ErratumEvidence(
-        check=f"chapter_{seed}.step"
-    ),
-    rcac_experiments.results.Checked: lambda seed: rcac_experiments.results.Checked(
-        erratum(seed), ()
-    ),
-    rcac_experiments.results.Reproduction: lambda seed: rcac_experiments.results.Reproduction(
-        (), Path(f"gallery-{seed}/index.html")
-    ),
-    # sweeps
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
-    sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
-    sweeps.RandomAxis: lambda seed: sweeps.RandomAxis("gain", "normal", [seed, 1], draws=2),
-    sweeps.Kept: lambda seed: sweeps.Kept("peak", "late", {"start": seed}),
-    sweeps.Study: lambda seed: sweeps.Study(
-        {"run": {"steps": 9}},
-        [sweeps.Axis("R_theta", [seed, -1], sets="run.R_theta")],
-        [],
-        seed=seed,
-    ),
-    sweeps.Progress: lambda seed: sweeps.Progress(seed, SEEDS, 2.5, diverged=1),
-    sweeps.SweepTable: sweep_table,
-    rcac_experiments.results.SweepOverview: lambda seed: rcac_experiments.results.SweepOverview(
-        "store",
-        "",
-        "",
-        "plain",
-        "",
-        {},
-        (),
-        seed,
-        2,
-        {"gain": ("plant.gain", 2)},
-        4,
-        4,
-        sweep_table(seed),
-        sweeps.summarise(sweep_table(seed), "rms"),
-    ),
-    rcac_experiments.results.ReplayedRun: lambda seed: rcac_experiments.results.ReplayedRun(
-        seed, 1, {"gain": 1}, LoopAnalysis(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
-    ),
-    sweeps.StoreCheck: lambda seed: sweeps.StoreCheck(
-        "store", seed, SEEDS, 1, ((8, 15),), ("why",)
-    ),
-    rcac_experiments.results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
-    # experiments, checks
-    rcac_experiments.FigureRequest: lambda seed: rcac_experiments.FigureRequest(
-        "responses", "", first=seed
-    ),
-    rcac_experiments.Budget: lambda seed: rcac_experiments.Budget(memory=1e8 + seed),
-    rcac_experiments.Experiment: experiment,
-    rcac_experiments.results.Verification: lambda seed: rcac_experiments.verify(experiment(seed)),
+    # checks
     rcac.ControllerLog: log,
     results.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
     results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),

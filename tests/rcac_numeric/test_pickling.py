@@ -1,137 +1,44 @@
 """Public data are equal by content, and pickle to an equal object in a fresh process."""
 
 import copy
-import inspect
 import pickle
-import re
-import struct
-import subprocess
-import sys
-from dataclasses import is_dataclass
-from pathlib import Path
 
-import attrs
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
-import rcac_experiments
 import rcac_numeric as rcac
 from compensator_theory.errors import DivergedError
-from rcac_experiments import sweeps
 from rcac_numeric import identification
-from rcac_numeric.arrays._values import equal, field_names
-from tests.rcac_numeric.samples import SAMPLES, SEEDS
+from rcac_numeric.arrays._values import equal
+from tests.rcac_numeric.samples import SAMPLES
+from tests.support.equality import (  # noqa: F401
+    both_once,
+    classes_of,
+    elsewhere,
+    equality_of,
+    pickling_of,
+)
 from tests.support.estimation_samples import ESTIMATORS
-from tests.support.public import public_objects
 
-PUBLIC = [
-    value for p in ("rcac_numeric", "rcac_experiments") for value in public_objects(p).values()
-]
-CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
-DATA_CLASSES = [cls for cls in CLASSES if attrs.has(cls) or is_dataclass(cls)]
+DATA_CLASSES, OTHERS = classes_of("rcac_numeric")
 # What runs, what it raises, and what all signals have in common.
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
-    sweeps.ProgressLine, identification.RecursiveARX, identification.RecursiveMarkov,
-    identification.RecursiveMuMarkov, sweeps.StoreError, sweeps.StudyInterrupted,
+    identification.RecursiveARX, identification.RecursiveMarkov, identification.RecursiveMuMarkov,
     rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner, rcac.results.ScheduledSteps,
 }  # fmt: skip
-
-FRESH = """
-import pickle, struct, sys
-while size := sys.stdin.buffer.read(8):
-    data = sys.stdin.buffer.read(struct.unpack("Q", size)[0])
-    value, again = pickle.loads(data), pickle.loads(data)
-    alike = value == again and hash(value) == hash(again) and not value != again
-    answer = pickle.dumps((value, alike, repr(value)))
-    sys.stdout.buffer.write(struct.pack("Q", len(answer)) + answer)
-    sys.stdout.buffer.flush()
-"""
-
-ADDRESS = re.compile(r" at 0x\w+")  # of a function
-seeds = st.integers(0, SEEDS - 1)
-DESIGNED = [rcac.results.Design, rcac_experiments.results.Tuned, rcac.results.LoggedPlant]
-every_class = pytest.mark.parametrize(
-    "cls", [cls for cls in SAMPLES if cls not in DESIGNED], ids=lambda cls: cls.__name__
-)
-few = settings(max_examples=8)
-
-
-@pytest.fixture(scope="module")
-def elsewhere():
-    """Send an object through one process that has made nothing itself."""
-    root = Path(__file__).parents[2]
-    command = [sys.executable, "-c", FRESH]
-    with subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=root
-    ) as process:
-
-        def sent(value):
-            data = pickle.dumps(value)
-            process.stdin.write(struct.pack("Q", len(data)) + data)
-            process.stdin.flush()
-            (size,) = struct.unpack("Q", process.stdout.read(8))
-            return pickle.loads(process.stdout.read(size))
-
-        yield sent
-        process.stdin.close()
+SLOW = {cls: SAMPLES[cls] for cls in (rcac.results.Design, rcac.results.LoggedPlant)}
+QUICK = {cls: sample for cls, sample in SAMPLES.items() if cls not in SLOW}
 
 
 def test_every_public_data_class_has_a_sample():
-    assert not set(DATA_CLASSES) - set(SAMPLES), "give it a line in tests/rcac_numeric/samples.py"
-    assert set(CLASSES) - set(DATA_CLASSES) == NO_DATA
+    assert not DATA_CLASSES - set(SAMPLES), "give it a line in tests/rcac_numeric/samples.py"
+    assert OTHERS == NO_DATA
 
 
-def pickles_elsewhere(elsewhere, cls, seed):
-    value = SAMPLES[cls](seed)
-    assert type(value) is cls
-    back, alike, text = elsewhere(value)
-    assert alike and type(back) is cls
-    assert back == value and value == back and hash(back) == hash(value)
-    assert ADDRESS.sub("", text) == ADDRESS.sub("", repr(value))
-
-
-def compares(cls, seed, other):
-    value, again, different = (SAMPLES[cls](s) for s in (seed, seed, other))
-    assert value is not again
-    assert value == again and hash(value) == hash(again)
-    assert value != different
-    assert value != "something else"
-    for name in field_names(cls, compared=True):
-        if equal(getattr(value, name), getattr(different, name)):
-            continue
-        twin = copy.copy(value)
-        object.__setattr__(twin, name, getattr(different, name))
-        assert twin != value and value != twin, name
-
-
-@pytest.mark.costly
-@pytest.mark.cases(50)
-@every_class
-@few
-@given(seed=seeds)
-def test_it_pickles_to_an_equal_object_in_a_fresh_process(elsewhere, cls, seed):
-    pickles_elsewhere(elsewhere, cls, seed)
-
-
-@pytest.mark.costly
-@pytest.mark.cases(50)
-@every_class
-@few
-@given(seed=seeds, other=seeds)
-def test_it_is_equal_where_all_that_it_holds_is_equal(cls, seed, other):
-    assume(seed != other)
-    compares(cls, seed, other)
-
-
-@pytest.mark.costly
-@pytest.mark.cases(1)
-@pytest.mark.parametrize("cls", DESIGNED, ids=lambda cls: cls.__name__)
-def test_what_takes_seconds_to_design_does_so_once(elsewhere, cls):
-    pickles_elsewhere(elsewhere, cls, 3)
-    compares(cls, 3, 4)
+test_it_pickles_to_an_equal_object_in_a_fresh_process = pickling_of(QUICK, cases=45)
+test_it_is_equal_where_all_that_it_holds_is_equal = equality_of(QUICK, cases=45)
+test_what_takes_seconds_to_design_does_so_once = both_once(SLOW)
 
 
 def _fit(cls, **settings):
@@ -213,8 +120,7 @@ LIVE = {
     rcac.TargetLearner: (_learner, lambda learner: (learner.windows, vars(learner))),
 }
 OTHERWISE = [  # another's data
-    rcac.Signal, rcac.RunInterrupted, sweeps.ProgressLine, sweeps.StoreError,
-    sweeps.StudyInterrupted, rcac.SupervisionWarning, rcac.Recorder,
+    rcac.Signal, rcac.RunInterrupted, rcac.SupervisionWarning, rcac.Recorder,
 ]  # fmt: skip
 
 
