@@ -19,6 +19,7 @@ from rcac_experiments.judging._claim import (
 )
 from rcac_experiments.judging._measures import MEASURES
 from rcac_numeric.arrays._values import replaced
+from tests.support.examples import LOOPS
 
 PLACES = ("Example", "Figure", "Table", "Abstract", "Theorem", "end")
 # Beside these every example of chapters 2 and 4 to 6 has a target model and adapts to it.
@@ -192,3 +193,11 @@ def test_2_3_fir_never_settles(in_full):
     fir_run = load_example("2.3").runs["FIR"]
     result = replaced(fir_run, steps=200_000 if in_full else 10_000, stride=100).execute()
     assert np.sqrt(np.mean(result.first.run.z[-2000:] ** 2)) > 0.3
+
+
+@pytest.mark.parametrize("of", LOOPS, ids=str)
+def test_the_loops_that_tests_of_the_library_take_are_those_of_the_examples(of):
+    number, run = of
+    asked, loop = load_example(number).runs[run], LOOPS[of]
+    assert (asked.plant, asked.settings) == (loop.plant, loop.settings)
+    assert asked.signals == loop.signals and asked.steps == loop.steps
