@@ -26,4 +26,6 @@ def picture_of(result: object, **options: Any) -> figures.Figure:
     for one in entry_points(group=GROUP):
         drawn: figures.Figure = one.load()(result, **options)
         return drawn
-    raise InputError("nothing that is installed draws exact results: install rcac_numeric.")
+    raise InputError(
+        "nothing that is installed draws exact results: pip install compensator-theory[plot]."
+    )
