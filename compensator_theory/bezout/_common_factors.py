@@ -17,6 +17,7 @@ from compensator_theory.matrices._flint_polynomials import (
     kept_in_flint,
 )
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import canonical, monic, over_one_field
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials._values import ExactValue
@@ -92,7 +93,8 @@ class BezoutIdentity(Certified, ExactValue):
 
     def __str__(self) -> str:
         gcd, x, y = (format_polynomial(p) for p in (self.gcd, self.x, self.y))
-        return f"gcd = {gcd} = ({x})*a + ({y})*b"
+        taken = names_in_all(self)
+        return f"gcd = {gcd} = ({x})*{fresh(taken, 'a')} + ({y})*{fresh(taken, 'b')}"
 
     def _repr_latex_(self) -> str:
         gcd, x, y, a, b = map(latex, (self.gcd, self.x, self.y, self.a, self.b))

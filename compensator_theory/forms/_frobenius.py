@@ -24,9 +24,9 @@ from compensator_theory.matrices._linear_algebra import (
 )
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
 
 IDENTITY = "A T = T A_F, det T not 0, each invariant polynomial a divisor of the next"
 
@@ -81,7 +81,7 @@ class FrobeniusForm(ExactValue):
         )
 
 
-def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm:
+def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> FrobeniusForm:
     r"""Bring a matrix to its Frobenius form, the rational canonical form.
 
     .. math:: U (sI - A) V = \mathrm{diag}(1, \ldots, \lambda_1, \ldots, \lambda_k), \qquad
@@ -92,8 +92,8 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm
     ----------
     A : matrix
         n x n, n >= 1; with symbols, for generic values of them.
-    variable : str or Symbol
-        Of the polynomials.
+    variable : str or Symbol, optional
+        Of the polynomials; default: s, or lambda where A has a symbol s.
 
     Raises
     ------
@@ -114,11 +114,10 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm
     >>> frobenius_form([["a", 1], [0, "b"]]).exceptional
     ()
     """
-    a, s = exact_matrix(A, "A"), as_symbol(variable)
+    a = exact_matrix(A, "A")
+    s = variable_beside(variable, a)
     if a.rows != a.cols or not a.rows:
         raise InputError(f"A is {a.rows} x {a.cols}; a square matrix is needed")
-    if s in a.free_symbols:
-        raise InputError(f"A contains {s}, the variable of the polynomials; name another one")
     ask("entries", 4 * a.rows**3, "the Frobenius form")
     cyclic = _cyclic(a)
     divisors: list[Expr]

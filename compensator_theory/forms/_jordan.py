@@ -29,6 +29,7 @@ from compensator_theory.matrices._linear_algebra import (
 from compensator_theory.matrices._nonsingularity import is_proven_nonsingular
 from compensator_theory.polynomials._budget import ask, shown
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._values import ExactValue
 
@@ -132,10 +133,7 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
         not power.exp.is_Integer for power in a.atoms(sympy.Pow)
     ):
         raise InputError("A has irrational entries; rational numbers and symbols are needed")
-    taken = {symbol.name for symbol in a.free_symbols}
-    s = sympy.Symbol(
-        next(name for name in ("s", "lambda", *map("s_{}".format, range(99))) if name not in taken)
-    )
+    s = fresh(names_in_all(a), "s", "lambda", "s_")
     _ask(a)
     columns: list[Matrix] = []
     forms: list[Matrix] = []

@@ -33,9 +33,9 @@ from compensator_theory.matrices._residues import pivots
 from compensator_theory.matrices._symbolic_matrices import kept_with_symbols
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
 
 # The regular part of a rational pencil, and its elementary divisors.
 
@@ -276,7 +276,9 @@ class KroneckerForm(ExactValue):
         return displayed(rf"{latex(self.pencil)} \sim {form}", unless(self.exceptional))
 
 
-def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s") -> KroneckerForm:
+def kronecker_form(
+    A: MatrixLike, E: MatrixLike, *, variable: str | Symbol | None = None
+) -> KroneckerForm:
     r"""Find Kronecker's invariants of a pencil.
 
     .. math:: sE - A \;\sim\; \mathrm{diag}(L_{\epsilon_1}, \ldots,\; L_{\eta_1}', \ldots,\;
@@ -286,7 +288,8 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s"
     ----------
     A, E : matrix
         p x m each, of any shape; with symbols, for generic values of them.
-    variable : str or Symbol
+    variable : str or Symbol, optional
+        Of the polynomials; default: s, or lambda where the matrices have a symbol s.
 
     Raises
     ------
@@ -310,14 +313,13 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, *, variable: str | Symbol = "s"
     >>> print(kronecker_form([[1, 0], [0, 1]], [[0, 1], [0, 0]]))
     right indices (), left indices (), finite none, infinite (2,)
     """
-    a, e, s = exact_matrix(A, "A"), exact_matrix(E, "E"), as_symbol(variable)
+    a, e = exact_matrix(A, "A"), exact_matrix(E, "E")
+    s = variable_beside(variable, a, e)
     if a.shape != e.shape or 0 in a.shape:
         raise InputError(
             f"A is {a.rows} x {a.cols} and E is {e.rows} x {e.cols}; both need one shape, with at "
             "least one row and one column"
         )
-    if s in a.free_symbols | e.free_symbols:
-        raise InputError(f"the matrices contain {s}, the variable; name another one")
     if is_rational_matrix(a) and is_rational_matrix(e):
         return _rational(to_flint(a), to_flint(e), s)
     pencil, reverse = _pencil(-a, e, s), _pencil(e, -a, s)

@@ -23,6 +23,7 @@ from compensator_theory.forms._rings import Element, Grid, Ring, multiply
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._values import ExactValue
 
@@ -113,11 +114,11 @@ class MatrixDiophantineSolution(ExactValue):
         solution = (f"X = {latex(self.X)}", f"Y = {latex(self.Y)}")
         more = ""
         if self.kernel.basis is not None:
-            basis = self.kernel.basis
+            basis, T = self.kernel.basis, latex(fresh(names_in_all(self), "T"))
             more = (
-                rf"{words('and')} \; {latex(basis)}\, T"
+                rf"{words('and')} \; {latex(basis)}\, {T}"
                 if self.side == "right"
-                else rf"{words('and')} \; T\, {latex(basis.T)}"
+                else rf"{words('and')} \; {T}\, {latex(basis.T)}"
             )
         return displayed(equation, *solution, more, unless(self.exceptional))
 

@@ -20,6 +20,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._linear_algebra import solve
 from compensator_theory.polynomials._budget import ask, shown
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import (
     canonical,
     from_coefficients,
@@ -79,13 +80,20 @@ class DiophantineSolution(ExactValue):
         require_no_other_operator(factor)
         return canonical(self.x + factor * self.dx), canonical(self.y + factor * self.dy)
 
+    def _letters(self) -> list[Symbol]:
+        """The unknowns x and y, and t for any polynomial, beside the symbols of the input."""
+        taken = names_in_all(self)
+        return [fresh(taken, name) for name in "xyt"]
+
     def __str__(self) -> str:
         x, dx, y, dy = (format_polynomial(p) for p in (self.x, self.dx, self.y, self.dy))
-        return f"x = {x} + t*({dx}), y = {y} + t*({dy})"
+        first, second, t = self._letters()
+        return f"{first} = {x} + {t}*({dx}), {second} = {y} + {t}*({dy})"
 
     def _repr_latex_(self) -> str:
-        x = rf"x = {latex(self.x)} + t \left({latex(self.dx)}\right)"
-        y = rf"y = {latex(self.y)} + t \left({latex(self.dy)}\right)"
+        first, second, t = map(latex, self._letters())
+        x = rf"{first} = {latex(self.x)} + {t} \left({latex(self.dx)}\right)"
+        y = rf"{second} = {latex(self.y)} + {t} \left({latex(self.dy)}\right)"
         return displayed(x, y, unless(self.exceptional))
 
 

@@ -16,7 +16,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
-from compensator_theory.matrices._exponentials import fresh_symbol, matrix_exponential
+from compensator_theory.matrices._exponentials import matrix_exponential
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
@@ -33,11 +33,17 @@ from compensator_theory.polynomials._budget import (
     shown,
     unlimited,
 )
+from compensator_theory.polynomials._letters import fresh, introduced, names_in_all
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_coefficients
 from compensator_theory.polynomials._sympy_trees import rational_floats, require_readable
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol, is_discrete, require_discrete
+from compensator_theory.polynomials._variables import (
+    DISCRETE,
+    as_symbol,
+    is_discrete,
+    require_discrete,
+)
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -89,9 +95,9 @@ class SampledPlant(ExactValue):
 
 def zero_order_hold(
     plant: RealisationLike,
-    step: NumberLike = "h",
+    step: NumberLike | None = None,
     *,
-    discrete_variable: str | Symbol = "z",
+    discrete_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Sample a continuous plant exactly.
@@ -106,19 +112,20 @@ def zero_order_hold(
         denominator has factors of degree 1 and 2, with rational numbers or symbols, and the real
         parts (of real irrational poles: the means) are sums of monomials such as -a.
     step : number or symbol, optional
-        h > 0: a symbol, a rational number, or a SymPy expression: log(2), which makes exponentials
-        of whole poles rational numbers, or pi/2, where the frequencies are such that it makes the
-        tangents rational or infinite.
+        h > 0: a symbol, by default h, or "step" where h is a symbol of the plant; a rational
+        number; or a SymPy expression: log(2), which makes exponentials of whole poles rational
+        numbers, or pi/2, where the frequencies are such that it makes the tangents rational or
+        infinite.
     variable : str or Symbol, optional
         As for :func:`realisation`.
     discrete_variable : str or Symbol, optional
-        z or q.
+        z or q; by default z, or q where z is a symbol of the plant.
 
     Raises
     ------
     InputError
-        If the plant is discrete, h is not positive, an irreducible factor has degree 3 or more, or
-        a real part is no sum of monomials.
+        If the plant is discrete, h is not positive or a symbol of the plant, an irreducible factor
+        has degree 3 or more, or a real part is no sum of monomials.
 
     Notes
     -----
@@ -154,9 +161,9 @@ def zero_order_hold(
 
 def first_order_hold(
     plant: RealisationLike,
-    step: NumberLike = "h",
+    step: NumberLike | None = None,
     *,
-    discrete_variable: str | Symbol = "z",
+    discrete_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Sample a continuous plant exactly whose input is a straight line between the samples.
@@ -199,9 +206,9 @@ def first_order_hold(
 
 def tustin(
     plant: RealisationLike,
-    step: NumberLike = "h",
+    step: NumberLike | None = None,
     *,
-    discrete_variable: str | Symbol = "z",
+    discrete_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Replace s by a rational function of z that keeps stability: Tustin's rule.
@@ -214,8 +221,8 @@ def tustin(
     plant, variable, discrete_variable
         As for :func:`zero_order_hold`, with poles of any kind.
     step : number or symbol, optional
-        h > 0, a rational number or a symbol. To keep the response at the frequency
-        :math:`\omega_0`, put a rational number close to
+        h > 0, a rational number or a symbol, by default the same. To keep the response at the
+        frequency :math:`\omega_0`, put a rational number close to
         :math:`2\tan(\omega_0h/2)/\omega_0` in its place (prewarping).
 
     Raises
@@ -256,9 +263,9 @@ def tustin(
 
 def matched(
     plant: RealisationLike,
-    step: NumberLike = "h",
+    step: NumberLike | None = None,
     *,
-    discrete_variable: str | Symbol = "z",
+    discrete_variable: str | Symbol | None = None,
     variable: str | Symbol | None = None,
 ) -> SampledPlant:
     r"""Map poles and zeros by z = e^(sh), those at infinity to -1, and keep the gain at rest.
@@ -338,29 +345,40 @@ def _period(h: Expr) -> Expr | None:
 
 def _read(
     plant: RealisationLike,
-    step: NumberLike,
+    step: NumberLike | None,
     variable: str | Symbol | None,
-    discrete_variable: str | Symbol,
+    discrete_variable: str | Symbol | None,
 ) -> tuple[Realisation, Symbol, Expr]:
     """Read a continuous plant, the variable of the sampled one, and the step."""
     given = realisation(plant, variable)
-    z = as_symbol(discrete_variable)
-    require_discrete(z, "a sampled plant")
-    if given.variable.name in ("z", "q") or is_discrete(given.variable, "sampling"):
+    if given.variable.name in DISCRETE or is_discrete(given.variable, "sampling"):
         raise InputError(f"the plant in {given.variable} is discrete already; give one in s")
+    own = names_in_all(*given.matrices)
+    if discrete_variable is None and own.issuperset(DISCRETE):
+        raise InputError(
+            "z and q are symbols of the plant, and one of them has to be the variable of the "
+            "sampled plant; name one otherwise"
+        )
+    z = introduced(
+        discrete_variable, own, *DISCRETE,
+        meaning="the variable of the sampled plant", owner="a symbol of the plant",
+    )  # fmt: skip
+    require_discrete(z, "a sampled plant")
+    variables = {given.variable.name, z.name}
+    if step is None:
+        return given, z, fresh(own | variables, "h", "step")
     h = _positive(step)
-    if h in (given.variable, z):
-        raise InputError(f"{h} is the variable of a plant, not a step; name the step otherwise")
-    if h in given.A.free_symbols | given.B.free_symbols:
-        raise InputError(f"the plant contains {h}, the step; name the step otherwise")
+    if isinstance(h, Symbol):
+        for taken, owner in (variables, "the variable of a plant"), (own, "a symbol of the plant"):
+            introduced(h, taken, "h", "step", meaning="the step", owner=owner)
     return given, z, h
 
 
 def _sampled(
     plant: RealisationLike,
-    step: NumberLike,
+    step: NumberLike | None,
     variable: str | Symbol | None,
-    discrete_variable: str | Symbol,
+    discrete_variable: str | Symbol | None,
     order: int,
 ) -> SampledPlant:
     """Sample with a hold of order 0 (`order` 1) or 1 (`order` 2)."""
@@ -399,7 +417,8 @@ def _exponential_of(
     matrices = (given.A, given.B, given.C, given.D)
     used = {str(x) for matrix in matrices for x in matrix.free_symbols}
     used |= {str(x) for x in h.free_symbols} | {z.name}
-    t = h if isinstance(h, Symbol) else fresh_symbol("h", used)
+    t = h if isinstance(h, Symbol) else fresh(used, "h", "step")
+    used.add(t.name)
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
     values = {x: _exponential(rate * h) for x, rate in found.rates}

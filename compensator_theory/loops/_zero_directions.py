@@ -21,6 +21,7 @@ from compensator_theory.loops._directions import (
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._linear_algebra import rank, solve
 from compensator_theory.polynomials._budget import ask, integer, is_integer, listed, shown
+from compensator_theory.polynomials._letters import names_in_all
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -181,7 +182,7 @@ def direction_residual(
     Raises
     ------
     InputError
-        If eta is zero or has another length, or z0 is a pole of G_f.
+        If eta is zero or has another length, z0 is a pole of G_f, or G_f has symbols.
 
     Examples
     --------
@@ -191,6 +192,10 @@ def direction_residual(
     (Matrix([[0, 0]]), Matrix([[0, 2/3]]))
     """
     G = transfer_matrix(G_f, variable)
+    if names_in_all(G) - {G.variable.name}:
+        raise InputError(
+            f"{G} has symbols, and the residual is found over numbers; substitute numbers for them"
+        )
     z0, direction = gaussian(zero, f"the zero {shown(zero)}"), read_direction(eta, G.shape[0])
     return ImmutableMatrix(residual(G, z0, Matrix.eye(G.shape[0]), direction))
 

@@ -16,6 +16,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import introduced, names_in_all
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
@@ -55,8 +56,12 @@ class Gramians(ExactValue):
 
     def hankel_polynomial(self, variable: Symbol | None = None) -> Poly:
         r"""Return :math:`\det(xI - W_c W_o)`: its roots are the Hankel singular values squared."""
-        x = sympy.Symbol("x") if variable is None else variable
-        return characteristic_polynomial(self.controllability * self.observability, x)
+        product = self.controllability * self.observability
+        x = introduced(
+            variable, names_in_all(product), "x", "lambda",
+            meaning="the variable of the polynomial", owner="a symbol of the plant",
+        )  # fmt: skip
+        return characteristic_polynomial(product, x)
 
     def __str__(self) -> str:
         return (

@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.polynomials._letters import names_in_all, numbered
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 
@@ -63,9 +64,10 @@ class RegulatorSolution(ExactValue):
 
     def _repr_latex_(self) -> str:
         one, other = latex(self.Pi), latex(self.Gamma)
-        for k, (state, control) in enumerate(self.homogeneous, 1):
-            one += rf" + \alpha_{{{k}}} {latex(state)}"
-            other += rf" + \alpha_{{{k}}} {latex(control)}"
+        letters = numbered(names_in_all(self), "alpha", len(self.homogeneous))
+        for alpha, (state, control) in zip(letters, self.homogeneous, strict=True):
+            one += f" + {latex(alpha)} {latex(state)}"
+            other += f" + {latex(alpha)} {latex(control)}"
         return displayed(rf"\Pi = {one}", rf"\Gamma = {other}", unless(self.exceptional))
 
 

@@ -30,6 +30,7 @@ from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import fresh
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, variable_in
 from compensator_theory.roots._counts import count_roots
@@ -448,7 +449,9 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
     n, factor = int(A.nrows()), solution.factor
     if (row := _last_row(A, B)) is None:
         return None
-    names = sympy.symbols(f"c0:{n}")
+    taken = {factor.spectrum.gen.name}
+    size = fresh(taken, "c")
+    names = tuple(fresh(taken, f"c{k}") for k in range(n))
     monic = (*names, sympy.Integer(1))
     K = sympy.zeros(1, n)
     for c in monic:
@@ -469,7 +472,7 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
         difference = (product - factor.spectrum.as_expr()).all_coeffs()[::-1]
         relations = [sympy.expand(c) for c in difference[::2] if c != 0]
         return GainFormula(names, values, ImmutableMatrix(K), tuple(relations), certificate)
-    size, half = sympy.Symbol("c"), factor.half
+    half = factor.half
     relations = []
     for shift in range(n + 1):
         product = sum(monic[i] * monic[i + shift] for i in range(n + 1 - shift))

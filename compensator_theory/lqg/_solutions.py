@@ -17,6 +17,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._echelon import contradictions, echelon
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._letters import names_in_all, numbered
 from compensator_theory.polynomials._values import ExactValue
 
 
@@ -54,7 +55,9 @@ class MatrixSolution(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        terms = [rf"\alpha_{{{k}}} {latex(part)}" for k, part in enumerate(self.homogeneous, 1)]
+        alpha = numbered(names_in_all(self), "alpha", len(self.homogeneous))
+        pairs = zip(alpha, self.homogeneous, strict=True)
+        terms = [f"{latex(letter)} {latex(part)}" for letter, part in pairs]
         return displayed(f"X = {total([latex(self.X), *terms])}", unless(self.exceptional))
 
 

@@ -16,6 +16,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate, proven
 from compensator_theory.polynomials._budget import ask, quoted
+from compensator_theory.polynomials._letters import fresh
 
 IDENTITY = "dE/dt = M E and E = I at t = 0, for E = exp(M t)"
 
@@ -110,19 +111,11 @@ Base = tuple[Symbol, Expr, Expr]
 """A symbol x = exp(rate h), its rate, and the monomial that the rate is a multiple of."""
 
 
-def fresh_symbol(name: str, used: set[str]) -> Symbol:
-    """Return a symbol whose name is not taken, and take it.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._exponentials import fresh_symbol
-    >>> fresh_symbol("x", {"x", "a"})
-    x_
-    """
-    while name in used:
-        name += "_"
-    used.add(name)
-    return Symbol(name)
+def _taken(name: str, used: set[str]) -> Symbol:
+    """Choose a symbol and take its name."""
+    symbol = fresh(used, name)
+    used.add(symbol.name)
+    return symbol
 
 
 Mode = tuple[Expr, Expr | None]
@@ -164,7 +157,7 @@ def _angles(squares: Sequence[Expr], used: set[str]) -> list[_Angle]:
     for first, multiples in groups:
         unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
         ask("terms", sum(int(c / unit) for c in multiples) * 4, "the matrix exponential")
-        found.append(_Angle(fresh_symbol("y", used), sympy.factor(first * unit**2)))
+        found.append(_Angle(_taken("y", used), sympy.factor(first * unit**2)))
     return found
 
 
@@ -207,7 +200,7 @@ def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
         unit = Rational(gcd(*(int(c.p) for c in found)), lcm(*(int(c.q) for c in found)))
         sign = 1 if all(c > 0 for c in found) else -1
         name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
-        bases.append((fresh_symbol(name, used), sign * unit * monomial, monomial))
+        bases.append((_taken(name, used), sign * unit * monomial, monomial))
         powers = sum(int(abs(c) / unit) for c in found)
         ask("terms", powers * (len(poles) + 1), "the matrix exponential")
     return bases

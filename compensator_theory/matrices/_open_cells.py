@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 
 import sympy
-from sympy import ImmutableMatrix, Matrix, Symbol, symbols
+from sympy import ImmutableMatrix, Matrix, Symbol
 
 from compensator_theory.matrices._cyclic_families import krylov, subspace_family
 from compensator_theory.matrices._invariant_subspaces import (
@@ -16,6 +16,7 @@ from compensator_theory.matrices._invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices._linear_algebra import rank
+from compensator_theory.polynomials._letters import names_in_all, numbered
 
 Family = tuple[ImmutableMatrix, tuple[Symbol, ...]]
 """A basis with free parameters, and the parameters."""
@@ -117,13 +118,14 @@ def families(matrix: Matrix, chosen: Sequence[tuple[PrimaryComponent, int]]) -> 
         The exponents of the irreducible factors.
     """
     found: list[Family] = [(joined(matrix.rows, []), ())]
+    enough = len(chosen) * (matrix.rows**2 + 1)
+    letters = numbered(names_in_all(matrix), "alpha", enough)
     for component, exponent in chosen:
         if not component.has_continuum(exponent):
             options: list[Family] = [(component.kernels[exponent], ())]
         else:
             taken = max(len(parameters) for _, parameters in found)
-            names = iter(symbols(f"alpha_{taken + 1}:{taken + matrix.rows**2 + 2}"))
-            start = list(names)
+            start = letters[taken : taken + matrix.rows**2 + 1]
             made = (
                 subspace_family(matrix, component, exponent, iter(start)),
                 grassmannian_cell(matrix, component, exponent, iter(start)),

@@ -19,8 +19,8 @@ from compensator_theory.matrices._linear_algebra import determinant, solve
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._generic_answers import generic_answer_of
+from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import is_rational, monic
-from compensator_theory.polynomials._variables import as_symbol
 from compensator_theory.systems._controllability import (
     controllability_matrix,
     rational_pair,
@@ -29,7 +29,7 @@ from compensator_theory.systems._controllability import (
 
 
 def regulator_gain(
-    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
     r"""Return the one K that gives A + BK the eigenvalues asked for (Ackermann's formula).
 
@@ -41,8 +41,8 @@ def regulator_gain(
         n x n and n x 1; symbols allowed, for generic values of them.
     poles : polynomial or list of roots
         :math:`p_R`, of degree n; a list holds its *roots*.
-    variable : str or Symbol
-        Variable of the polynomial.
+    variable : str or Symbol, optional
+        Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
 
     Returns
     -------
@@ -67,11 +67,12 @@ def regulator_gain(
     >>> regulator_gain([[-1, 4], [0, -3]], [[0], [1]], [-5, -4])  # Example 7.1
     Matrix([[-3, -5]])
     """
-    symbol, pair = as_symbol(variable), rational_pair(A, B)
+    pair = rational_pair(A, B)
     if pair is None:
         a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
-        size, inputs = int(a.rows), int(b.cols)
+        size, inputs, symbol = int(a.rows), int(b.cols), variable_beside(variable, a, b)
     else:
+        symbol = variable_beside(variable)
         size, inputs = int(pair[0].nrows()), int(pair[1].ncols())
     if inputs != 1:
         raise InputError(
@@ -132,14 +133,14 @@ def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> Immuta
 
 @generic_answer_of(regulator_gain)
 def _generic_regulator_gain(
-    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     K = regulator_gain(A, B, poles, variable=variable)
     return K, [determinant(controllability_matrix(A, B))]
 
 
 def observer_gain(
-    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
     r"""Return the one F that gives A - FC the eigenvalues asked for.
 
@@ -151,8 +152,8 @@ def observer_gain(
         n x n and 1 x n; symbols allowed, for generic values of them.
     poles : polynomial or list of roots
         :math:`p_O`, of degree n; a list holds its *roots*.
-    variable : str or Symbol
-        Variable of the polynomial.
+    variable : str or Symbol, optional
+        Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
 
     Returns
     -------
@@ -185,7 +186,7 @@ def observer_gain(
     try:
         return ImmutableMatrix(-regulator_gain(a.T, c.T, poles, variable=variable).T)
     except NotControllableError as error:
-        fixed = uncontrollable_polynomial(a.T, c.T, variable=as_symbol(variable))
+        fixed = uncontrollable_polynomial(a.T, c.T, variable=variable)
         raise NotObservableError(
             f"(A, C) is not observable: every A - FC keeps the roots of "
             f"{format_polynomial(fixed)}. Remove these modes from the plant, or measure more"
@@ -194,7 +195,7 @@ def observer_gain(
 
 @generic_answer_of(observer_gain)
 def _generic_observer_gain(
-    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     F = observer_gain(A, C, poles, variable=variable)
     transposed = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))

@@ -17,8 +17,8 @@ from compensator_theory.matrices._exceptional_factors import denominators_of, ex
 from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, zero_matrix
 from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
 from compensator_theory.systems._controllability import (
     controllability_matrix,
     uncontrollable_polynomial,
@@ -175,8 +175,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
 
 
 def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:
-    taken = {symbol.name for symbol in a.free_symbols | b.free_symbols}
-    return as_symbol(next(name for name in ("s", "z", "q", "lambda_") if name not in taken))
+    return fresh(names_in_all(a, b), "s", "z", "q", "lambda_")
 
 
 def _certificate(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import sympy
-from sympy import Dummy, Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory._printing import text
@@ -28,9 +28,9 @@ from compensator_theory.matrices._linear_algebra import (
 from compensator_theory.placement._brunovsky import BrunovskyForm, brunovsky_form
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
+from compensator_theory.polynomials._letters import fresh, names_in_all, variable_beside
 from compensator_theory.polynomials._poly import canonical, monic, total
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
 
 TRIES = 60
 
@@ -218,7 +218,7 @@ def state_feedback_family(
     poles: SpectrumLike | None = None,
     *,
     Lambda: MatrixLike | None = None,
-    variable: str | Symbol = "s",
+    variable: str | Symbol | None = None,
 ) -> StateFeedbackFamily:
     r"""Find every K that gives A + B K the eigenvalues asked for.
 
@@ -229,8 +229,8 @@ def state_feedback_family(
     poles : polynomial or list of roots
         Of degree n; a list holds its *roots*. A + B K is then cyclic: each repeated eigenvalue has
         one Jordan block.
-    variable : str or Symbol
-        Variable of the polynomial.
+    variable : str or Symbol, optional
+        Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
     Lambda : matrix, optional
         In place of `poles`: n x n, what A + B K shall be similar to, for other Jordan structures.
 
@@ -259,13 +259,13 @@ def state_feedback_family(
     [-1, -1,  1],
     [ 0, -4, -7]])
     """
-    symbol = as_symbol(variable)
     if (poles is None) == (Lambda is None):
         raise InputError("give either the poles or Lambda=, the matrix that A + BK is similar to")
     form = brunovsky_form(A, B)
     n = form.A.rows
-    if Lambda is not None:
-        wanted = exact_matrix(Lambda, "Lambda")
+    wanted = None if Lambda is None else exact_matrix(Lambda, "Lambda")
+    symbol = variable_beside(variable, form.A, form.B, wanted)
+    if wanted is not None:
         if wanted.shape != (n, n):
             raise InputError(f"Lambda is {wanted.rows} x {wanted.cols}; A + BK has {n} eigenvalues")
         return StateFeedbackFamily(form, wanted, characteristic_polynomial(wanted, symbol))
@@ -297,7 +297,7 @@ def are_similar(first: Matrix, second: Matrix) -> bool:
     >>> are_similar(Matrix([[0, 1], [-1, -2]]), Matrix([[-1, 0], [0, -1]]))
     False
     """
-    s = Symbol("s") if Symbol("s") not in first.free_symbols | second.free_symbols else Dummy()
+    s = fresh(names_in_all(first, second), "s")
     if characteristic_polynomial(first, s) != characteristic_polynomial(second, s):
         return False
     unit = identity_matrix(first.rows)

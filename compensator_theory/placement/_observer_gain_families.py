@@ -66,7 +66,7 @@ def observer_gain_family(
     poles: SpectrumLike | None = None,
     *,
     Lambda: MatrixLike | None = None,
-    variable: str | Symbol = "s",
+    variable: str | Symbol | None = None,
 ) -> ObserverGainFamily:
     r"""Find every F that gives A - F C the eigenvalues asked for.
 

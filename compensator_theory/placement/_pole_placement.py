@@ -29,6 +29,7 @@ from compensator_theory.polynomials._from_roots import (
     polynomial_from_roots,
     read_roots,
 )
+from compensator_theory.polynomials._letters import names_in_all, numbered
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._poly import canonical, from_coefficients, monic, scaled
 from compensator_theory.polynomials._reading import PolynomialLike, is_one_of
@@ -296,9 +297,11 @@ def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
         value = sympy.cancel(sum(y * c for y, c in zip(relation, descending, strict=True)))
         if value != 0:
             degree = len(descending) - 1
-            terms = sum(y * sympy.Symbol(f"t_{degree - i}") for i, y in enumerate(relation))
+            letters = numbered(names_in_all(M, goal), "t", degree, first=0)[::-1]
+            terms = sum(y * t for y, t in zip(relation, letters, strict=True))
+            name = letters[0].name.rpartition("_")[0]
             return (
-                f"with t_i the coefficient of {goal.gen}**i, every reachable target has "
+                f"with {name}_i the coefficient of {goal.gen}**i, every reachable target has "
                 f"{terms} = 0, but this one gives {value}"
             )
     return "the equations contradict each other"

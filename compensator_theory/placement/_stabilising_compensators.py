@@ -25,6 +25,7 @@ from compensator_theory.placement._doubly_coprime import (
 )
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
+from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import is_operator, time_of
@@ -55,7 +56,8 @@ class AffineMap(ExactValue):
         return (self.H_0 + self.H_1 @ Q @ self.H_2).reduced()
 
     def _repr_latex_(self) -> str:
-        return displayed(f"{latex(self.H_0)} + {latex(self.H_1)}\\, Q\\, {latex(self.H_2)}")
+        Q = latex(fresh(names_in_all(self), "Q"))
+        return displayed(f"{latex(self.H_0)} + {latex(self.H_1)}\\, {Q}\\, {latex(self.H_2)}")
 
 
 @dataclass(frozen=True)
@@ -237,10 +239,11 @@ class StabilisingCompensators(ExactValue):
 
     def _repr_latex_(self) -> str:
         f, sign = self.fractions, "" if self.feedback == 1 else "-"
-        top = rf"\left({latex(f.U_r)} + {latex(f.M_r)} Q\right)"
-        below = rf"\left({latex(f.V_r)} + {latex(f.N_r)} Q\right)^{{-1}}"
+        Q = latex(fresh(names_in_all(f), "Q"))
+        top = rf"\left({latex(f.U_r)} + {latex(f.M_r)} {Q}\right)"
+        below = rf"\left({latex(f.V_r)} + {latex(f.N_r)} {Q}\right)^{{-1}}"
         return displayed(
-            rf"{sign}C = (U_r + M_r Q)(V_r + N_r Q)^{{-1}} = {top} {below}",
+            rf"{sign}C = (U_r + M_r {Q})(V_r + N_r {Q})^{{-1}} = {top} {below}",
             unless(f.exceptional),
         )
 

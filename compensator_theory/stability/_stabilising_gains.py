@@ -8,8 +8,8 @@ from sympy import Poly, Symbol
 
 from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.polynomials._generic_answers import holds_where_defined
+from compensator_theory.polynomials._letters import introduced, names_in_all
 from compensator_theory.polynomials._poly import canonical, from_coefficients, over_one_field
-from compensator_theory.polynomials._variables import as_symbol
 from compensator_theory.stability._stability_intervals import (
     StabilityIntervals,
     stability_intervals,
@@ -23,7 +23,7 @@ def stabilising_gains(
     compensator: LoopPart = 1,
     *,
     feedback: int,
-    gain: str | Symbol = "k",
+    gain: str | Symbol | None = None,
     variable: str | Symbol | None = None,
 ) -> StabilityIntervals | StabilityRegion:
     r"""Find all real gains k with which k G_c stabilises G.
@@ -38,8 +38,9 @@ def stabilising_gains(
         default the compensator is the gain alone.
     feedback : {+1, -1}
         The sign f.
-    gain : str or Symbol
-        What the gain is called in the result.
+    gain : str or Symbol, optional
+        What the gain is called in the result: k, or "gain" where k is a symbol of the plant or of
+        the compensator.
     variable : str or Symbol, optional
         Of the plant; default: evident.
 
@@ -56,8 +57,8 @@ def stabilising_gains(
     Raises
     ------
     InputError
-        If a coefficient is irrational, the variables differ, or `feedback` is neither
-        +1 nor -1.
+        If a coefficient is irrational, the variables differ, `feedback` is neither +1 nor -1, or
+        `gain` names a symbol that the plant or the compensator has.
 
     Examples
     --------
@@ -66,6 +67,12 @@ def stabilising_gains(
     s**3 + 3*s**2 + 2*s + k is stable for k in (0, 6)
     >>> print(stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1))
     a in (0, oo): k in (0, a**2 + a)
+
+    A symbol k of the plant is another gain than that of the loop:
+
+    >>> print(stabilising_gains("k/(s*(s + 1)*(s + 2))", feedback=-1))
+    k in (-oo, 0): gain in (6/k, 0)
+    k in (0, oo): gain in (0, 6/k)
 
     All PI controllers k (1 + r/s) that stabilise an unstable plant:
 
@@ -83,7 +90,7 @@ def intervals_of_gains(
     plant: LoopPart, compensator: LoopPart = 1, *, feedback: int
 ) -> StabilityIntervals:
     """`stabilising_gains` of rational coefficients; InputError where there are symbols."""
-    return _intervals(*_polynomial(plant, compensator, feedback, "k", None))
+    return _intervals(*_polynomial(plant, compensator, feedback, None, None))
 
 
 def _intervals(polynomial: Poly, k: Symbol) -> StabilityIntervals:
@@ -94,12 +101,15 @@ def _polynomial(
     plant: LoopPart,
     compensator: LoopPart,
     feedback: int,
-    gain: str | Symbol,
+    gain: str | Symbol | None,
     variable: str | Symbol | None,
 ) -> tuple[Poly, Symbol]:
     """The characteristic polynomial of the loop with a gain, and the gain."""
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
-    k = as_symbol(gain)
+    k = introduced(
+        gain, names_in_all(G, G_c), "k", "gain",
+        meaning="the gain of the loop", owner="a symbol of the plant or of the compensator",
+    )  # fmt: skip
     N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
     through, around = N * N_c, D * D_c
     size = max(through.degree(), around.degree())

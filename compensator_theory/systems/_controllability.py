@@ -21,8 +21,9 @@ from compensator_theory.matrices._linear_algebra import (
     rank,
 )
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
+from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical, exact_quotient
-from compensator_theory.polynomials._variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
 PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independent
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
@@ -197,7 +198,7 @@ def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
 
 
 def uncontrollable_polynomial(
-    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol | None = None
 ) -> Poly:
     r"""Return the monic polynomial of the modes that the input does not reach.
 
@@ -208,8 +209,8 @@ def uncontrollable_polynomial(
     A, B : matrix
         n x n and n x m; with symbols, for generic values of them, and
         :func:`exceptional_cases` tells what it is for the others.
-    variable : str or Symbol
-        Variable of the polynomial.
+    variable : str or Symbol, optional
+        Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
 
     Returns
     -------
@@ -227,7 +228,8 @@ def uncontrollable_polynomial(
     >>> uncontrollable_polynomial([[-1, 0], [0, -3]], [[0], [1]])
     Poly(s + 1, s, domain='QQ')
     """
-    A, B, s = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    s = variable_beside(variable, A, B)
     found = echelon(controllability_matrix(A, B).T)
     whole, size = characteristic_polynomial(A, s), len(found.pivots)
     if size in (0, A.rows):
@@ -239,7 +241,7 @@ def uncontrollable_polynomial(
 
 @generic_answer_of(uncontrollable_polynomial)
 def _generic_polynomial(
-    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol = "s"
+    A: MatrixLike, B: MatrixLike, *, variable: str | Symbol | None = None
 ) -> tuple[Poly, list[Expr]]:
     kalman = controllability_matrix(A, B)
     found = uncontrollable_polynomial(A, B, variable=variable)

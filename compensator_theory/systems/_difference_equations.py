@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.polynomials._budget import ask, integer, listed
-from compensator_theory.polynomials._variables import as_symbol
+from compensator_theory.polynomials._letters import introduced, names_in_all
 
 
 def compensator_polynomials(
@@ -20,7 +20,7 @@ def compensator_polynomials(
     n_c: int,
     k_c: int,
     *,
-    variable: str | Symbol = "q",
+    variable: str | Symbol | None = None,
 ) -> tuple[ImmutableMatrix, ImmutableMatrix]:
     r"""Return :math:`(N_c, D_c)` of a controller given by its coefficient matrices.
 
@@ -35,8 +35,8 @@ def compensator_polynomials(
         :math:`Q_{k_c}, \ldots, Q_{n_c}`, each l_u x l_y; scalars may be numbers.
     n_c, k_c : int
         Order and relative degree, :math:`0 \le k_c \le n_c`.
-    variable : str or Symbol
-        Forward shift.
+    variable : str or Symbol, optional
+        Forward shift; default: q, or z where the matrices have a symbol q.
 
     Raises
     ------
@@ -64,8 +64,11 @@ def compensator_polynomials(
             f"there are {len(P)} matrices P and {len(Q)} matrices Q; n_c = {n_c} and k_c = {k_c} "
             f"need {n_c} and {n_c + 1 - k_c}"
         )
-    q = as_symbol(variable)
     P_exact, Q_exact = [_matrix(p, "P") for p in P], [_matrix(m, "Q") for m in Q]
+    q = introduced(
+        variable, names_in_all(P_exact, Q_exact), "q", "z",
+        meaning="the shift operator", owner="a symbol of the matrices",
+    )  # fmt: skip
     l_u, l_y = Q_exact[0].shape
     shapes = {m.shape for m in P_exact} - {(l_u, l_u)} | {m.shape for m in Q_exact} - {(l_u, l_y)}
     if shapes:

@@ -337,7 +337,6 @@ def test_a_name_that_is_taken():
         lambda: zero_order_hold("1/(s + 1)", "h*k"),
         lambda: zero_order_hold("1/(s + 1)", "sqrt(2)"),
         lambda: zero_order_hold("1/(s + 1)", float("inf")),
-        lambda: zero_order_hold("1/(s + 1)", None),
         lambda: zero_order_hold("1/(s + 1)**2", log(2)),
         lambda: zero_order_hold("1/(s + 1)", log(Rational(1, 2))),
         lambda: zero_order_hold("1/(s + h)", "h", variable="s"),

@@ -1,0 +1,237 @@
+"""A symbol of ours is never one of the user's: renaming a symbol of the input renames the answer.
+
+Every public function is asked about the good inputs of tests/support/bad_inputs.py with a symbol
+put in. The answer is compared with that for a letter that nothing here introduces, for each letter
+that the function's signature, its answer or the source of the package does introduce.
+"""
+
+import ast
+import inspect
+import itertools
+import pathlib
+import re
+from collections import Counter
+from dataclasses import fields
+
+import pytest
+import sympy
+from sympy import Basic, MatrixBase, Poly, Symbol
+
+import compensator_theory as exact
+from compensator_theory.polynomials._values import ExactValue
+from tests.support.bad_inputs import GOOD, NOT_DOORS
+from tests.support.public import public_objects
+
+PUBLIC = public_objects("compensator_theory")
+OTHER = "mu_user"  # a letter that nothing introduces
+NAME = re.compile(r"[^\W\d]\w*")
+LABEL = re.compile(r"\b\w+ ?= ?")
+WORDS = {
+    "is_lqg_suboptimal": "u", "kalman_decomposition": "c o", "observer_based_compensator": "u y",
+    "place_matrix_poles": "a", "transfer_function_is_observer_based": "a n",
+    "state_feedback_family": "x", "observer_gain_family": "x",
+    "exceptional_cases": "x y",
+}  # fmt: skip
+"""Letters in the sentences of answers that are words, or signals of the loop."""
+
+
+def letters_of_the_source():
+    """Names of symbols that are made by literals, and names that the choice of letters is given."""
+    found = set()
+    for path in pathlib.Path(exact.__file__).parent.rglob("_*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call):
+                made = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                if made in ("Symbol", "symbols", "fresh", "introduced", "numbered", "_taken"):
+                    texts = [a.value for a in node.args if isinstance(a, ast.Constant)]
+                    found |= {t for t in texts if isinstance(t, str) and t.isidentifier()}
+    return found
+
+
+SOURCE = letters_of_the_source()
+
+
+def defaults_of(function):
+    given = inspect.signature(function).parameters.values()
+    return {p.default for p in given if isinstance(p.default, str) and len(p.default) == 1}
+
+
+# ---- inputs with a symbol
+def mixed(value, how, name):
+    """The argument with a symbol in one place; None where there is none for it."""
+    if isinstance(value, str):
+        if value.isidentifier() or "," in value:
+            return None
+        return f"({value})*{name}" if how == "times" else f"({value}) + {name}"
+    if isinstance(value, Poly):
+        return mixed(str(value.as_expr()), how, name)
+    if isinstance(value, exact.Realisation):
+        A, C = value.A.as_mutable(), value.C
+        if how == "times":
+            C = C * Symbol(name)
+        else:
+            A[-1, -1] += Symbol(name)
+        return exact.Realisation(A, value.B, C, value.D, value.variable)
+    if isinstance(value, bool | ExactValue):
+        return None
+    if isinstance(value, int | float):
+        return f"{value}*{name}" if how == "times" else f"{value} + {name}"
+    if type(value) in (list, tuple):
+        for place in reversed(range(len(value))):
+            inner = mixed(value[place], how, name)
+            if inner is not None:
+                return type(value)([*value[:place], inner, *value[place + 1 :]])
+    return None
+
+
+def calls(name):
+    """Functions of a symbol's name that give the arguments of a call of a public function."""
+    arguments, keywords = GOOD[name]
+    parameters = list(inspect.signature(PUBLIC[name]).parameters.values())
+    names = [p.name for p in parameters]
+    needed = sum(p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD for p in parameters)
+    fixed = [arguments] if needed >= len(arguments) else [arguments[:needed], arguments]
+    options = [keywords]
+    if "variable" in set(names[len(arguments) :]) - set(keywords):
+        options.append({**keywords, "variable": "s"})
+    for given, more in itertools.product(fixed, options):
+        for place, how in itertools.product(range(len(given)), ("times", "plus")):
+
+            def call(symbol, given=given, place=place, how=how, more=more):
+                inner = mixed(given[place], how, symbol)
+                if inner is None:
+                    raise exact.InputError("no place for a symbol")
+                return PUBLIC[name](*given[:place], inner, *given[place + 1 :], **more)
+
+            yield call, names_given(given, more)
+
+
+def names_given(*arguments):
+    """What the caller has named, variables included."""
+    found = symbols_in(arguments)
+    for value in arguments:
+        if isinstance(value, str):
+            found |= set(re.findall(r"[^\W\d]\w*", value))
+        elif type(value) in (list, tuple):
+            found |= names_given(*value)
+        elif isinstance(value, dict):
+            found |= names_given(*value.values())
+    return found
+
+
+def answers(call, symbol):
+    try:
+        return call(symbol)
+    except exact.CompensatorError:
+        return None
+
+
+# ---- answers that are the same but for names
+def symbols_in(value):
+    if isinstance(value, Poly):
+        return {symbol.name for symbol in (*value.gens, *value.free_symbols)}
+    if isinstance(value, Basic | MatrixBase):
+        return {symbol.name for symbol in value.free_symbols}
+    if isinstance(value, tuple | list):
+        return set().union(*map(symbols_in, value))
+    if isinstance(value, ExactValue):
+        return symbols_in(tuple(getattr(value, field.name) for field in fields(value)))
+    return set()
+
+
+def same(one, other, names):
+    """Whether two answers are the same where the names of the first are changed."""
+    if isinstance(one, Poly):
+        return isinstance(other, Poly) and same(
+            (one.gen, tuple(one.all_coeffs())), (other.gen, tuple(other.all_coeffs())), names
+        )
+    if isinstance(one, MatrixBase):  # its entries, since blocks are sorted by names
+        return (
+            isinstance(other, MatrixBase)
+            and one.shape == other.shape
+            and same(tuple(one), tuple(other), names)
+        )
+    if isinstance(one, Basic) and isinstance(other, Basic):
+        renamed = one.xreplace({s: Symbol(names.get(s.name, s.name)) for s in one.free_symbols})
+        return renamed == other or sympy.cancel(renamed - other) == 0
+    if isinstance(one, tuple | list):
+        if not isinstance(other, tuple | list) or len(one) != len(other):
+            return False
+        left = list(other)
+        for part in one:  # what is sorted by its text comes in another order
+            match = next((x for x in left if same(part, x, names)), None)
+            if match is None:
+                return False
+            left.remove(match)
+        return True
+    if isinstance(one, ExactValue) and type(one) is type(other):
+        pairs = {f.name: (getattr(one, f.name), getattr(other, f.name)) for f in fields(one)}
+        for name in ("sample", "certificate"):  # chosen freely; the identity in words
+            pairs.pop(name, None)
+        where = pairs.pop("exceptional", ((), ()))  # where they vanish is the same
+        squares = [tuple(factor**2 for factor in factors) for factors in where]
+        return all(same(*pair, names) for pair in (squares, *pairs.values()))
+    return one == other or isinstance(one, str)
+
+
+def is_renamed(found, other, letter):
+    """Whether an answer for a letter is that for another one, names of ours changed as well."""
+    if isinstance(found, str) or found == other:
+        return isinstance(other, str) or OTHER not in symbols_in(other)
+    mine, theirs = symbols_in(found) - {letter}, symbols_in(other) - {OTHER}
+    if len(mine) != len(theirs):
+        return False
+    kept = sorted(mine & theirs)
+    mine, theirs = sorted(mine - set(kept)), sorted(theirs - set(kept))
+    return any(
+        same(found, other, {letter: OTHER, **dict(zip(mine, order, strict=True))})
+        for order in itertools.permutations(theirs)
+    )
+
+
+def counts(text):
+    """How often each name occurs, without the names: what is shown is the same up to renaming."""
+    return sorted(Counter(NAME.findall(LABEL.sub("", text))).values())
+
+
+def letters_for(function, answer):
+    shown = {name for name in NAME.findall(str(answer)) if len(name) == 1 and name.islower()}
+    return symbols_in(answer) | shown | defaults_of(function)
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("name", sorted(set(GOOD) - NOT_DOORS))
+def test_a_symbol_of_the_input_is_kept_apart_from_ours(name):
+    asked, left = SOURCE, 2
+    for call, given in calls(name):
+        other = answers(call, OTHER) if left else None
+        if other is None:
+            continue
+        left -= 1
+        letters = letters_for(PUBLIC[name], other) | asked
+        letters -= {OTHER, *given, *WORDS.get(name, "").split()}
+        asked = set()
+        for letter in sorted(letters):
+            found = answers(call, letter)
+            if found is not None:
+                assert is_renamed(found, other, letter), (letter, found, other)
+                assert counts(str(found)) == counts(str(other)), (letter, str(found), str(other))
+
+
+# ---- the instances that were found first
+def test_the_gain_of_a_loop_is_not_the_gain_of_the_plant():
+    """By Routh: s**3 + 3 s**2 + 2 s + k g is stable for 0 < k g < 6."""
+    for arguments in (["k/(s*(s + 1)*(s + 2))"], ["1/(s*(s + 1)*(s + 2))", "k"]):
+        found = exact.stabilising_gains(*arguments, feedback=-1)
+        assert [p.name for p in found.parameters] == ["k", "gain"]
+        with pytest.raises(exact.InputError, match=r"gain of the loop.*symbol of the plant"):
+            exact.stabilising_gains(*arguments, feedback=-1, gain="k")
+
+
+@pytest.mark.parametrize("name", ["zero_order_hold", "first_order_hold", "tustin", "matched"])
+@pytest.mark.parametrize("plant", ["h/(s + 1)", "(s + h)/(s + 1)", "1/(s + h)"])
+def test_the_step_is_no_symbol_of_the_plant(name, plant):
+    function = PUBLIC[name]
+    assert function(plant, variable="s").step == Symbol("step")
+    with pytest.raises(exact.InputError, match=r"the step.*symbol of the plant"):
+        function(plant, "h", variable="s")
