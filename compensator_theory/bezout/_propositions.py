@@ -35,6 +35,8 @@ class PropositionCheck(ExactValue):
     as printed (with n_c <= n): does not hold
     """
 
+    _ANSWER = "holds"
+
     statement: str
     left: bool
     right: bool

@@ -217,7 +217,7 @@ class RiccatiSolution(ExactValue):
         return weight if self.B.cols == 1 else f"det({weight})"
 
     def __str__(self) -> str:
-        K = f"K = {self.K_in_field or self.K_enclosure}"
+        K = f"K = {self.K_enclosure if self.K_in_field is None else self.K_in_field}"
         small = self.field is not None and self.field.degree <= 2
         P = f", P = {self.P_in_field}" if small else ""
         where = f"\n{self.field}" if self.field is not None and not small else ""

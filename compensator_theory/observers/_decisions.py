@@ -8,7 +8,6 @@ from typing import Literal
 from sympy import Poly
 
 from compensator_theory._latex import displayed, latex, words
-from compensator_theory.errors import InputError
 from compensator_theory.observers._form_lists import ObserverForms
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._values import ExactValue
@@ -46,17 +45,14 @@ class ObserverDecision(ExactValue):
     A decision is true or false in an ``if``; an undecided one raises InputError there.
     """
 
+    _ANSWER = "answer"
+
     question: str
     answer: bool | None
     reason: str
     number_of_forms: NumberOfForms = None
     characteristic_polynomial: Poly | None = None
     forms: ObserverForms | None = None
-
-    def __bool__(self) -> bool:
-        if self.answer is None:
-            raise InputError(f"{self.question} is undecided: {self.reason}; look at .answer")
-        return self.answer
 
     @property
     def roots(self) -> tuple[Root, ...]:

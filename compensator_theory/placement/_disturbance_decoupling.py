@@ -38,6 +38,8 @@ class DisturbanceDecoupling(ExactValue):
         The Markov parameters from the disturbance to the output, all zero; None with F.
     """
 
+    _ANSWER = "is_solvable"
+
     is_solvable: bool
     F: ImmutableMatrix | None
     subspaces: ControlledInvariantSubspaces

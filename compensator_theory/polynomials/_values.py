@@ -8,10 +8,11 @@ from typing import Any
 from sympy import Poly
 
 from compensator_theory._printing import representation
+from compensator_theory._truth import Truth
 from compensator_theory.polynomials._poly import canonical
 
 
-class ExactValue:
+class ExactValue(Truth):
     """Base of the frozen data classes: a pickle holds the fields and nothing that was cached.
 
     SymPy rebuilds the domain of a pickled polynomial from its coefficients, ZZ[a] for QQ[a], so

@@ -189,7 +189,9 @@ def count_roots(
     if time == "discrete":
         poly = half_plane_image(poly, degree)
     whole = to_flint_polynomial(poly).numer()
-    found = _count_in_balls(whole) or _count_by_chain(whole)
+    found = _count_in_balls(whole)
+    if found is None:
+        found = _count_by_chain(whole)
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 

@@ -55,6 +55,8 @@ class StabilityDecision(ExactValue):
     from certified roots: 2 stable, 0 on the boundary, 2 unstable
     """
 
+    _ANSWER = "is_stable"
+
     polynomial: Poly
     time: Time
     by_coefficients: bool | None

@@ -36,6 +36,8 @@ class IntervalStability(ExactValue):
         Of their roots.
     """
 
+    _ANSWER = "is_stable"
+
     intervals: tuple[tuple[Rational, Rational], ...]
     polynomials: tuple[Poly, ...]
     counts: tuple[RootCount, ...]

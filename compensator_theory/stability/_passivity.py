@@ -41,6 +41,8 @@ class RealnessDecision(ExactValue):
         A value of w where one is negative; None if there is none.
     """
 
+    _ANSWER = "holds"
+
     question: Literal["positive real", "bounded real"]
     holds: bool
     poles: RootCount | None

@@ -63,6 +63,8 @@ class PickInterpolation(ExactValue):
         s, z or q.
     """
 
+    _ANSWER = "is_feasible"
+
     matrix: ImmutableMatrix
     bound: Expr
     is_feasible: bool

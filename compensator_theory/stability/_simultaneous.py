@@ -49,6 +49,8 @@ class SimultaneousStabilisability(ExactValue):
         Why there is no compensator: none exists, or none was found; "" if there is one.
     """
 
+    _ANSWER = "is_stabilisable"
+
     plants: tuple[TransferFunction, TransferFunction]
     is_stabilisable: bool
     auxiliary: TransferFunction | None

@@ -77,6 +77,8 @@ class StrongStabilisability(ExactValue):
     has a real pole between the zeros 1.2 and infinity
     """
 
+    _ANSWER = "is_strongly_stabilisable"
+
     plant: str
     zeros: tuple[UnstableRealZero, ...]
     is_stabilisable: bool

@@ -41,6 +41,10 @@ class System(ExactValue):
         def sample_time(self) -> Rational | None:
             """In seconds; None where it is not known, and in continuous time."""
 
+    def __bool__(self) -> bool:
+        """True, as of any object that one constructs."""
+        return True
+
     @classmethod
     def _of_canonical(cls, **fields: Any) -> Self:
         """Return one of fields in canonical form, denominators monic: none is looked at again."""

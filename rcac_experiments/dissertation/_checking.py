@@ -16,7 +16,7 @@ from rcac_experiments.dissertation._tables import example_table
 from rcac_experiments.experiments._experiment import verify
 from rcac_experiments.files._builder import build
 from rcac_experiments.judging._claim import DEPENDS, MISPRINT, REPRODUCED, UNDETERMINED
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result, Value
 
 EVIDENCE = "rcac_experiments.dissertation"
 LEDGER = "proofs.counterexamples"
@@ -33,7 +33,7 @@ class Fact(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Checked(Value):
+class Checked(Result):
     """What the check of an erratum found.
 
     Attributes
@@ -42,6 +42,8 @@ class Checked(Value):
     facts : tuple of Fact
         That what is printed fails, and that what is said to be true holds.
     """
+
+    _ANSWER = "holds"
 
     erratum: Erratum
     facts: tuple[Fact, ...]

@@ -10,7 +10,7 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_experiments.format._values import Choice
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 KINDS = {
     "misprint": "a slip that a reader corrects by looking twice",
@@ -33,7 +33,7 @@ _NAMED = re.compile(
 
 
 @attrs.frozen(eq=False)
-class ErratumEvidence(Value):
+class ErratumEvidence(Result):
     """What shows that an erratum is right: one of three kinds, each of which runs.
 
     Attributes
@@ -85,7 +85,7 @@ class ErratumEvidence(Value):
 
 
 @attrs.frozen(eq=False)
-class Erratum(Value):
+class Erratum(Result):
     """One place of the dissertation that is wrong or incomplete.
 
     Attributes

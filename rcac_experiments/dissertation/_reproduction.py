@@ -27,7 +27,7 @@ from rcac_experiments.experiments._experiment import Experiment, verify
 from rcac_experiments.reports._cases import Case, case_of
 from rcac_numeric.arrays._files import replacing, require_readable
 from rcac_numeric.arrays._untrusted import parsed_json
-from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.reports._rendering import rendered, write_page
 
 PAGE, CASES = "index.html", "cases"
@@ -36,7 +36,7 @@ FEW = 5  # repetitions of a run in a quick look
 
 
 @dataclass(frozen=True, eq=False)
-class Reproduction(Value):
+class Reproduction(Result):
     """What was reproduced.
 
     Attributes

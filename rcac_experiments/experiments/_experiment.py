@@ -25,7 +25,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import integer
-from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.engine._batches import SimulationCase, simulate_many
 from rcac_numeric.engine._compatibility import AnyController, controllers_of
@@ -360,7 +360,7 @@ def _fewer(one: Any, name: str, whole: set[str], seeds: int) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Verification(Value):
+class Verification(Result):
     """An experiment after its runs: results, estimates of its studies, and verdicts.
 
     Examples

@@ -13,14 +13,14 @@ from rcac_experiments.experiments._budgets import Budget
 from rcac_experiments.explorer._case import case_of
 from rcac_experiments.explorer._page import explorer_page
 from rcac_experiments.files._documents import read_file
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.reports._rendering import write_page
 
 FRAME = "width: 100%; height: 60rem; border: 0"
 
 
 @dataclass(frozen=True)
-class ExplorerPage(Value):
+class ExplorerPage(Result):
     """A page on which a loop runs live; a notebook shows it, and it asks no network.
 
     Attributes

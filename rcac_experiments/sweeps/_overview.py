@@ -10,11 +10,11 @@ from rcac_experiments.sweeps._statistics import SweepSummary, summarise
 from rcac_experiments.sweeps._store import Store
 from rcac_experiments.sweeps._table import SweepTable, table_in
 from rcac_numeric.arrays._showing import report_of
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @dataclass(frozen=True, eq=False)
-class SweepOverview(Value):
+class SweepOverview(Result):
     """What a store holds.
 
     Of the runs that have ended, those that failed are in `table.failed` and in no number else.

@@ -25,13 +25,13 @@ from rcac_experiments.sweeps._worker import MeasureFailed, measured, run_in_full
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._showing import report_of
 from rcac_numeric.arrays._validation import integer
-from rcac_numeric.arrays._values import Value, fingerprint
+from rcac_numeric.arrays._values import Result, fingerprint
 from rcac_numeric.arrays._wording import printable, shortened
 from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 
 @dataclass(frozen=True, eq=False)
-class ReplayedRun(Value):
+class ReplayedRun(Result):
     """A run of a study that was run again.
 
     Attributes

@@ -16,7 +16,7 @@ from rcac_experiments.sweeps._table import Columns, SweepTable
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import instance_of, items, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 def wilson_interval(
@@ -67,7 +67,7 @@ def wilson_interval(
 
 
 @dataclass(frozen=True, eq=False)
-class SweepSummary(Value):
+class SweepSummary(Result):
     """A study group by group: how many runs completed, and what was measured of those.
 
     Attributes

@@ -22,7 +22,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.designing._design import (
     PEAK,
@@ -84,7 +84,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned(Value):
+class Tuned(Result):
     """A design with the settings that did best, judged on plants and draws that chose nothing.
 
     Attributes

@@ -13,12 +13,12 @@ from rcac_numeric.analysis._noise import NoiseInputs
 from rcac_numeric.analysis._solutions import StabilisingSolution
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._pairing import pairing
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._linear import Plant
 
 
 @dataclass(frozen=True, eq=False)
-class ExactAgreement(Value):
+class ExactAgreement(Result):
     """How far the poles from the Riccati equations are from the exact ones.
 
     Attributes

@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis._opened_loop import OpenedLoop
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 # A root off the real axis by no more than this may be a double root that rounding has split.
 SPLIT = 1e-6
@@ -196,7 +196,7 @@ MOST_STEPS = 500
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityBoundary(Value):
+class StabilityBoundary(Result):
     """Where a one-parameter change of the loop first puts a pole on the unit circle.
 
     Attributes

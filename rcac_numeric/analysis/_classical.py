@@ -24,11 +24,11 @@ from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of, picture_of
 from rcac_numeric.arrays._validation import positive_time
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @dataclass(frozen=True, eq=False)
-class Margins(Value):
+class Margins(Result):
     """How far a loop is from instability, and the evidence.
 
     Attributes
@@ -100,8 +100,11 @@ class Margins(Value):
                 f"The loop is unstable, spectral radius {self.spectral_radius:.6g}: it has no "
                 "margins."
             )
-        assert self.gain_up and self.gain_down and self.phase_lag and self.phase_lead
-        assert self.delay
+        assert self.gain_up is not None
+        assert self.gain_down is not None
+        assert self.phase_lag is not None
+        assert self.phase_lead is not None
+        assert self.delay is not None
         seconds = "" if self.delay_time is None else f" = {self.delay_time:.6g} s"
         lines = [
             f"gain up     {self.gain_up.value:.6g}{_at(self.gain_up)}",

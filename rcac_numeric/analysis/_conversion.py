@@ -15,7 +15,7 @@ from compensator_theory.systems._state_space import transfer_matrix_of_realisati
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import matrix
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 
 # A difference equation whose certificate is this good is not made better by larger coefficients;
@@ -24,7 +24,7 @@ GOOD, ACCEPTED = 1e-11, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class ConversionCertificate(Value):
+class ConversionCertificate(Result):
     """What a difference equation was checked against: the state space that it was made from.
 
     Attributes

@@ -18,7 +18,7 @@ from rcac_numeric.analysis._stability import EPS, counted_stable, decide_stabili
 from rcac_numeric.analysis._state_space import StateSpace, state_space_of
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
@@ -29,7 +29,7 @@ TRUSTED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class H2Cost(Value):
+class H2Cost(Result):
     """The stationary mean square of z for white noise w, in its parts.
 
     Attributes

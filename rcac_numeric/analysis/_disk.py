@@ -18,7 +18,7 @@ from rcac_numeric.analysis._peaks import Matrices, hinf_norm, level_crossings, r
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import one_of
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._any_plant import AnyPlant
@@ -170,7 +170,7 @@ def _overlap(
 
 
 @dataclass(frozen=True, eq=False)
-class DiskMargin(Value):
+class DiskMargin(Result):
     """The symmetric disk margin, based on S - T (sigma = 0), and the peaks of S and T.
 
     Every factor (1 + d/2) / (1 - d/2) with complex abs(d) < alpha, and every factor of a gain and

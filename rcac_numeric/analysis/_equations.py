@@ -24,7 +24,7 @@ from rcac_numeric.analysis._square_roots import kleinman, starting_gains, triang
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._validation import matrix
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 # From which closeness of a closed-loop pole to the unit circle a zero on it is looked for (for a
 # zero of multiplicity d the pole is off by the 2d-th root of a rounding error), and the relative
@@ -259,7 +259,7 @@ def _symmetric(weight: Array, name: str) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class ContinuousSolution(Value):
+class ContinuousSolution(Result):
     """The stabilising solution of a continuous-time Riccati equation.
 
     Attributes

@@ -13,7 +13,7 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._pairing import pairing
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
@@ -21,7 +21,7 @@ from rcac_numeric.targets._model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class ExactComparison(Value):
+class ExactComparison(Result):
     """A converged controller beside the exact answer; scalar loops.
 
     Attributes

@@ -12,14 +12,14 @@ from rcac_numeric.analysis._closed_loop import ClosedLoop, linear_states
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer, signal_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class IntercalatedMatch(Value):
+class IntercalatedMatch(Result):
     """How far the intercalated transfer function is from the target model, over frequency.
 
     Attributes
@@ -88,7 +88,7 @@ def intercalated_match(
 
 
 @dataclass(frozen=True, eq=False)
-class ResidualSplit(Value):
+class ResidualSplit(Result):
     """z - G_f u~ = (G~zu~ - G_f) u~ + G~zw w, for one fixed theta* and recorded signals.
 
     Attributes

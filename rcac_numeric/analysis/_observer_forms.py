@@ -21,7 +21,7 @@ from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.arrays._wording import matrix_latex
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.engine._runs import Run
@@ -33,7 +33,7 @@ SHOWN = 6  # forms that a notebook writes out
 
 
 @dataclass(frozen=True, eq=False)
-class NumericObserverForms(Value):
+class NumericObserverForms(Result):
     r"""Observer-based forms of a compensator, one in each slice of the arrays.
 
     .. math:: T^{-1} A_c T = A + BK - FC, \qquad T^{-1} B_c = F, \qquad C_c T = K

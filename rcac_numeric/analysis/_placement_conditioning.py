@@ -16,11 +16,11 @@ from compensator_theory.placement._rounding_effects import is_stable
 from compensator_theory.polynomials._poly import canonical, scaled
 from compensator_theory.results import PolePlacement, Root
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @dataclass(frozen=True, eq=False)
-class PlacementConditioning(Value):
+class PlacementConditioning(Result):
     """An exact pole placement beside the float64 solution of the same linear equations.
 
     Attributes

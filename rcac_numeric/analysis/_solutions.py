@@ -9,11 +9,11 @@ import numpy as np
 
 from rcac_numeric.analysis._gramians import stein_solution
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @dataclass(frozen=True, eq=False)
-class StabilisingSolution(Value):
+class StabilisingSolution(Result):
     """The stabilising solution of a Riccati equation, with what says how good it is.
 
     Attributes

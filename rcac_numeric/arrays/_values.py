@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import attrs
 import numpy as np
 
+from compensator_theory._truth import Truth
 from compensator_theory._wording import in_a_line
 from rcac_numeric.arrays._wording import shortened
 
@@ -44,6 +45,10 @@ class Value:
         if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
             return None
         return html_table(type(self).__name__, _rows(self, depth=1))
+
+
+class Result(Value, Truth):
+    """What a function answers: only a yes or a no has a truth value, and that is its own."""
 
 
 class Standing:

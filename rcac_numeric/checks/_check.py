@@ -22,7 +22,7 @@ from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._array_types import ComplexArray
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer, positive_time
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
@@ -47,7 +47,7 @@ NEED_THE_TARGET = ("target", "match", "split")
 
 
 @dataclass(frozen=True, eq=False)
-class ControllerCheck(Value):
+class ControllerCheck(Result):
     """What a log says of the controller that it ended with, and what it cannot say.
 
     Attributes

@@ -10,7 +10,7 @@ import numpy as np
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of, sheet_of
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._trials import NextDisturbance
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
@@ -204,7 +204,7 @@ class HealthWarning:
 
 
 @dataclass(frozen=True, eq=False)
-class LoopHealth(Value):
+class LoopHealth(Result):
     """Whether a loop is healthy, and the evidence.
 
     Attributes
@@ -253,6 +253,8 @@ class LoopHealth(Value):
     >>> [warning.code for warning in health.warnings]
     ['small margins']
     """
+
+    _ANSWER = "is_healthy"
 
     is_stable: bool | None
     spectral_radius: float | None

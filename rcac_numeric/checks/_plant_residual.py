@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.plants._any_plant import block_start
 from rcac_numeric.plants._linear import Plant
@@ -23,7 +23,7 @@ CONTRADICTED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class PlantResidual(Value):
+class PlantResidual(Result):
     """The one-step error of the plant on the log, beside that of the best plant of its order.
 
     e(k) = y(k) - y(k | the n steps of u, y and the known w before, and u(k)): zero where nothing

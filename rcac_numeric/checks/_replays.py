@@ -9,7 +9,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._regressor import regressor, require_fit
 from rcac_numeric.controllers._compensator import Compensator
@@ -23,7 +23,7 @@ STILL = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class ControlReplay(Value):
+class ControlReplay(Result):
     """u(k) beside Phi(k) theta of the log.
 
     Attributes
@@ -49,6 +49,8 @@ class ControlReplay(Value):
     resolution : str
         The digits of the log in words; empty where they do not matter.
     """
+
+    _ANSWER = "agrees"
 
     u: Array
     start: int

@@ -353,7 +353,9 @@ def small_margins(margins: Margins) -> list[str]:
     """The margins of a stable loop that are below 3 dB or 20 degrees, in words."""
     if not margins.is_stable:
         return []
-    assert margins.gain_up and margins.gain_down and margins.phase
+    assert margins.gain_up is not None
+    assert margins.gain_down is not None
+    assert margins.phase is not None
     words = []
     if margins.gain_up.value < LEAST_GAIN:
         words.append(f"{margins.gain_up.value:.3g} times the gain is unstable")

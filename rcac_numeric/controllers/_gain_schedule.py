@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
@@ -184,7 +185,7 @@ class GainSchedule(StepwiseController):
                 )
 
 
-class ScheduledSteps(Standing):
+class ScheduledSteps(Standing, Truth):
     """A gain schedule at work; `GainSchedule.started` makes it.
 
     It pickles and copies, and goes on bit for bit.

@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._validation import instance_of, integer, number, one_of, reads, with_checks
 from rcac_numeric.arrays._values import Value
@@ -127,7 +128,7 @@ fade=0.9, missed='hold')
 
 
 @dataclass(frozen=True)
-class TroubleCount:
+class TroubleCount(Truth):
     """How often something was noted.
 
     Attributes
@@ -154,7 +155,7 @@ class TroubleCount:
 
 
 @dataclass(frozen=True)
-class SupervisionEvent:
+class SupervisionEvent(Truth):
     """The beginning of a trouble, or something that was done; at a step, with its value.
 
     Examples
@@ -174,7 +175,7 @@ class SupervisionEvent:
 
 
 @dataclass(frozen=True)
-class SupervisionRecord:
+class SupervisionRecord(Truth):
     """What the supervision of a controller has noted and done.
 
     Attributes

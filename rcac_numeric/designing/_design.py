@@ -17,7 +17,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer, items, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.checks._health import LoopHealth
 from rcac_numeric.checks._logs import ControllerLog
@@ -164,7 +164,7 @@ class Verdict:
 
 
 @dataclass(frozen=True, eq=False)
-class Design(Value):
+class Design(Result):
     """A controller for a plant, with reasons.
 
     Attributes

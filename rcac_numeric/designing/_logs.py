@@ -14,7 +14,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.designing._plants import LOW, DesignPlant, Uncertainty, balanced
@@ -38,7 +38,7 @@ LogModel = OutputErrorModel | PredictionErrorModel
 
 
 @dataclass(frozen=True, eq=False)
-class LoggedPlant(Value):
+class LoggedPlant(Result):
     """What a log shows of a plant.
 
     Attributes

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._validation import instance_of, integer, items
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result, Value
 from rcac_numeric.engine._compatibility import AnyController, controllers_of
 from rcac_numeric.engine._jobs import PreparedRun, in_slices, run_to_end
 from rcac_numeric.engine._runs import Run
@@ -143,7 +143,7 @@ REFUSED, REDUCER_FAILED = "refused", "reducer failed"
 
 
 @dataclass(frozen=True, eq=False)
-class CaseResult(Value, Generic[T]):
+class CaseResult(Result, Generic[T]):
     """How one case of a stream ended.
 
     Attributes

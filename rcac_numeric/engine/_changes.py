@@ -19,7 +19,7 @@ from rcac_numeric.arrays._validation import (
     real_array,
     with_checks,
 )
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result, Value
 from rcac_numeric.arrays._wording import printable
 from rcac_numeric.controllers._forgetting import forgetting_factor
 from rcac_numeric.controllers._weights import SignalWeight
@@ -101,7 +101,7 @@ class ControllerChange(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class AppliedChange(Value):
+class AppliedChange(Result):
     """A change that was made in a running controller, and what is known of it.
 
     Attributes

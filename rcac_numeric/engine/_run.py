@@ -8,6 +8,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import ArrayLike
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.arrays._array_types import Array
@@ -214,7 +215,7 @@ def _diagonal(first: arb_mat, second: arb_mat) -> arb_mat:
 
 
 @dataclass(frozen=True, eq=False)
-class ReferenceRun(Run):
+class ReferenceRun(Run, Truth):
     """A run in ball arithmetic, rounded once to float64 at the end.
 
     Attributes

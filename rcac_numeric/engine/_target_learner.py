@@ -9,7 +9,7 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, number, one_of
-from rcac_numeric.arrays._values import Standing, Value
+from rcac_numeric.arrays._values import Result, Standing
 from rcac_numeric.engine._changes import COVARIANCES, ControllerChange
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.identification._data_targets import DataTarget, target_from_data
@@ -21,7 +21,7 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class LearnedTarget(Value):
+class LearnedTarget(Result):
     """What the window before one step showed, and what was made of it.
 
     Attributes

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._validation import integer, number, real_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @dataclass(frozen=True, eq=False)
-class Consistency(Value):
+class Consistency(Result):
     """The mean of a normalised squared error, and where it should lie.
 
     Attributes

@@ -14,7 +14,7 @@ from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import float_array, real_array, signal_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import estimation_failure
 from rcac_numeric.estimation._any_model import AnyModel
 from rcac_numeric.estimation._consistency import Consistency, nees_consistency, nis_consistency
@@ -35,7 +35,7 @@ from rcac_numeric.estimation._settings import EKF, IMM, UKF, AdaptiveNoises, Any
 
 
 @dataclass(frozen=True, eq=False)
-class StateEstimates(Value):
+class StateEstimates(Result):
     """What a Kalman filter made of a record.
 
     Attributes
@@ -121,7 +121,7 @@ class AdaptedEstimates(StateEstimates):
 
 
 @dataclass(frozen=True, eq=False)
-class ModeEstimates(Value):
+class ModeEstimates(Result):
     """What an interacting multiple model filter made of a record.
 
     Attributes

@@ -11,7 +11,7 @@ from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._validation import instance_of, integer
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.estimation._linear import LinearModel
 from rcac_numeric.estimation._settings import EKF, learned_noises
 
@@ -22,7 +22,7 @@ ROUNDING = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class NoiseInformation(Value):
+class NoiseInformation(Result):
     """Which combinations of Q and R measurements can tell, and how closely.
 
     Attributes

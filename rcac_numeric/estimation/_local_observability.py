@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
 from rcac_numeric.arrays._validation import signal_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import (
     EstimationModel,
     estimation_failure,
@@ -37,7 +37,7 @@ class UnidentifiableWarning(UserWarning):
 
 
 @dataclass(frozen=True, eq=False)
-class Observability(Value):
+class Observability(Result):
     """How strongly the measurements of a record depend on each direction of the initial state.
 
     Attributes

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, IllConditionedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, integer
-from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.arrays._values import Result, replaced
 from rcac_numeric.compiled._estimators import estimation_failure, learn_noises
 from rcac_numeric.estimation._compiled import compiled_model
 from rcac_numeric.estimation._estimates import record_of
@@ -33,7 +33,7 @@ Iteration = Callable[[Array, Array], tuple[Array, Array, float]]
 
 
 @dataclass(frozen=True, eq=False)
-class FittedNoises(Value):
+class FittedNoises(Result):
     """Q and R that make a record likely.
 
     Attributes

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, signal_array, vector
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import (
     EstimationError,
     Refinement,
@@ -32,7 +32,7 @@ DETERMINED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence(Value):
+class Evidence(Result):
     """How much of theta is still its initial estimate, per direction.
 
     Attributes
@@ -322,7 +322,7 @@ def compiled_refinement(settings: RCMR) -> Refinement:
 
 
 @dataclass(frozen=True, eq=False)
-class RefinementRun(Value):
+class RefinementRun(Result):
     """What RCMR made of a record.
 
     Attributes

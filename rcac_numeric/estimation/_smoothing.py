@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import float_array, integer, real_array, signal_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.estimation._linear import LinearModel
 from rcac_numeric.estimation._settings import EKF, square_root
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothedStates(Value):
+class SmoothedStates(Result):
     """What a whole record, or the next steps of it, say of every state.
 
     Attributes

@@ -22,7 +22,7 @@ from rcac_numeric.arrays._validation import (
     real_array,
     with_checks,
 )
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result, Value
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
@@ -98,7 +98,7 @@ class RepeatedParameters(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Linearisation(Value):
+class Linearisation(Result):
     """A discretised model and how it depends on its parameters.
 
     Attributes

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import replacing
@@ -36,7 +37,7 @@ LONGEST_FOR_PX4 = 16 - len("_LAMBDA")  # letters of a prefix
 
 
 @dataclass(frozen=True)
-class Export:
+class Export(Truth):
     """What was written, and how it was held against its source.
 
     Attributes

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._mu_markov import identify_markov_parameters
 from rcac_numeric.identification._regressors import regression
 from rcac_numeric.identification._zero_gradients import realised_zeros
@@ -18,7 +18,7 @@ from rcac_numeric.identification._zeros import IdentifiedZeros, identified_zeros
 
 
 @dataclass(frozen=True, eq=False)
-class BootstrapZeros(Value):
+class BootstrapZeros(Result):
     """Zeros of models that were identified from resampled data.
 
     Attributes

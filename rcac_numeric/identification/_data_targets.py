@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._mu_markov import (
     IdentifiedMarkovParameters,
     identify_markov_parameters,
@@ -24,7 +25,7 @@ from rcac_numeric.targets._pole_placement import fir_target
 
 
 @dataclass(frozen=True)
-class DataFact:
+class DataFact(Truth):
     """One thing that data say of a plant, and how sure that is.
 
     Attributes
@@ -56,7 +57,7 @@ class DataFact:
 
 
 @dataclass(frozen=True, eq=False)
-class DataTarget(Value):
+class DataTarget(Result):
     """A target model made from data, with its evidence.
 
     Attributes

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._regressors import as_signal, lagged
 from rcac_numeric.targets._zero_directions import DirectionInformation
 
@@ -20,7 +20,7 @@ FARTHEST = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class DirectionsFromData(Value):
+class DirectionsFromData(Result):
     """What a record says of G_zu, with its evidence.
 
     Attributes

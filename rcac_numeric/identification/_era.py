@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import real_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._order import hankel_matrix, order_from_singular_values
 
 
 @dataclass(frozen=True, eq=False)
-class EigensystemRealisation(Value):
+class EigensystemRealisation(Result):
     """A balanced realisation of Markov parameters, by a singular value decomposition.
 
     Attributes

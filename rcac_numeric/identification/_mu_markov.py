@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer, number, real_array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._noise_models import (
     NeweyWest,
     coefficient_covariance,
@@ -20,7 +20,7 @@ from rcac_numeric.identification._regressors import as_signal, lagged
 
 
 @dataclass(frozen=True, eq=False)
-class IdentifiedMarkovParameters(Value):
+class IdentifiedMarkovParameters(Result):
     """A fitted mu-Markov model (3.8), with the evidence for its Markov parameters.
 
     Attributes

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._regressors import lagged
@@ -37,7 +38,7 @@ Found = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients o
 
 
 @dataclass(frozen=True, eq=False)
-class OutputErrorModel(ScalarModel):
+class OutputErrorModel(ScalarModel, Truth):
     """y(k) = q^-delay B(q)/A(q) u(k) + offset + e(k), strictly proper.
 
     Attributes

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
+from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.identification._regressors import lagged
@@ -38,7 +39,7 @@ TESTED = 20  # lags of the cross-correlation of innovations and excitation
 
 
 @dataclass(frozen=True, eq=False)
-class PredictionErrorModel(ScalarModel):
+class PredictionErrorModel(ScalarModel, Truth):
     """A(q) y(k) = q^-delay B(q) u(k) + c + C(q)/D(q) e(k), strictly proper, A of any poles.
 
     Attributes

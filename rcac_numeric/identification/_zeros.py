@@ -9,14 +9,14 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import instance_of, integer, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.identification._mu_markov import IdentifiedMarkovParameters
 from rcac_numeric.identification._order import order_from_singular_values
 from rcac_numeric.identification._zero_gradients import zeros_and_gradients
 
 
 @dataclass(frozen=True, eq=False)
-class IdentifiedZeros(Value):
+class IdentifiedZeros(Result):
     """Zeros of a model identified from data, and how far to believe them.
 
     Attributes

@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 PHASES = ("nonminimum phase", "minimum phase", "undecided")
 # A leading coefficient counts where it exceeds so many standard errors.
@@ -17,7 +17,7 @@ LAGS_OF_WHITENESS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class OnlineZeros(Value):
+class OnlineZeros(Result):
     """What an ARX model of u -> z says of relative degree, leading coefficient and zeros.
 
     Attributes

@@ -142,10 +142,8 @@ def _nyquist(axis: Axes, check: ControllerCheck) -> None:
     draw_nyquist(axis, loop_curve(margins))
     axis.grid(alpha=0.25)
     words = "unstable: no margins"
-    if margins.is_stable and margins.gain_up and margins.gain_down and margins.phase:
-        words = (
-            f"gain {margins.gain_down.value:.4g} to {margins.gain_up.value:.4g}, "
-            f"phase {margins.phase.value:.3g} deg"
-        )
+    up, down, phase = margins.gain_up, margins.gain_down, margins.phase
+    if margins.is_stable and up is not None and down is not None and phase is not None:
+        words = f"gain {down.value:.4g} to {up.value:.4g}, phase {phase.value:.3g} deg"
     axis.set_title(f"Nyquist, opened at {name}\n{words}", fontsize=9,
                    color=INK if margins.is_stable else WANTED)  # fmt: skip

@@ -88,7 +88,7 @@ def _log(check: ControllerCheck) -> Section:
     record: dict[str, Any] = {
         "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
         "problem": None if check.decision is None else _decided(check.decision),
-        "plant_residual": residual and {
+        "plant_residual": None if residual is None else {
             name: getattr(residual, name)
             for name in ("rms", "change", "best", "relative", "is_doubtful")
         },
@@ -277,8 +277,11 @@ def disk_record(disk: DiskMargin | None) -> dict[str, Any] | None:
 
 def _boundaries(margins: Margins) -> list[tuple[str, StabilityBoundary, str]]:
     """Name, boundary and unit of each margin of a stable loop."""
-    assert margins.gain_up and margins.gain_down and margins.phase_lag and margins.phase_lead
-    assert margins.delay
+    assert margins.gain_up is not None
+    assert margins.gain_down is not None
+    assert margins.phase_lag is not None
+    assert margins.phase_lead is not None
+    assert margins.delay is not None
     seconds = "" if margins.delay_time is None else f" = {margins.delay_time:.6g} s"
     return [
         ("gain up", margins.gain_up, ""),

@@ -155,7 +155,10 @@ def margin_words(margins: Margins) -> str:
     """
     if not margins.is_stable:
         return "none: the loop is unstable"
-    assert margins.gain_up and margins.gain_down and margins.phase and margins.delay
+    assert margins.gain_up is not None
+    assert margins.gain_down is not None
+    assert margins.phase is not None
+    assert margins.delay is not None
     low, high = margins.gain_down.value, margins.gain_up.value
     delay = f"{margins.delay.value:.3g} steps" if np.isfinite(margins.delay.value) else "any"
     phase = f"{margins.phase.value:.3g} deg" if np.isfinite(margins.phase.value) else "any"

@@ -32,7 +32,7 @@ def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
         "residual_is_zero": bool(placement.residual.is_zero),
         "summary": str(placement),
         "is_rational": all(map(is_rational, (placement.target, placement.numerator))),
-        "float64": found and {
+        "float64": None if found is None else {
             "condition_number": found.condition_number,
             "relative_error": found.relative_error,
             "digits": found.digits,

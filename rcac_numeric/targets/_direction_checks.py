@@ -10,7 +10,7 @@ import scipy.linalg
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import instance_of, number
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 from rcac_numeric.targets._zero_directions import (
@@ -34,7 +34,7 @@ VERDICTS = {
 
 
 @dataclass(frozen=True, eq=False)
-class DirectionCheck(Value):
+class DirectionCheck(Result):
     """What a target model does at each NMP zero of G_zu.
 
     Attributes
@@ -49,6 +49,8 @@ class DirectionCheck(Value):
     tolerance : float
         The largest angle that counts as kept, in degrees.
     """
+
+    _ANSWER = "is_kept"
 
     zeros: ComplexArray
     angles: Array

@@ -16,7 +16,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._linear_algebra import determinant
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import rounded
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._transmission_zeros import rosenbrock_matrix
@@ -26,7 +26,7 @@ from rcac_numeric.targets._modelling import Number, zeros_not_inside
 
 
 @dataclass(frozen=True, eq=False)
-class OutputSubspaceZeros(Value):
+class OutputSubspaceZeros(Result):
     """The zeros from u to H' z of section 3.4.1.
 
     Attributes

@@ -7,11 +7,11 @@ import attrs
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import array_like, number, reads, real_array, with_checks
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
-class OperatingPoint(Value):
+class OperatingPoint(Result):
     """A state and an input at which f(x, u) = 0.
 
     Parameters

@@ -14,14 +14,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 from rcac_numeric.plants._transmission_zeros import transmission_zero_polynomial
 
 
 @dataclass(frozen=True, eq=False)
-class ZeroPath(Value):
+class ZeroPath(Result):
     """The zeros of a plant that changes, frozen at some of its steps.
 
     Attributes

@@ -183,7 +183,7 @@ def test_functions_read_it_as_the_system_that_it_is():
     assert realisation(lag).A[0, 0] == -1 and h_infinity_norm(lag).value == 1
     assert place_poles(lag, [-2], feedback=-1).compensator.order == 0
     assert invariant_zeros(lag).polynomial.degree() == 0
-    assert decide_stability(lag.characteristic_polynomial, time="continuous")
+    assert decide_stability(lag.characteristic_polynomial, time="continuous").is_stable
     with pytest.raises(InputError, match="in s, not in z"):
         transfer_matrix(lag, "z")
     ideal = DescriptorSystem([[0, 1], [0, 0]], eye(2), [[0], [1]], [[-1, 0]])
