@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterator
 from typing import Any, Generic
 
 import sympy
 from sympy import Expr, Symbol
 
+from compensator_theory._printing import text
 from compensator_theory.errors import (
     CompensatorError,
     FunctionFailedError,
@@ -26,6 +28,9 @@ from compensator_theory.polynomials._budget import integer, shown
 from compensator_theory.polynomials._generic_answers import generic_answer
 from compensator_theory.polynomials._substitution import names_in, require_variable, substituted
 from compensator_theory.polynomials._variables import is_operator
+
+WITHOUT_VARIABLE = {"MatrixLike", "SpectrumLike", "NumberLike", "Time", "int", "str", "bool"}
+"""Annotations of arguments in which no symbol is taken for the variable."""
 
 
 def exceptional_cases(
@@ -105,6 +110,9 @@ class _Analysis(Generic[Answer]):
     ) -> None:
         self.function, self.arguments, self.options = function, arguments, options
         self.left = left
+        self.made: dict[str, str] = {}  # symbols that answers have made, with their meaning
+        self.parameters: set[str] = set()  # symbols of coefficients, which are no variable
+        self.knows_variable = _names_its_variable(function, arguments, options)
 
     def of(self, conditions: Conditions) -> Iterator[ExceptionalCase[Answer]]:
         """Answer in one case, then in those that are taken out of it."""
@@ -128,7 +136,7 @@ class _Analysis(Generic[Answer]):
             else:
                 answer = self._call(self.function, arguments, options)
                 divisors = _exceptional(answer, must_have=is_first)
-            self._require_arguments(divisors, conditions)
+            self._require_arguments(divisors, answer, conditions)
         except CompensatorError as error:
             if isinstance(error, FunctionFailedError) or (
                 is_first and isinstance(error, InputError)
@@ -140,11 +148,17 @@ class _Analysis(Generic[Answer]):
         yield _case(conditions.assuming(*factors), answer=answer)
         yield from self._where_zero(conditions, factors)
 
-    def _require_arguments(self, divisors: tuple[Expr, ...], conditions: Conditions) -> None:
+    def _require_arguments(
+        self, divisors: tuple[Expr, ...], answer: object, conditions: Conditions
+    ) -> None:
         """Refuse symbols that a function has besides its arguments: they cannot be substituted."""
         used = {s.name for divisor in divisors for s in divisor.free_symbols}
         given = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
-        if missing := sorted(used - given):
+        for part in answer if isinstance(answer, tuple) else (answer,):
+            made = getattr(part, "exponentials", ())  # symbols that the answer says the meaning of
+            self.made.update((x.name, f"{x} = {text(value)}") for x, value in made)
+        self.parameters |= used
+        if missing := sorted(used - given - self.made.keys()):
             raise FunctionFailedError(
                 f"the function uses {', '.join(missing)} besides its arguments; pass what holds "
                 "these symbols as an argument, so that values can be put in"
@@ -167,14 +181,20 @@ class _Analysis(Generic[Answer]):
         found = []
         for argument in self.arguments:
             found.append(substituted(argument, conditions.values))
-            if conditions.values and not named & names_in(argument):
-                require_variable(argument, found[-1])
+            if conditions.values and not (self.knows_variable or named & names_in(argument)):
+                parameters = self.parameters | {s.name for s in conditions.values}
+                require_variable(argument, found[-1], parameters)
         return tuple(found)
 
     def _where_zero(
         self, conditions: Conditions, factors: tuple[Expr, ...]
     ) -> Iterator[ExceptionalCase[Answer]]:
         for index, factor in enumerate(factors):
+            if made := [self.made[s.name] for s in factor.free_symbols if s.name in self.made]:
+                reason = f"{text(factor)} = 0 is not solved where {', '.join(sorted(made))}"
+                pending = conditions.assuming(*factors[:index]).also_zero(factor)
+                yield _case(pending, reason=reason)
+                continue
             for case in solutions(conditions.assuming(*factors[:index]).also_zero(factor)):
                 yield from self.of(case)
 
@@ -207,6 +227,23 @@ class _Analysis(Generic[Answer]):
             for case in solutions(holds.also_zero(*falls)):
                 yield from self.of(case)
         yield from self._where_zero(conditions, factors)
+
+
+def _names_its_variable(
+    function: Callable[..., Any], arguments: tuple[Any, ...], options: dict[str, Any]
+) -> bool:
+    """Whether no symbol of the arguments is taken for the variable: it is named, or there is none.
+
+    Plain matrices (`MatrixLike`) show no variable.
+    """
+    try:
+        signature = inspect.signature(function)
+        given = signature.bind_partial(*arguments, **options).arguments
+    except (TypeError, ValueError):
+        return False
+    kinds = {str(signature.parameters[name].annotation).split(" | ")[0] for name in given}
+    named = "variable" in given and given["variable"] is not None
+    return named or ("MatrixLike" in kinds and kinds <= WITHOUT_VARIABLE)
 
 
 def _case(

@@ -5,6 +5,7 @@ Exponentials of the poles stay symbols.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -318,7 +319,7 @@ def matched(
     M = ImmutableMatrix(sympy.diag(*companions))
     ask("entries", M.rows**2 * (M.rows + 1), "the matrix exponential")
     annihilator = canonical(polynomials[0] * polynomials[1])
-    E, meaning, certificate = _exponential_of(M, annihilator, given, h, z)
+    E, meaning, certificate, squares = _exponential_of(M, annihilator, given, h, z)
     m = companions[0].rows
     N, D = (characteristic_polynomial(part, z) for part in (E[:m, :m], E[m:, m:]))
     unit, rule = Poly(z + 1, z), Poly(z - 1, z)
@@ -332,10 +333,8 @@ def matched(
         raise InputError(f"with the step {shown(h)} a zero or a pole is mapped to 1; take another")
     k = sympy.cancel(at_rest / rest)
     found = TransferFunction(canonical(N * k), canonical(D), sample_time=_period(h))
-    exceptional = exceptional_factors(
-        sympy.fraction(sympy.cancel(c))[1] for c in (*found.numerator.all_coeffs(), k)
-    )
-    exceptional = tuple(factor for factor in exceptional if factor != h)
+    divisors = [sympy.fraction(sympy.cancel(c))[1] for c in (*found.numerator.all_coeffs(), k)]
+    exceptional = _where_zero(divisors, h, meaning, squares)
     return SampledPlant(realisation(found), h, meaning, exceptional, certificate)
 
 
@@ -393,7 +392,7 @@ def _sampled(
     M = ImmutableMatrix.vstack(*rows)
     poles = characteristic_polynomial(given.A, given.variable)
     annihilator = canonical(poles * Poly(given.variable**order, given.variable, domain=QQ))
-    sampled, meaning, certificate = _exponential_of(M, annihilator, given, h, z)
+    sampled, meaning, certificate, squares = _exponential_of(M, annihilator, given, h, z)
     B, D = sampled[:n, n : n + m], given.D
     if order == 2:
         slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
@@ -401,9 +400,8 @@ def _sampled(
         D = in_lowest_terms(given.D + given.C * slope)
     with unlimited():
         result = Realisation(sampled[:n, :n], B, given.C, D, z, sample_time=_period(h))
-    divisors = [*sampled, *B, *D]
-    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in divisors)
-    exceptional = tuple(factor for factor in exceptional if factor != h)
+    divisors = [sympy.fraction(entry)[1] for entry in (*sampled, *B, *D)]
+    exceptional = _where_zero(divisors, h, meaning, squares)
     return SampledPlant(result, h, meaning, exceptional, certificate)
 
 
@@ -412,8 +410,8 @@ Meaning: TypeAlias = tuple[tuple[Symbol, Expr], ...]
 
 def _exponential_of(
     M: ImmutableMatrix, annihilator: Poly, given: Realisation, h: Expr, z: Symbol
-) -> tuple[ImmutableMatrix, Meaning, Certificate]:
-    """exp(M h), what its new symbols stand for, and the certificate."""
+) -> tuple[ImmutableMatrix, Meaning, Certificate, Meaning]:
+    """exp(M h), what its new symbols stand for, the certificate, and y with w**2 for tangents."""
     matrices = (given.A, given.B, given.C, given.D)
     used = {str(x) for matrix in matrices for x in matrix.free_symbols}
     used |= {str(x) for x in h.free_symbols} | {z.name}
@@ -446,7 +444,31 @@ def _exponential_of(
             "irrational number, is in the matrices; leave it a symbol"
         )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
-    return sampled, meaning, found.certificate
+    return sampled, meaning, found.certificate, found.tangents
+
+
+def _where_zero(
+    divisors: Iterable[Expr], h: Expr, meaning: Meaning, squares: Meaning
+) -> tuple[Expr, ...]:
+    """What must not vanish, in symbols of the plant where that can be said.
+
+    With y = tan(w h/2)/w the square of a cosine, 1/(1 + w**2 y**2), is never infinite, and a
+    product of exponentials is 1 where the sum of their exponents is 0.
+    """
+    never = [sympy.expand(1 + square * y**2) for y, square in squares]
+    exponents = {x: sympy.log(value).expand(force=True) / h for x, value in meaning
+                 if isinstance(value, sympy.exp)}  # fmt: skip
+    found: list[Expr] = []
+    for factor in exceptional_factors(divisors):
+        if factor == h or any(sympy.expand(factor - part) == 0 for part in never):
+            continue
+        monomial = factor + 1 if factor.subs(dict.fromkeys(exponents, 0)) == -1 else 1 - factor
+        powers = monomial.as_powers_dict() if factor.free_symbols <= exponents.keys() else {}
+        if powers and powers.keys() <= exponents.keys():
+            found.append(sum(exponents[x] * power for x, power in powers.items()))
+        else:
+            found.append(factor)
+    return exceptional_factors(found)
 
 
 def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z") -> Poly:

@@ -202,7 +202,11 @@ class LQGController(ExactValue):
         if None in parts:
             return None
         work = self._joined[0]
-        K, P, S = (self._embedded(m, side) for m, side in zip(parts, (0, 0, 1), strict=True) if m)
+        K, P, S = (
+            self._embedded(m, side)
+            for m, side in zip(parts, (0, 0, 1), strict=True)
+            if m is not None
+        )
         plant = self.plant
         B, D_1, E_2, E_0 = (to_flint(m) for m in (plant.B, plant.D_1, plant.E_2, plant.E_0))
         weight = work.of(E_2.transpose() * E_2)

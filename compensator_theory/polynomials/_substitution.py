@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
@@ -173,15 +173,17 @@ def _coefficients(value: Any) -> Iterator[Expr]:
                 yield from _coefficients(getattr(value, name))
 
 
-def require_variable(before: Any, after: Any) -> None:
+def require_variable(before: Any, after: Any, parameters: Set[str] = frozenset()) -> None:
     """Refuse an argument whose variable dropped out with what was put in; it would be misread.
+
+    Symbols that are known to be parameters are no variable, whatever they are called.
 
     Examples
     --------
     >>> from compensator_theory.polynomials._substitution import require_variable
     >>> require_variable("1/(a*s + b)", "1/((2)*s + b)")
     """
-    had = {name for name in names_in(before) if is_operator(Symbol(name))}
+    had = {name for name in names_in(before) - parameters if is_operator(Symbol(name))}
     if had and not had & _names_left(after):
         raise InputError(
             f"{', '.join(sorted(had))} drops out of {shown(before)}, so that the variable is not "

@@ -20,9 +20,8 @@ from sympy import Basic, MatrixBase, Poly, Symbol
 import compensator_theory as exact
 from compensator_theory.polynomials._values import ExactValue
 from tests.support.bad_inputs import GOOD, NOT_DOORS
-from tests.support.public import public_objects
+from tests.support.symbolic_inputs import PUBLIC, calls, symbols_in
 
-PUBLIC = public_objects("compensator_theory")
 OTHER = "mu_user"  # a letter that nothing introduces
 NAME = re.compile(r"[^\W\d]\w*")
 LABEL = re.compile(r"\b\w+ ?= ?")
@@ -56,89 +55,16 @@ def defaults_of(function):
     return {p.default for p in given if isinstance(p.default, str) and len(p.default) == 1}
 
 
-# ---- inputs with a symbol
-def mixed(value, how, name):
-    """The argument with a symbol in one place; None where there is none for it."""
-    if isinstance(value, str):
-        if value.isidentifier() or "," in value:
-            return None
-        return f"({value})*{name}" if how == "times" else f"({value}) + {name}"
-    if isinstance(value, Poly):
-        return mixed(str(value.as_expr()), how, name)
-    if isinstance(value, exact.Realisation):
-        A, C = value.A.as_mutable(), value.C
-        if how == "times":
-            C = C * Symbol(name)
-        else:
-            A[-1, -1] += Symbol(name)
-        return exact.Realisation(A, value.B, C, value.D, value.variable)
-    if isinstance(value, bool | ExactValue):
-        return None
-    if isinstance(value, int | float):
-        return f"{value}*{name}" if how == "times" else f"{value} + {name}"
-    if type(value) in (list, tuple):
-        for place in reversed(range(len(value))):
-            inner = mixed(value[place], how, name)
-            if inner is not None:
-                return type(value)([*value[:place], inner, *value[place + 1 :]])
-    return None
-
-
-def calls(name):
-    """Functions of a symbol's name that give the arguments of a call of a public function."""
-    arguments, keywords = GOOD[name]
-    parameters = list(inspect.signature(PUBLIC[name]).parameters.values())
-    names = [p.name for p in parameters]
-    needed = sum(p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD for p in parameters)
-    fixed = [arguments] if needed >= len(arguments) else [arguments[:needed], arguments]
-    options = [keywords]
-    if "variable" in set(names[len(arguments) :]) - set(keywords):
-        options.append({**keywords, "variable": "s"})
-    for given, more in itertools.product(fixed, options):
-        for place, how in itertools.product(range(len(given)), ("times", "plus")):
-
-            def call(symbol, given=given, place=place, how=how, more=more):
-                inner = mixed(given[place], how, symbol)
-                if inner is None:
-                    raise exact.InputError("no place for a symbol")
-                return PUBLIC[name](*given[:place], inner, *given[place + 1 :], **more)
-
-            yield call, names_given(given, more)
-
-
-def names_given(*arguments):
-    """What the caller has named, variables included."""
-    found = symbols_in(arguments)
-    for value in arguments:
-        if isinstance(value, str):
-            found |= set(re.findall(r"[^\W\d]\w*", value))
-        elif type(value) in (list, tuple):
-            found |= names_given(*value)
-        elif isinstance(value, dict):
-            found |= names_given(*value.values())
-    return found
-
-
-def answers(call, symbol):
+def answers(name, call, symbol):
+    """The answer for a symbol; None where there is no place for one, or a refusal."""
+    given = call(symbol)
     try:
-        return call(symbol)
+        return None if given is None else PUBLIC[name](*given[0], **given[1])
     except exact.CompensatorError:
         return None
 
 
 # ---- answers that are the same but for names
-def symbols_in(value):
-    if isinstance(value, Poly):
-        return {symbol.name for symbol in (*value.gens, *value.free_symbols)}
-    if isinstance(value, Basic | MatrixBase):
-        return {symbol.name for symbol in value.free_symbols}
-    if isinstance(value, tuple | list):
-        return set().union(*map(symbols_in, value))
-    if isinstance(value, ExactValue):
-        return symbols_in(tuple(getattr(value, field.name) for field in fields(value)))
-    return set()
-
-
 def same(one, other, names):
     """Whether two answers are the same where the names of the first are changed."""
     if isinstance(one, Poly):
@@ -204,7 +130,7 @@ def letters_for(function, answer):
 def test_a_symbol_of_the_input_is_kept_apart_from_ours(name):
     asked, left = SOURCE, 2
     for call, given in calls(name):
-        other = answers(call, OTHER) if left else None
+        other = answers(name, call, OTHER) if left else None
         if other is None:
             continue
         left -= 1
@@ -212,7 +138,7 @@ def test_a_symbol_of_the_input_is_kept_apart_from_ours(name):
         letters -= {OTHER, *given, *WORDS.get(name, "").split()}
         asked = set()
         for letter in sorted(letters):
-            found = answers(call, letter)
+            found = answers(name, call, letter)
             if found is not None:
                 assert is_renamed(found, other, letter), (letter, found, other)
                 assert counts(str(found)) == counts(str(other)), (letter, str(found), str(other))

@@ -98,7 +98,7 @@ def smiths_agree(one, other, point):
 
 
 def kalman(p, q, r, t):
-    return (([[p, 0], [q, r]], [[1], [t]], [[1, 1]]),), {}
+    return (([[p, 0], [q, r]], [[1], [t]], [[1, 1]]),), {"variable": "s"}
 
 
 def sylvester(p, q, r, t):
