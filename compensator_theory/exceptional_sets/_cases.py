@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -13,9 +12,9 @@ from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets._equations import irreducible_factors
 from compensator_theory.polynomials._budget import quoted, shown
-from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._numbers import NumberLike
+from compensator_theory.polynomials._substitution import Substitutions, read_values
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import as_symbol
 
 Answer = TypeVar("Answer")  # what the construction returns; documented, it stops the pages
 
@@ -63,15 +62,17 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
         mathematical = self.error is not None and not issubclass(self.error, InputError)
         return "refused" if mathematical else "open"
 
-    def contains(self, values: Mapping[str | Symbol, NumberLike]) -> bool:
+    def contains(self, values: Substitutions, value: NumberLike | None = None) -> bool:
         """Tell whether the conditions hold for given real values of all symbols.
+
+        They are given as to SymPy's `subs`.
 
         Raises
         ------
         InputError
             If a symbol of the conditions has no value.
         """
-        given = {as_symbol(name).name: exact_number(value) for name, value in values.items()}
+        given = {symbol.name: number for symbol, number in read_values(values, value).items()}
 
         def vanishes(expression: Expr) -> bool:
             missing = sorted(s.name for s in expression.free_symbols if s.name not in given)
@@ -84,7 +85,7 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
             return False
         if self.not_all_zero and all(vanishes(f) for f in self.not_all_zero):
             return False
-        return all(vanishes(symbol - value) for symbol, value in self.values)
+        return all(vanishes(symbol - solved) for symbol, solved in self.values)
 
     @property
     def conditions(self) -> str:
@@ -141,8 +142,8 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
         """Whether every case was answered or refused, for all values that its conditions allow."""
         return all(case.status != "open" and not case.is_generic for case in self.cases)
 
-    def at(self, values: Mapping[str | Symbol, NumberLike]) -> ExceptionalCase[Answer]:
-        """Return the case in which given real values of all symbols lie.
+    def at(self, values: Substitutions, value: NumberLike | None = None) -> ExceptionalCase[Answer]:
+        """Return the case in which given real values of all symbols lie, as to SymPy's `subs`.
 
         Raises
         ------
@@ -150,13 +151,12 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
             If a symbol has no value, or the values lie in no case: they are not real, or other
             than a symbol's assumptions allow.
         """
-        if not isinstance(values, Mapping):
-            raise InputError(f"at takes a mapping such as {{'a': 2}}, not {shown(values)}")
+        given = read_values(values, value)
         for case in self.cases:
-            if case.contains(values):
+            if case.contains(given):
                 return case
         raise InputError(
-            f"{shown(dict(values))} lies in no case; the symbols stand for real numbers that meet "
+            f"{shown(given)} lies in no case; the symbols stand for real numbers that meet "
             "their own assumptions"
         )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Number
 from typing import TypeAlias
@@ -20,7 +19,7 @@ from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._poly import canonical, from_expression
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
-from compensator_theory.polynomials._substitution import with_values
+from compensator_theory.polynomials._substitution import Substitutions, with_values
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 
@@ -103,9 +102,9 @@ class PolynomialMatrix(ExactValue):
         """
         return self.as_matrix().evalf(digits)
 
-    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> PolynomialMatrix:
+    def subs(self, values: Substitutions, value: NumberLike | None = None) -> PolynomialMatrix:
         """Give values to symbols of the coefficients, as :meth:`TransferFunction.subs` does."""
-        return with_values(self, values, self.variable)
+        return with_values(self, values, value, self.variable)
 
     def determinant(self) -> Poly:
         """Return the determinant of a square matrix."""

@@ -456,7 +456,7 @@ def _where_zero(
     product of exponentials is 1 where the sum of their exponents is 0.
     """
     never = [sympy.expand(1 + square * y**2) for y, square in squares]
-    exponents = {x: sympy.log(value).expand(force=True) / h for x, value in meaning
+    exponents = {x: value.args[0] / h for x, value in meaning
                  if isinstance(value, sympy.exp)}  # fmt: skip
     found: list[Expr] = []
     for factor in exceptional_factors(divisors):

@@ -21,7 +21,14 @@ from compensator_theory.matrices._linear_algebra import (
     determinant,
     solve,
 )
-from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._numbers import NumberLike
+from compensator_theory.polynomials._substitution import (
+    Substitutions,
+    names_in,
+    read_values,
+    require_names,
+    substituted,
+)
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, require_time
 
@@ -65,13 +72,23 @@ class RiccatiFormula(ExactValue):
     exceptional: tuple[Expr, ...]
     certificate: Certificate
 
-    def at(self, values: dict[str, NumberLike]) -> RiccatiSolution:
-        """Return the solution for rational values of all symbols, on the exceptional set too."""
+    def at(self, values: Substitutions, value: NumberLike | None = None) -> RiccatiSolution:
+        """Return the solution for rational values of all symbols, on the exceptional set too.
+
+        They are given as to SymPy's `subs`.
+
+        Raises
+        ------
+        InputError
+            If a symbol has no value, or a name is none of the symbols.
+        """
         weights = (self.A, self.B, self.Q, self.R, self.N)
-        numbers = {name: exact_number(value) for name, value in values.items()}
-        symbols = {s for m in weights for s in m.free_symbols}
-        by_name = {s: numbers[s.name] for s in symbols if s.name in numbers}
-        A, B, Q, R, N = (m.subs(by_name) for m in weights)
+        known, given = names_in(weights), read_values(values, value)
+        names = {symbol.name for symbol in given}
+        require_names(names, known, "the formula")
+        if missing := sorted(known - names):
+            raise InputError(f"give a value for {', '.join(missing)}, too")
+        A, B, Q, R, N = substituted(weights, given)
         return solve_riccati(A, B, Q=Q, R=R, N=N, time=self.time)
 
     def __str__(self) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import fields, replace
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import sympy
 from sympy import Basic, Expr, MatrixBase, Poly, Symbol
@@ -26,7 +26,52 @@ _WORDS = {"sqrt", "CRootOf", "I", "j", "pi"}
 Value = TypeVar("Value", bound=ExactValue)
 
 
-def with_values(whole: Value, values: Mapping[str | Symbol, NumberLike], variable: Symbol) -> Value:
+Substitutions: TypeAlias = (
+    Mapping[str | Symbol, NumberLike] | Iterable[tuple[str | Symbol, NumberLike]] | str | Symbol
+)
+"""Values for symbols as SymPy takes them: {"a": 2}, [("a", 2), ("b", 1)], or "a" with its value."""
+
+
+def read_values(values: Substitutions, value: NumberLike | None = None) -> dict[Symbol, Expr]:
+    """Read values for symbols, all of which are put in at once.
+
+    A list of pairs means what SymPy means by it, one after the other.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.polynomials._substitution import read_values
+    >>> read_values({"a": "1/2"}), read_values(a, 2), read_values([(a, b), ("b", 1)])
+    ({a: 1/2}, {a: 2}, {a: 1, b: 1})
+    """
+    if isinstance(values, str | Symbol):
+        if value is None:
+            raise InputError(f"{shown(values)} is given no value; write subs({str(values)!r}, 2)")
+        pairs: list[Any] = [(values, value)]
+    elif value is not None:
+        raise InputError(f"{shown(values)} is no symbol that has one value; write subs('a', 2)")
+    elif isinstance(values, Mapping | sympy.Dict):
+        return {as_symbol(name): exact_number(given) for name, given in values.items()}
+    elif isinstance(values, list | tuple | sympy.Tuple):
+        pairs = list(values)
+    else:
+        raise InputError(
+            f"{shown(values)} is no mapping such as {{'a': 2}}, nor a list of pairs, as in "
+            "[('a', 2), ('b', 1)]"
+        )
+    found: dict[Symbol, Expr] = {}
+    for pair in pairs:
+        if not isinstance(pair, list | tuple | sympy.Tuple) or len(pair) != 2:
+            raise InputError(f"{shown(pair)} is no pair of a symbol and its value, as in ('a', 2)")
+        symbol, number = as_symbol(pair[0]), exact_number(pair[1])
+        found = {old: _at(new, {symbol.name: number}) for old, new in found.items()}
+        found.setdefault(symbol, number)
+    return found
+
+
+def with_values(
+    whole: Value, values: Substitutions, value: NumberLike | None, variable: Symbol
+) -> Value:
     """Give values to symbols of a system or a matrix, but not to its variable.
 
     Examples
@@ -34,28 +79,36 @@ def with_values(whole: Value, values: Mapping[str | Symbol, NumberLike], variabl
     >>> from compensator_theory import transfer_function
     >>> from compensator_theory.polynomials._substitution import with_values
     >>> G = transfer_function("1/(s + a)", "s")
-    >>> print(with_values(G, {"a": 2}, G.variable))
+    >>> print(with_values(G, {"a": 2}, None, G.variable))
     (1)/(s + 2)
     """
-    if not isinstance(values, Mapping):
-        raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
-    given = {as_symbol(name): exact_number(value) for name, value in values.items()}
+    given = read_values(values, value)
     names = {symbol.name for symbol in given}
     if variable.name in names:
         raise InputError(
             f"{variable} is the variable of {whole}; a transfer function is called for a value, "
             "as in G(1), and compose(...) puts another one in its place"
         )
-    known = names_in(whole) - {variable.name}
+    require_names(names, names_in(whole) - {variable.name}, whole)
+    if any(variable in number.free_symbols for number in given.values()):
+        raise InputError(f"a value contains {variable}, the variable of {whole}")
+    unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
+    return substituted(replace(whole, **unproven), given)  # type: ignore[type-var,no-any-return]
+
+
+def require_names(names: Set[str], known: Set[str], whole: object) -> None:
+    """Refuse values for symbols that do not occur.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._substitution import require_names
+    >>> require_names({"a"}, {"a", "b"}, "1/(a*s + b)")
+    """
     if unknown := sorted(names - known):
         raise InputError(
             f"{whole} has no symbol {', '.join(unknown)}; its symbols: "
             f"{', '.join(sorted(known)) or 'none'}"
         )
-    if any(variable in value.free_symbols for value in given.values()):
-        raise InputError(f"a value contains {variable}, the variable of {whole}")
-    unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
-    return substituted(replace(whole, **unproven), given)  # type: ignore[type-var,no-any-return]
 
 
 def substituted(argument: Any, values: Mapping[Symbol, Expr]) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -12,7 +11,7 @@ from sympy import Expr, ImmutableMatrix, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import quoted, shown
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._substitution import with_values
+from compensator_theory.polynomials._substitution import Substitutions, with_values
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import DISCRETE, Time, is_operator, time_of
 
@@ -57,8 +56,11 @@ class System(ExactValue):
         """The time domain: continuous in s, discrete in z and q; None in other variables."""
         return time_of(self.variable, "time") if is_operator(self.variable) else None
 
-    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> Self:
-        """Give values, numbers or expressions, to symbols of the coefficients, all at once.
+    def subs(self, values: Substitutions, value: NumberLike | None = None) -> Self:
+        """Give values, numbers or expressions, to symbols of the coefficients.
+
+        As SymPy's: `subs({"a": 2, b: 1})`, all at once, `subs("a", 2)`, or
+        `subs([("a", b), ("b", 1)])`, one after the other.
 
         Raises
         ------
@@ -66,7 +68,7 @@ class System(ExactValue):
             If a coefficient has no value there, a name is that of the variable, or a symbol does
             not occur.
         """
-        return with_values(self, values, self.variable)
+        return with_values(self, values, value, self.variable)
 
 
 Timed = TypeVar("Timed", bound=System)
