@@ -7,6 +7,7 @@ from typing import Any
 
 from sympy import Poly
 
+from compensator_theory._latex import latex
 from compensator_theory._printing import representation
 from compensator_theory._truth import Truth
 from compensator_theory.polynomials._poly import canonical
@@ -32,6 +33,10 @@ class ExactValue(Truth):
         super().__init_subclass__(**options)
         if "__repr__" not in vars(cls):
             cls.__repr__ = _representation  # type: ignore[method-assign]
+
+    def _latex(self, printer: object = None) -> str:
+        """Answer SymPy's `latex` with what a notebook shows."""
+        return latex(self)
 
     def __getstate__(self) -> dict[str, object]:
         return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]

@@ -363,18 +363,15 @@ class TransferFunction(System):
     def __repr__(self) -> str:
         return f"transfer_function('{self}', '{self.variable}')"
 
-    def _latex(self, printer: object = None) -> str:
-        """Answer SymPy's printer, which takes our class for its own namesake."""
-        return fraction(self.numerator, self.denominator)
-
     def _sympystr(self, printer: object = None) -> str:
+        """Answer SymPy's printer, which takes our class for its own namesake."""
         return str(self)
 
     def _pretty(self, printer: object = None) -> prettyForm:
         return prettyForm(str(self))
 
     def _repr_latex_(self) -> str:
-        return displayed(self._latex())
+        return displayed(fraction(self.numerator, self.denominator))
 
     def _degree_excess_at_most(self, bound: int) -> bool | None:
         if self.numerator.is_zero or self.numerator.degree() - self.order <= bound:

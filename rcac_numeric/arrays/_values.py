@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import attrs
 import numpy as np
 
+from compensator_theory._latex import latex
 from compensator_theory._truth import Truth
 from compensator_theory._wording import in_a_line
 from rcac_numeric.arrays._wording import shortened
@@ -40,6 +41,10 @@ class Value:
     def __str__(self) -> str:
         text = repr(self)
         return text if len(text) <= WIDTH and "\n" not in text else overview(self)
+
+    def _latex(self, printer: object = None) -> str:
+        """Answer SymPy's `latex` with what a notebook shows."""
+        return latex(self)
 
     def _repr_html_(self) -> str | None:
         if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML

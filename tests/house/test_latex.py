@@ -4,6 +4,7 @@ import inspect
 import re
 
 import pytest
+import sympy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from math_core import LatexError, LatexToMathML
@@ -12,6 +13,7 @@ import compensator_theory as exact
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.polynomials._values import ExactValue
 from tests.compensator_theory.samples import SAMPLES
+from tests.rcac_numeric.samples import SAMPLES as NUMERIC
 from tests.support.public import public_objects
 
 RESULTS = [
@@ -43,7 +45,29 @@ def test_every_exact_result_has_a_formula(cls):
 @settings(suppress_health_check=[HealthCheck.too_slow], max_examples=2)
 @given(data=st.data())
 def test_the_formula_is_read(cls, data):
-    require_formula(data.draw(SAMPLES[cls])._repr_latex_())
+    value = data.draw(SAMPLES[cls])
+    require_formula(value._repr_latex_())
+    require_sympy_writes_it(value)
+
+
+def require_sympy_writes_it(value):
+    """SymPy's `latex` writes what a notebook shows, of the value and of what holds it."""
+    formula = value._repr_latex_().removeprefix(r"$\displaystyle ").removesuffix("$")
+    assert sympy.latex(value) == formula
+    for holder in ([value], (value, 1), {"G": value}):
+        assert formula in sympy.latex(holder)
+
+
+FORMULAS = [
+    cls
+    for cls in public_objects("rcac_numeric").values()
+    if inspect.isclass(cls) and "_repr_latex_" in vars(cls)
+]
+
+
+@pytest.mark.parametrize("cls", FORMULAS, ids=lambda cls: cls.__name__)
+def test_sympy_writes_the_formulas_of_the_numeric_half(cls):
+    require_sympy_writes_it(NUMERIC[cls](1))
 
 
 @pytest.mark.parametrize(
