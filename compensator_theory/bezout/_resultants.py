@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import flint
 import sympy
 from sympy import Expr, Poly, Symbol
@@ -23,6 +25,9 @@ from compensator_theory.polynomials._multivariate import flint_domain, to_flint
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.polynomials._reading import PolynomialLike
 
+Formal: TypeAlias = tuple[Poly, int]
+"""A polynomial with its formal degree."""
+
 
 def number_of_common_roots(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
@@ -34,7 +39,7 @@ def number_of_common_roots(
     Parameters
     ----------
     a, b : polynomial
-        b may be zero: then all roots of a count.
+        One of them may be zero: then all roots of the other count.
     variable : str or Symbol, optional
         Default: evident from the two together; lists show none.
 
@@ -66,8 +71,7 @@ def number_of_common_roots(
     """
     if (kept := _kept(a, b, variable)) is not None:
         return int(kept[0].gcd(kept[1]).degree())
-    first, second = with_formal_degrees(a, b, variable)
-    _require_leading(*first)
+    first, second = _with_leading(*with_formal_degrees(a, b, variable))
     if is_rational(first[0]) and is_rational(second[0]):
         return int(to_flint_polynomial(first[0]).gcd(to_flint_polynomial(second[0])).degree())
     whole = _determinant(first, second)
@@ -106,8 +110,9 @@ def resultant(
     """
     if (kept := _kept(a, b, variable)) is not None:
         return rational(kept[0].resultant(kept[1]))
-    first, second = with_formal_degrees(a, b, variable)
-    _require_leading(*first)
+    first, second = _with_leading(*with_formal_degrees(a, b, variable))
+    if first[1] == 0:  # a constant has no root, that of 0 either
+        return first[0].LC() ** second[1]
     if not (is_rational(first[0]) and is_rational(second[0])):
         return _determinant(first, second)
     lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
@@ -120,7 +125,7 @@ def _generic_resultant(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> tuple[Expr, list[Expr]]:
     """It is a polynomial in the coefficients, and so holds while the degrees do."""
-    p, _ = with_formal_degrees(a, b, variable)[0]
+    (p, _), _ = _with_leading(*with_formal_degrees(a, b, variable))
     return resultant(a, b, variable=variable), [p.LC()]
 
 
@@ -129,8 +134,7 @@ def _generic_number(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> tuple[int, list[Expr]]:
     """Count by the first principal subresultant coefficient that is not zero."""
-    (first, _), (second, _) = pairs = with_formal_degrees(a, b, variable)
-    _require_leading(*pairs[0])
+    (first, _), (second, _) = _with_leading(*with_formal_degrees(a, b, variable))
     if second.is_zero:
         return int(first.degree()), [first.LC()]
     upper, lower = (first, second) if first.degree() >= second.degree() else (second, first)
@@ -176,12 +180,18 @@ def _by_flint(a: Poly, b: Poly) -> Expr | None:
     return expr_from_dict(terms, *domain.symbols)
 
 
-def _require_leading(poly: Poly, degree: int) -> None:
-    if poly.is_zero or poly.degree() < degree:
+def _with_leading(first: Formal, second: Formal) -> tuple[Formal, Formal]:
+    """Refuse a without its leading coefficient; 0 and b are exchanged, which keeps the sign."""
+    if first[0].is_zero and first[1] == 0:
+        first, second = second, first
+    poly, degree = first
+    if poly.is_zero:
+        raise InputError("a and b are both zero, so that every number is a common root")
+    if poly.degree() < degree:
         raise InputError(
-            "the leading coefficient of a is zero; drop its leading zeros (or, if a = 0, exchange "
-            "a and b)"
+            "the leading coefficient of a (of b, where a = 0) is zero; drop its leading zeros"
         )
+    return first, second
 
 
 def _number_for_all_values(a: Poly, b: Poly) -> int | None:

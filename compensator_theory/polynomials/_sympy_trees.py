@@ -59,8 +59,28 @@ def require_readable(expression: Expr) -> None:
                 f"a {type(part).__name__} in the expression has no exact value here; give numbers, "
                 "symbols, + - * / ** and roots"
             )
-        if part.is_commutative is False:
-            raise InputError(f"the symbol {part} is not commutative; exact data are scalars")
+        if part.is_Symbol:
+            require_scalar_symbol(part)
+
+
+def require_scalar_symbol(symbol: Symbol) -> None:
+    """Refuse a symbol that stands for no real number (a variable may: it may be complex=True).
+
+    Examples
+    --------
+    >>> from sympy import Symbol
+    >>> from compensator_theory.polynomials._sympy_trees import require_scalar_symbol
+    >>> require_scalar_symbol(Symbol("s", complex=True))
+    """
+    if symbol.is_commutative is False:
+        raise InputError(f"the symbol {symbol} is not commutative; exact data are scalars")
+    if symbol.is_real is False:
+        kind = "imaginary" if symbol.is_imaginary else "not real"
+        raise InputError(
+            f"the symbol {symbol} is declared {kind}, and symbols stand for real numbers here; "
+            f"write I times a real symbol for it where conjugate pairs remain, or declare {symbol} "
+            "without"
+        )
 
 
 def tree_of(expression: Expr) -> Tree:

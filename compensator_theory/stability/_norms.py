@@ -45,10 +45,14 @@ class HInfinityNorm(ExactValue):
     square_polynomial: Poly
 
     def __str__(self) -> str:
-        return f"{text(self.value)} = {float(self.enclosure):.6g}"
+        exact, near = text(self.value), f"{float(self.enclosure):.6g}"
+        return exact if exact == near else f"{exact} = {near}"
 
     def _repr_latex_(self) -> str:
-        return displayed(rf"\|G\|_\infty = {latex(self.value)} \approx {float(self.enclosure):.6g}")
+        exact, near = latex(self.value), f"{float(self.enclosure):.6g}"
+        return displayed(
+            rf"\|G\|_\infty = {exact}" + (rf" \approx {near}" if exact != near else "")
+        )
 
 
 def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None) -> HInfinityNorm:

@@ -17,6 +17,8 @@ PUBLIC = public_objects("compensator_theory")
 
 def mixed(value, how, name):
     """The argument with a symbol in one place; None where there is none for it."""
+    if str(value) == "0":
+        how = "plus"  # the product is 0 again
     if isinstance(value, str):
         if value.isidentifier() or "," in value:
             return None

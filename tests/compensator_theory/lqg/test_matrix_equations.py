@@ -87,7 +87,7 @@ def test_sylvester_against_kronecker_and_scipy(case):
     gap = [
         abs(x + y) for x in np.linalg.eigvals(as_numpy(A)) for y in np.linalg.eigvals(as_numpy(B))
     ]
-    if found and found.is_unique and min(gap) > 1e-2:
+    if found is not None and found.is_unique and min(gap) > 1e-2:
         expected = scipy.linalg.solve_sylvester(*map(as_numpy, (A, B, C)))
         assert np.allclose(as_numpy(found.X), expected, rtol=1e-6, atol=1e-6)
 
@@ -115,7 +115,11 @@ def test_lyapunov_against_kronecker_and_scipy(case):
         lambda X: A * X + X * A.T + Q,
     )  # fmt: skip
     values = np.linalg.eigvals(as_numpy(A))
-    if found and found.is_unique and min(abs(x + y) for x in values for y in values) > 1e-2:
+    if (
+        found is not None
+        and found.is_unique
+        and min(abs(x + y) for x in values for y in values) > 1e-2
+    ):
         expected = scipy.linalg.solve_continuous_lyapunov(as_numpy(A), -as_numpy(Q))
         assert np.allclose(as_numpy(found.X), expected, rtol=1e-6, atol=1e-6)
 

@@ -34,7 +34,7 @@ def test_identified_zeros_lie_on_those_of_the_plant(flight):
     request = FigureRequest("identified zeros", "words")
     (axis,) = plot_request(flight, request).axes
     run = flight.main.first.run
-    found = np.concatenate([np.abs(w.zeros.zeros) for w in windows_of(run) if w.zeros])
+    found = np.concatenate([np.abs(w.zeros.zeros) for w in windows_of(run) if w.zeros is not None])
     drawn = np.concatenate([bar.get_children()[0].get_ydata() for bar in axis.containers])
     assert np.allclose(np.sort(drawn), np.sort(found)) and len(found) == 3 * 3
     assert "1 of 4 windows refused" in axis.get_title(), "that of the transition"

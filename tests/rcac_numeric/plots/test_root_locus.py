@@ -66,7 +66,9 @@ def test_marked_crossings_lie_on_the_boundary_and_on_branches(plant):
         if line.get_marker() == "s" and line.get_markeredgecolor() == WANTED
         for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True)
     ]
-    positive = [c for c in locus.crossings if float(c.gain_enclosure) > 0 and c.frequency]
+    positive = [
+        c for c in locus.crossings if float(c.gain_enclosure) > 0 and c.frequency is not None
+    ]
     assert bool(marked) == bool(positive)
     for place in marked:
         on = abs(place) - 1 if locus.time == "discrete" else place.real
