@@ -13,7 +13,8 @@ from compensator_theory import InputError
 from compensator_theory._truth import Truth
 from rcac_experiments.dissertation._checking import Fact
 from rcac_numeric.arrays._values import replaced
-from tests.rcac_numeric.samples import SAMPLES
+from tests.rcac_experiments.samples import SAMPLES as EXPERIMENTS
+from tests.rcac_numeric.samples import SAMPLES as NUMERIC
 from tests.support.public import public_objects
 
 PACKAGES = exact, rcac_numeric, rcac_experiments
@@ -30,7 +31,7 @@ def plants(first, second):
 
 
 def positions(C):
-    return exact.placement.decouple_disturbance(
+    return exact.geometry.decouple_disturbance(
         ([[0, 1], [0, 0]], [[0], [1]], [C]), [[1], [0]], variable="s"
     )
 
@@ -41,7 +42,7 @@ def certificate(residual):
 
 def twice(name, yes):
     """A sample of the numeric half, which says no, and the same with evidence that says yes."""
-    no = SAMPLES[RESULTS[name]](1)
+    no = (NUMERIC | EXPERIMENTS)[RESULTS[name]](1)
     return [replaced(no, **yes(no)), no]
 
 
@@ -69,7 +70,7 @@ ANSWERS = {
     ],
     "DisturbanceDecoupling": lambda: map(positions, ([0, 1], [1, 0])),
     "PickInterpolation": lambda: [
-        exact.stability.nevanlinna_pick([1], [1], bound) for bound in (2, "1/2")
+        exact.interpolation.nevanlinna_pick([1], [1], bound) for bound in (2, "1/2")
     ],
     "ControlReplay": lambda: twice("ControlReplay", lambda no: {"worst": no.tolerance / 2}),
     "DirectionCheck": lambda: twice(
