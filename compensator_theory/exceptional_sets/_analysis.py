@@ -26,6 +26,7 @@ from compensator_theory.exceptional_sets._equations import (
 )
 from compensator_theory.polynomials._budget import integer, shown
 from compensator_theory.polynomials._generic_answers import generic_answer
+from compensator_theory.polynomials._letters import reserved
 from compensator_theory.polynomials._substitution import names_in, require_variable, substituted
 from compensator_theory.polynomials._variables import is_operator
 
@@ -110,6 +111,7 @@ class _Analysis(Generic[Answer]):
     ) -> None:
         self.function, self.arguments, self.options = function, arguments, options
         self.left = left
+        self.names = names_in((arguments, options))
         self.made: dict[str, str] = {}  # symbols that answers have made, with their meaning
         self.parameters: set[str] = set()  # symbols of coefficients, which are no variable
         self.knows_variable = _names_its_variable(function, arguments, options)
@@ -168,7 +170,8 @@ class _Analysis(Generic[Answer]):
         self, function: Callable[..., Any], arguments: tuple[Any, ...], options: dict[str, Any]
     ) -> Any:
         try:
-            return function(*arguments, **options)
+            with reserved(self.names):  # one letter means one thing in all cases
+                return function(*arguments, **options)
         except CompensatorError:
             raise
         except Exception as error:

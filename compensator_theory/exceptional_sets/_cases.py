@@ -12,6 +12,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets._equations import irreducible_factors
 from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._letters import names_in_all, reserved
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._substitution import Substitutions, read_values
 from compensator_theory.polynomials._values import ExactValue
@@ -97,9 +98,14 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
             parts.append(f"({', '.join(map(text, self.not_all_zero))}) not all 0")
         return ", ".join(parts) or "always"
 
+    def _names(self) -> set[str]:
+        """The symbols of the conditions, which no letter of the answer may be."""
+        return names_in_all(self.values, self.zero, self.nonzero, self.not_all_zero)
+
     def __str__(self) -> str:
         if self.status == "answered":
-            return f"{self.conditions}: {' | '.join(str(self.answer).splitlines())}"
+            with reserved(self._names()):
+                return f"{self.conditions}: {' | '.join(str(self.answer).splitlines())}"
         generic = " for generic values" if self.is_generic else ""
         name = f" ({self.error.__name__})" if self.error else ""
         return f"{self.conditions}: {self.status}{generic}{name}: {quoted(self.reason)}"
@@ -116,7 +122,8 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
             conditions.append(rf"{latex(self.not_all_zero)} \neq 0")
         where = r", \; ".join(filter(None, conditions)) or words("always")
         if self.status == "answered":
-            return latex(self.answer), where
+            with reserved(self._names()):
+                return latex(self.answer), where
         return words(self.error.__name__ if self.error else self.status), where
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import fields
 from typing import Any
 
@@ -11,6 +13,26 @@ from sympy import Basic, MatrixBase, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol
+
+_RESERVED: ContextVar[frozenset[str]] = ContextVar("reserved", default=frozenset())
+
+
+@contextmanager
+def reserved(names: Iterable[str]) -> Iterator[None]:
+    """Choose no letter that is among these names either, in this context: those of a larger answer.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._letters import fresh, reserved
+    >>> with reserved(["k"]):
+    ...     fresh((), "k", "gain")
+    gain
+    """
+    token = _RESERVED.set(_RESERVED.get().union(names))
+    try:
+        yield
+    finally:
+        _RESERVED.reset(token)
 
 
 def names_in_all(*values: Any) -> set[str]:
@@ -43,7 +65,7 @@ def fresh(taken: Iterable[str], *names: str) -> Symbol:
     >>> fresh({"k"}, "k", "gain"), fresh({"t", "t_"}, "t")
     (gain, t__)
     """
-    used = set(taken)
+    used = _RESERVED.get().union(taken)
     name = next((name for name in names if name not in used), names[-1])
     while name in used:
         name += "_"
@@ -59,7 +81,7 @@ def numbered(taken: Iterable[str], name: str, last: int, first: int = 1) -> tupl
     >>> numbered({"a_1"}, "a", 2)
     (a__1, a__2)
     """
-    used = set(taken)
+    used = _RESERVED.get().union(taken)
     numbers = range(first, last + 1)
     while any(f"{name}_{k}" in used for k in numbers):
         name += "_"

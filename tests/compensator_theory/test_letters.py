@@ -161,3 +161,12 @@ def test_the_step_is_no_symbol_of_the_plant(name, plant):
     assert function(plant, variable="s").step == Symbol("step")
     with pytest.raises(exact.InputError, match=r"the step.*symbol of the plant"):
         function(plant, "h", variable="s")
+
+
+def test_a_letter_means_one_thing_in_all_cases():
+    """Where k = 0 the plant has no k any more, and the gain is called no k for that."""
+    found = exact.exceptional_cases(exact.stabilising_gains, "k/(s*(s + 1)*(s + 2))", feedback=-1)
+    assert [case.conditions for case in found.cases] == ["k != 0", "k = 0"]
+    assert "no real gain" in str(found.cases[1])
+    found = exact.exceptional_cases(exact.solve_diophantine, "s - t", "s", "1", variable="s")
+    assert all("t_*(" in str(case) for case in found.cases if case.status == "answered")

@@ -1,7 +1,9 @@
 """A yes/no answer has the truth value that it says; no other result has one."""
 
 import inspect
+import re
 import typing
+from pathlib import Path
 
 import pytest
 import sympy
@@ -17,6 +19,7 @@ from tests.rcac_experiments.samples import SAMPLES as EXPERIMENTS
 from tests.rcac_numeric.samples import SAMPLES as NUMERIC
 from tests.support.public import public_objects
 
+PAGE = Path(__file__).parents[2] / "docs/coming-from/exact.md"
 PACKAGES = exact, rcac_numeric, rcac_experiments
 RESULTS = {
     name: cls
@@ -89,6 +92,13 @@ def test_every_result_is_an_answer_or_has_no_truth_value():
     answers = {name for name, cls in RESULTS.items() if cls._ANSWER}
     questions = {name for name, cls in RESULTS.items() if (cls.__doc__ or "").startswith("Whether")}
     assert unruled == [] and answers == set(ANSWERS) >= questions
+
+
+def test_the_page_lists_the_answers():
+    (row,) = (
+        line for line in PAGE.read_text("utf-8").splitlines() if "`StabilityDecision`" in line
+    )
+    assert set(re.findall(r"`(\w+)`", row.split("|")[1])) == set(ANSWERS)
 
 
 def test_what_decides_returns_an_answer():
