@@ -199,6 +199,55 @@ def test_margins(loop, gain, phase):
         assert np.degrees(least) == pytest.approx(phase, rel=1e-3)
 
 
+HIDDEN = [
+    case(
+        "notch-on-resonance",
+        ("100/((s**2 + 1)*(s + 1))", "(s**2 + 1)/(s + 5)**2"),
+        "s",
+        open_because="the common factor is taken for a crossover",
+    ),
+    case(
+        "common-factor-s",
+        ("2*(s**2 + 1)/((s**2 + 1)*(s + 1))",),
+        "s",
+        open_because="the common factor is taken for a crossover",
+    ),
+    case(
+        "common-factor-z",
+        ("2*(z**2 + 1)/((z**2 + 1)*z)",),
+        "z",
+        open_because="the common factor is taken for a crossover",
+    ),
+    case("common-factor-1", ("2*(z - 1)/((z - 1)*z)",), "z"),
+]
+
+
+@pytest.mark.parametrize(("loop", "variable"), HIDDEN)
+def test_a_factor_on_the_boundary_that_cancels_stays_a_pole(loop, variable):
+    """By hand: it is a root of D + N for every gain, so the loop is not stable."""
+    assert not stability_margins(*loop, feedback=-1, variable=variable).is_stable
+    assert intervals(stabilising_gains(*loop, feedback=-1, variable=variable)) == []
+
+
+ILL_POSED = [
+    case(
+        "ill-posed-z", "(3/5 - z)/(z - 1/2)", open_because="a root at infinity is counted as none"
+    ),
+    case("ill-posed-s", "-(s + 1)/(s + 2)", open_because="a root at infinity is counted as none"),
+]
+
+
+@pytest.mark.parametrize("loop", ILL_POSED)
+def test_an_ill_posed_loop_is_not_stable(loop):
+    """1 + L is zero at infinity: u is not determined."""
+    try:
+        found = stability_margins(loop, feedback=-1)
+    except CompensatorError as error:
+        assert "well posed" in str(error) or "ill" in str(error)
+        return
+    assert not found.is_stable
+
+
 def test_an_unstable_loop_is_said_first():
     """JL #961: 50 times a third-order lag; Routh: stable for gains below 11.8."""
     found = stability_margins("50/(5*s**3 + 10.25*s**2 + 6.25*s + 1)", feedback=-1, variable="s")
