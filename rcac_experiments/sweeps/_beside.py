@@ -22,18 +22,19 @@ HEADER = b"SQLite format 3\0"
 
 @dataclass(frozen=True)
 class Header:
-    """What the first bytes of a file say of it; of an empty one, nothing."""
+    """Whose file it is by its first bytes, 0 where they do not say; None for an empty one."""
 
-    application: int = 0
+    application: int | None = None
 
 
-def require_ours(path: Path) -> bool:
+def require_ours(path: Path) -> int | None:
     """Refuse what lies beside a store and was not put there by SQLite for it.
 
-    Whether a transaction was interrupted, whose rollback journal is still there.
+    How many pages there were before a transaction that was interrupted, whose rollback journal is
+    still there; None where there is none.
     """
     real = Path(os.path.realpath(path))
-    interrupted = False
+    pages = None
     for end in SIDECARS:
         beside = real.with_name(real.name + end)
         found = _opened(beside)
@@ -44,13 +45,13 @@ def require_ours(path: Path) -> bool:
             if not stat.S_ISREG(about.st_mode) or about.st_nlink > 1:
                 raise StoreError(_leads_elsewhere(path, beside))
             if end == JOURNAL and about.st_size:
-                interrupted = True
+                pages = int.from_bytes(os.read(found, 28)[16:20], "big")
                 os.lseek(found, max(about.st_size - len(SUPER_JOURNAL), 0), os.SEEK_SET)
                 if os.read(found, len(SUPER_JOURNAL)) == SUPER_JOURNAL:
                     raise StoreError(_leads_elsewhere(path, beside))
         finally:
             os.close(found)
-    return interrupted
+    return pages
 
 
 def header_of(path: Path) -> Header | None:
@@ -72,8 +73,8 @@ def header_of(path: Path) -> Header | None:
         raise StoreError(without_study(path, "it does not begin as an SQLite file"))
     if not head.startswith(HEADER):
         raise StoreError(
-            f"{path} is no store of a study: it is a text, and a store an SQLite file. Nothing was changed. `rcac "
-            "sweep` makes stores; `rcac verify` runs the .toml file of an experiment."
+            f"{path} is no store of a study: it is a text, and a store an SQLite file. Nothing was "
+            "changed. `rcac sweep` makes stores; `rcac verify` runs the .toml of an experiment."
         )
     return Header(int.from_bytes(head[68:72], "big"))
 

@@ -135,12 +135,14 @@ class Store:
         self._study: StudyRow | None = None
         header = header_of(self.path)
         # SQLite acts on what lies beside a file before it reads the file.
-        interrupted = require_ours(self.path)
+        pages = require_ours(self.path)
         if read_only and header is None:
             raise StoreError(f"{path} cannot be read: there is no such file.")
-        if header and header.application not in (0, APPLICATION):
+        if header and (
+            header.application not in (None, 0, APPLICATION) or (header.application == 0 and pages)
+        ):
             raise StoreError(_foreign(self.path, "it is a database of another program"))
-        if header and not read_only and not interrupted:
+        if header and not read_only and pages is None:
             self._open("ro", read_only=True)
             self.close()
         self._open("ro" if read_only else "rwc", read_only)

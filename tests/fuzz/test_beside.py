@@ -182,6 +182,30 @@ def test_a_journal_that_names_another_file_is_refused(store, places, command):
     assert outside(ours) == {"notes.txt": b"mine\n"} and (got / "s.sqlite").read_bytes() == data
 
 
+@pytest.mark.parametrize("application", [0, 7])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_database_of_another_program_stays_as_it_is(places, command, application):
+    """Also where it was interrupted: SQLite would put it in order while we say that we did not."""
+    got, ours = places
+    path, journal = got / "s.sqlite", got / "s.sqlite-journal"
+    (got / "s.toml").write_text(STUDY)
+    with closing(sqlite3.connect(ours / "its.sqlite", isolation_level=None)) as connection:
+        for statement in (
+            f"PRAGMA application_id = {application}", "PRAGMA cache_size = 1", "CREATE TABLE a (b)",
+            "INSERT INTO a VALUES (zeroblob(50000))", "BEGIN", "UPDATE a SET b = zeroblob(60000)",
+            "INSERT INTO a VALUES (zeroblob(90000))",
+        ):  # fmt: skip
+            connection.execute(statement)
+        path.write_bytes((ours / "its.sqlite").read_bytes())
+        journal.write_bytes((ours / "its.sqlite-journal").read_bytes())
+    before = path.read_bytes(), journal.read_bytes()
+    status, _ = invoke(*COMMANDS[command])
+    assert status == 2 and (path.read_bytes(), journal.read_bytes()) == before
+    with closing(sqlite3.connect(path)) as connection:  # the control
+        connection.execute("SELECT count(*) FROM a").fetchone()
+    assert path.read_bytes() != before[0]
+
+
 def test_sqlite_itself_would_remove_it(store, places):
     """The control: without our look the file is gone, so the journal is what it should be."""
     got, ours = places
