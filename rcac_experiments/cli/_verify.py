@@ -28,6 +28,7 @@ from rcac_experiments.experiments._experiment import Verification
 from rcac_experiments.experiments._experiment import verify as verified
 from rcac_experiments.reports._cases import case_of, case_page
 from rcac_experiments.reports._verification import verification_sheet
+from rcac_numeric.arrays._files import member
 from rcac_numeric.plots._formats import save
 from rcac_numeric.reports._rendering import write_page
 
@@ -112,7 +113,7 @@ def _written(
     if folder is not None:
         requests = found.figure_requests
         for number, request in enumerate(requests, 1):
-            save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
+            save(found.plot(request), member(folder, f"{found.experiment.id}-{number}.svg"))
         written.append(
             f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
         )

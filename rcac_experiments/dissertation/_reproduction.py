@@ -25,7 +25,7 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.dissertation._pages import gallery_page
 from rcac_experiments.experiments._experiment import Experiment, verify
 from rcac_experiments.reports._cases import Case, case_of
-from rcac_numeric.arrays._files import replacing, require_readable
+from rcac_numeric.arrays._files import member, replacing, require_readable
 from rcac_numeric.arrays._untrusted import parsed_json
 from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.reports._rendering import rendered, write_page
@@ -138,11 +138,7 @@ def reduced(experiment: Experiment) -> Experiment:
 
 
 def _written(cases: Sequence[Case], folder: Path, is_quick: bool) -> Reproduction:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder} cannot be made: {error.strerror}.") from None
-    page = folder / PAGE
+    page = member(folder, PAGE)
     write_page(gallery_page(cases, is_quick=is_quick), page)
     return Reproduction(tuple(cases), page)
 
@@ -178,11 +174,7 @@ class KeptCases(Value):
 
     def keep(self, experiment: Experiment, case: Case) -> None:
         """Write the case of an experiment."""
-        file = self._file(experiment)
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{file.parent} cannot be made: {error.strerror}.") from None
+        file = member(self.folder, self._file(experiment).name)
         record = {"digest": digest_of(experiment), "case": case.to_record()}
         with replacing(file) as new:
             new.write_text(json.dumps(record), encoding="utf-8")

@@ -48,7 +48,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
             '.npy file of their own: recorded = "flight.csv".'
         )
     try:
-        decoded = text.decode()
+        decoded = text.decode("utf-8-sig")  # editors of Windows put a byte order mark in front
         _require_short_keys(decoded, str(path))
         table = parsed(decoded)
     except InputError:

@@ -221,6 +221,10 @@ def store_sheet(check: StoreCheck) -> Sheet:
     """Whether a store is whole, what is wrong with it, and what became of that."""
     lost = sum(last - first + 1 for first, last in check.damaged)
     said = [Text("Everything in it is what was stored.", "good")]
+    if not check.total:
+        said = [Text("No study was stored in it yet, and nothing is damaged. If a sweep into it "
+                     "was killed at its beginning, give the same `rcac sweep` again.",
+                     "warning")]  # fmt: skip
     if not check.is_whole:
         said = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
     if check.repaired:

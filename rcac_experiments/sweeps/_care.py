@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sqlite3
+import stat
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from rcac_experiments.sweeps._beside import DAMAGED, NOT_THROUGH
 from rcac_experiments.sweeps._claims import is_gone
 from rcac_experiments.sweeps._problems import StoreError, damaged, explained
 from rcac_experiments.sweeps._store import (
     DONE,
     LEASED,
+    LONGEST_LEASE,
     ChunkRow,
     Row,
     Store,
@@ -21,7 +26,7 @@ from rcac_experiments.sweeps._store import (
     rows_fault,
     signals_fault,
 )
-from rcac_numeric.arrays._files import replacing
+from rcac_numeric.arrays._files import FLAGS, replacing
 from rcac_numeric.arrays._values import Value
 
 MOST_FAULTS = 100  # of SQLite's own check
@@ -60,6 +65,8 @@ class StoreCheck(Value):
         return not self.faults
 
     def __str__(self) -> str:
+        if not self.total:
+            return f"{self.path}: no study was stored in it yet; nothing is damaged."
         words = f"{self.path}: {self.done} of {self.total} runs are stored and right"
         words += f", {self.failed} of them failed" if self.failed else ""
         if self.is_whole:
@@ -75,7 +82,8 @@ class StoreCheck(Value):
 def check_store(store: str | Path) -> StoreCheck:
     """Read everything in a store and hold it against its digests and its plan.
 
-    Nothing in the file is changed. That runs have not been run yet is no fault.
+    Nothing in the file is changed. That runs have not been run yet is no fault, nor that none has
+    and not even the study is there, as where a sweep was killed before its first chunk.
 
     Raises
     ------
@@ -130,25 +138,26 @@ def repair_store(store: str | Path) -> StoreCheck:
     >>> read_table(store)["steps"].tolist()
     [50.0]
     """
-    path = Path(store)
-    aside = path.with_name(f"{path.name}.damaged")
-    with Store(path, read_only=True) as opened:
+    path = Path(os.path.realpath(store))  # what lies beside a store lies where the file is
+    kept = [path.with_name(path.name + end) for end in DAMAGED]
+    with Store(store, read_only=True) as opened:
         found, right = _checked(opened)
         if found.is_whole:
             return found
-        if aside.exists():
-            raise StoreError(
-                f"{aside} is there already, from an earlier repair; move it, so that nothing is "
-                "lost."
-            )
+        for aside in kept:
+            if os.path.lexists(aside):
+                raise StoreError(
+                    f"{aside} is there already, from an earlier repair; move it, so that nothing "
+                    "is lost."
+                )
         _require_unused(opened, right)
         with replacing(path) as new:
             with Store(new, "rollback") as made:
                 _write(made, opened, right)
             opened.close()
-            for suffix in ("", "-wal"):  # what is not yet in the file itself stands in the latter
-                if (source := path.with_name(path.name + suffix)).exists():
-                    shutil.copyfile(source, aside.with_name(aside.name + suffix))
+            # What is not yet in the file itself stands in the second.
+            for suffix, aside in zip(("", "-wal"), kept, strict=True):
+                _copy(path.with_name(path.name + suffix), aside)
             for suffix in ("-wal", "-shm"):
                 path.with_name(path.name + suffix).unlink(missing_ok=True)
     return StoreCheck(
@@ -156,11 +165,24 @@ def repair_store(store: str | Path) -> StoreCheck:
     )
 
 
+def _copy(source: Path, new: Path) -> None:
+    """An ordinary file, if it is there, into one that is made by it; through no link."""
+    with suppress(FileNotFoundError):
+        handle = os.open(source, os.O_RDONLY | NOT_THROUGH)
+        with open(handle, "rb") as old:
+            if stat.S_ISREG(os.fstat(handle).st_mode):
+                with open(os.open(new, FLAGS, 0o600), "wb") as made:
+                    shutil.copyfileobj(old, made)
+
+
 def _checked(store: Store) -> tuple[StoreCheck, list[ChunkRow]]:
     """What is wrong, and the chunks with which nothing is: those that have ended and are right."""
+    if store.is_new:
+        return StoreCheck(str(store.path), 0, 0, 0, (), ()), []
     plan = store.study.plan
-    if plan.chunks > store.path.stat().st_size:  # each takes some bytes
-        raise StoreError(damaged(store.path, f"it cannot hold the {plan.chunks} chunks of runs"))
+    for count, what in ((plan.chunks, "chunks of runs"), (plan.cells, "cells")):
+        if count > store.bytes_held:  # each takes some bytes
+            raise StoreError(damaged(store.path, f"it cannot hold the {count} {what}"))
     faults = _of_sqlite(store)
     right: list[ChunkRow] = []
     broken: list[tuple[int, int]] = []
@@ -271,7 +293,7 @@ def _of_tables(store: Store, ended: list[ChunkRow], all_right: bool) -> list[str
 def _require_unused(store: Store, chunks: list[ChunkRow]) -> None:
     at_work = [
         chunk for chunk in chunks
-        if chunk.state == LEASED and (chunk.until or 0) > time.time()
+        if chunk.state == LEASED and 0 < (chunk.until or 0) - time.time() <= LONGEST_LEASE
         and not is_gone(str(chunk.owner))
     ]  # fmt: skip
     if at_work:

@@ -19,6 +19,7 @@ from rcac_experiments.sweeps._store import (
     DONE,
     FREE,
     LEASED,
+    LONGEST_LEASE,
     PATIENCE,
     ChunkRow,
     Row,
@@ -81,7 +82,11 @@ class Claims:
         return claim
 
     def take_over(self) -> int:
-        """Free what processes that are gone, or whose lease has run out, had taken; how many."""
+        """Free what processes that are gone, or whose lease has run out, had taken; how many.
+
+        A lease that lasts longer than any that is asked for is none: its host's clock is wrong.
+        """
+        now = time.time()
         with explained(self.store.path):
             owners = self.store.connection.execute(
                 "SELECT DISTINCT owner FROM chunk WHERE state = ?", (LEASED,)
@@ -98,8 +103,9 @@ class Claims:
                 ).rowcount
             freed += connection.execute(
                 "UPDATE chunk SET state = ?, owner = NULL, until = NULL "
-                "WHERE state = ? AND owner IS NOT ? AND (until IS NULL OR until < ?)",
-                (FREE, LEASED, self.owner, time.time()),
+                "WHERE state = ? AND owner IS NOT ? AND NOT (typeof(until) = 'real' AND "
+                "until BETWEEN ? AND ?)",
+                (FREE, LEASED, self.owner, now, now + LONGEST_LEASE),
             ).rowcount
         return freed
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import csv
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterator
@@ -27,9 +27,10 @@ def export_table(store: str | Path, path: str | Path) -> None:
     Runs that failed are no results, and are not in the file.
 
     Floats are written in full, and where there is no value, nothing; coordinates that are lists
-    or tables as JSON. A text in a .csv file is never a formula of a spreadsheet: one that begins
-    as a formula does gets an apostrophe in front, and control characters are written out. Parquet
-    needs pyarrow, which `compensator-theory[pandas]` brings.
+    or tables as JSON. A text in a .csv file stands in quotes and is never a formula of a
+    spreadsheet: one that begins as a formula does gets an apostrophe in front, and control
+    characters are written out. Parquet keeps texts as they are; it needs pyarrow, which
+    `compensator-theory[pandas]` brings.
 
     Raises
     ------
@@ -50,8 +51,8 @@ def export_table(store: str | Path, path: str | Path) -> None:
     >>> _ = run_study(Study(base, [], [Kept("steps")]), folder / "study.sqlite", workers=0)
     >>> export_table(folder / "study.sqlite", folder / "study.csv")
     >>> print((folder / "study.csv").read_text().strip())
-    run,cell,repetition,outcome,failure,steps
-    0,0,0,completed,,50.0
+    "run","cell","repetition","outcome","failure","steps"
+    0,0,0,"completed","",50.0
     """
     suffix = Path(path).suffix.lower()
     if suffix not in WRITERS:
@@ -63,10 +64,8 @@ def export_table(store: str | Path, path: str | Path) -> None:
 def _write_csv(store: Store, path: Path) -> None:
     names, rows = _rows(store)
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([spreadsheet_text(name) for name in names])
-        for some in rows:
-            writer.writerows([_cell(value) for value in row] for row in some)
+        for some in itertools.chain([[tuple(names)]], rows):
+            file.writelines(f"{','.join(map(_cell, row))}\n" for row in some)
 
 
 def _write_parquet(store: Store, path: Path) -> None:
@@ -113,12 +112,15 @@ def _pieces(rows: Iterator[list[tuple[Any, ...]]]) -> Iterator[list[tuple[Any, .
         yield piece
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: Any) -> str:
+    """A number, or a text in quotes; None and NaN are nothing."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     if isinstance(value, list | dict):
-        return json.dumps(value)
-    return spreadsheet_text(value) if isinstance(value, str) else value
+        value = json.dumps(value)
+    if isinstance(value, str):
+        return '"' + spreadsheet_text(value).replace('"', '""') + '"'
+    return str(value)
 
 
 def _arrow_type(arrow: Any, axes: Columns, name: str) -> Any:

@@ -59,6 +59,12 @@ def _of_operation(path: Path, error: sqlite3.OperationalError) -> str:
         )
     if name.startswith(("SQLITE_BUSY", "SQLITE_LOCKED")):
         return f"{path} is in use by another process, and stayed so. Try again when it has ended."
+    if name == "SQLITE_READONLY_ROLLBACK":
+        return (
+            f"{path} was being written with --journal rollback when its process was killed: "
+            f"{path.name}-journal is still there. Nothing is lost: give the same `rcac sweep` "
+            "again, which puts it in order."
+        )
     if name.startswith("SQLITE_READONLY"):
         return f"{path} may not be written ({error})."
     if name.startswith("SQLITE_CANTOPEN"):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import os
 import secrets
 import sqlite3
 import time
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.sweeps._axes import Axis
+from rcac_experiments.sweeps._beside import header_of, require_ours
 from rcac_experiments.sweeps._canonical import canonical_json, digest
 from rcac_experiments.sweeps._chunk import FAILED
 from rcac_experiments.sweeps._measures import require_column
@@ -38,6 +40,8 @@ FORMAT = 2
 APPLICATION = 0x52434143  # "RCAC": what `file` and SQLite know the file by
 FREE, LEASED, DONE = 0, 1, 2  # states of a chunk
 PATIENCE = 60.0  # seconds that SQLite waits for another process
+LARGEST_CHUNK = 512  # runs
+LONGEST_LEASE = 600.0  # seconds from now; one that lasts longer was not asked for by this package
 JOURNALS = {"wal": "WAL", "rollback": "DELETE"}
 Row = tuple[Any, ...]
 
@@ -69,6 +73,9 @@ FIXED = {
     "trajectory": "CREATE TABLE trajectory (run INTEGER, name TEXT, shape TEXT, float64 BLOB, "
     "PRIMARY KEY (run, name)) WITHOUT ROWID",
 }
+# Of a row of `chunk`.
+_TEXT, _REAL = (str, type(None)), (float, type(None))
+KINDS = ((int,), (int,), (int,), (int,), _TEXT, _REAL, (int,), (int,), _REAL, _TEXT)
 # The columns of a row of `run` before those of the measures.
 OF_EVERY_RUN = ("run", "cell", "repetition", "outcome", "failure", "signals_digest")
 
@@ -126,12 +133,25 @@ class Store:
     def __init__(self, path: str | Path, journal: str = "wal", read_only: bool = False) -> None:
         self.path, self.journal = Path(path), journal
         self._study: StudyRow | None = None
-        if read_only and not self.path.is_file():
+        header = header_of(self.path)
+        # SQLite acts on what lies beside a file before it reads the file.
+        pages = require_ours(self.path)
+        if read_only and header is None:
             raise StoreError(f"{path} cannot be read: there is no such file.")
-        mode = "?mode=ro" if read_only else ""
+        if header and (
+            header.application not in (None, 0, APPLICATION) or (header.application == 0 and pages)
+        ):
+            raise StoreError(_foreign(self.path, "it is a database of another program"))
+        if header and not read_only and pages is None:
+            self._open("ro", read_only=True)
+            self.close()
+        self._open("ro" if read_only else "rwc", read_only)
+
+    def _open(self, mode: str, read_only: bool) -> None:
+        mode += "&immutable=1" if mode == "ro" and _is_at_rest(self.path) else ""
         with explained(self.path):
             self.connection = sqlite3.connect(
-                f"{self.path.absolute().as_uri()}{mode}",
+                f"{self.path.absolute().as_uri()}?mode={mode}",
                 uri=True, timeout=PATIENCE, isolation_level=None, check_same_thread=False,
             )  # fmt: skip
         try:
@@ -146,6 +166,14 @@ class Store:
         """Whether nothing was stored in it yet."""
         with explained(self.path):
             return not self.connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+
+    @property
+    def bytes_held(self) -> int:
+        """Of the file and of what stands beside it until it is put in."""
+        with explained(self.path):
+            pages, size = (self.connection.execute(f"PRAGMA {name}").fetchone()[0]
+                           for name in ("page_count", "page_size"))  # fmt: skip
+        return int(pages * size)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
@@ -246,6 +274,11 @@ class Store:
 
     def refreshed(self) -> StudyRow:
         """What is said of the study now: another process may have made it grow."""
+        if self.is_new:
+            raise StoreError(
+                f"{self.path} is empty: no study was stored in it. If a sweep into it was killed "
+                "at its beginning, give the same `rcac sweep` again."
+            )
         with explained(self.path):
             rows = self.connection.execute("SELECT * FROM study").fetchall()
         if len(rows) != 1 or not _is_digest(rows[0][-1], list(rows[0][:-1])):
@@ -364,8 +397,6 @@ class Store:
                 "every result is held against a digest. Export it with the version that wrote it "
                 "(`rcac show --export`), or run the study into a new file."
             )
-        if is_new and read_only:
-            raise StoreError(f"{self.path} is empty: no study was stored in it.")
         if not is_new:
             self._require_tables()
         if read_only:
@@ -455,8 +486,15 @@ def chunk_fault(plan: Plan, number: int, chunk: ChunkRow) -> str:
         return f"the chunk {number} of its runs is in a state that there is not"
     if (chunk.state == DONE) != (chunk.digest is not None):
         return f"the chunk {number} of its runs has ended and has not"
-    if type(chunk.tries) is not int or type(chunk.failed) is not int:
-        return f"what is said of the chunk {number} of its runs are no numbers"
+    kinds = tuple(map(type, vars(chunk).values()))
+    if not all(kind in of for kind, of in zip(kinds, KINDS, strict=True)):
+        return f"what is said of the chunk {number} of its runs is of another kind"
+    if (
+        chunk.tries < 0
+        or not 0 <= chunk.failed <= chunk.last - chunk.first + 1
+        or not (chunk.seconds is None or 0 <= chunk.seconds < math.inf)
+    ):
+        return f"what is said of the chunk {number} of its runs is out of range"
     no_owner = chunk.state == LEASED or (chunk.owner, chunk.until) == (None, None)
     no_result = chunk.state == DONE or (chunk.failed, chunk.seconds) == (0, None)
     if not (no_owner and no_result):
@@ -467,6 +505,8 @@ def chunk_fault(plan: Plan, number: int, chunk: ChunkRow) -> str:
 def rows_fault(about: StudyRow, chunk: ChunkRow, rows: list[Row]) -> str:
     """What is wrong with the rows of a chunk that has ended; nothing where nothing is."""
     where = f"the runs {chunk.first} to {chunk.last}"
+    if len(rows) != chunk.last - chunk.first + 1:
+        return f"{where} are not what was stored: there are {len(rows)} rows"
     try:
         if chunk_digest(about, chunk, rows) != chunk.digest:
             return f"{where} are not what was stored"
@@ -521,8 +561,12 @@ def _study_row(row: Row) -> StudyRow:
     """Raises what a study that is none makes it raise."""
     resolved, versions_, stages, mixed = (json.loads(row[i]) for i in (0, 4, 8, 9))
     texts = (row[1], row[2], row[3], row[5], row[6], row[10])
-    if not all(type(text) is str for text in texts) or type(row[7]) is not int or row[7] < 1:
+    if not all(type(text) is str for text in texts) or type(row[7]) is not int:
         raise ValueError("something in it is of another kind")
+    if not 1 <= row[7] <= LARGEST_CHUNK:
+        raise ValueError(f"a chunk of {row[7]} runs; there are 1 to {LARGEST_CHUNK}")
+    if type(mixed) is not list or not all(type(words) is str for words in mixed):
+        raise TypeError("what was mixed is no list of texts")
     if row[1] != digest(canonical_json(resolved)):
         raise ValueError("its fingerprint is that of another one")
     if not all(type(k) is str and type(v) is str for k, v in versions_.items()):
@@ -537,7 +581,7 @@ def _study_row(row: Row) -> StudyRow:
         created=row[6],
         chunk_size=row[7],
         plan=_plan(resolved, tuple(Stage(tuple(n), r) for n, r in stages), row[7]),
-        mixed=tuple(str(words) for words in mixed),
+        mixed=tuple(mixed),
         origin=row[10],
     )
 
@@ -590,6 +634,18 @@ def _foreign(path: Path, what: str) -> str:
         f"{path} is damaged or no store of a study: {what}. Nothing was changed. Run the study "
         "into a new file."
     )
+
+
+def _is_at_rest(path: Path) -> bool:
+    """Whether nobody may write here, and no results wait beside the file to be put into it.
+
+    SQLite makes files beside a database that it only reads; where it may not, it reads none.
+    """
+    real = Path(os.path.realpath(path))
+    if os.access(real.parent, os.W_OK):
+        return False
+    beside = (real.with_name(real.name + end) for end in ("-wal", "-journal"))
+    return not any(file.exists() and file.stat().st_size for file in beside)
 
 
 def _patiently(change: Callable[[], object]) -> None:

@@ -22,7 +22,7 @@ from rcac_experiments.sweeps._pools import InProcess, WorkerLost, WorkerPool
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Meter, Progress
 from rcac_experiments.sweeps._schedule import Schedule
-from rcac_experiments.sweeps._store import DONE, JOURNALS, Store
+from rcac_experiments.sweeps._store import DONE, JOURNALS, LARGEST_CHUNK, Store
 from rcac_experiments.sweeps._study import Coordinates, Study, require_meant
 from rcac_experiments.sweeps._versions import differing, versions
 from rcac_experiments.sweeps._worker import KeyWatch, run_chunk
@@ -30,7 +30,7 @@ from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
 from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 # A chunk takes about so many seconds, and its runs so many bytes.
-CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512
+CHUNK_SECONDS, CHUNK_BYTES = 0.3, 3e7
 # Chunks under way for each worker: one that runs, one that waits, and a little more; and over an
 # executor of others, whose workers nobody counts.
 WINDOW, WINDOW_OF_OTHERS = 3, 64

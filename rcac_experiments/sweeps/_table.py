@@ -90,8 +90,8 @@ class SweepTable(Value):
 
     def to_xarray(self) -> frames.Dataset:
         """The measures and the outcome over the axes and the repetition, an `xarray.Dataset`."""
+        frame = self.to_pandas().drop(columns="cell")  # before xarray, which imports pandas
         xarray = frames.imported("xarray")
-        frame = self.to_pandas().drop(columns="cell")
         return xarray.Dataset.from_dataframe(frame.set_index([*self.axes, "repetition"]))
 
     def __repr__(self) -> str:

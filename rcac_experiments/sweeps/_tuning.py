@@ -19,6 +19,7 @@ from rcac_experiments.sweeps._pools import InProcess, WorkerPool
 from rcac_experiments.sweeps._progress import Progress
 from rcac_experiments.sweeps._stored_trials import stored
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._files import member
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
@@ -258,13 +259,7 @@ def _runner(
     folder = Path(instance_of(store, "store", str | Path))
     if folder.exists() and not folder.is_dir():
         raise InputError(f"store = {folder} is a file, and a folder is needed.")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"store = {folder} cannot be made: {error.strerror}. Give a folder that can."
-        ) from None
-
+    member(folder, "round-1.sqlite")  # made now, or refused before anything is run
     if executor is not None and workers is not None:
         raise InputError("workers are processes of our own, and executor stands in their place.")
     own = None
@@ -273,7 +268,7 @@ def _runner(
         executor = own = WorkerPool(count) if count else InProcess()  # once for all rounds
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
-        return stored(trials, folder / f"{name}.sqlite", executor, progress)
+        return stored(trials, member(folder, f"{name}.sqlite"), executor, progress)
 
     try:
         yield into_store

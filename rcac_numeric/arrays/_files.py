@@ -7,7 +7,7 @@ import secrets
 import stat
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -55,6 +55,36 @@ def replacing(path: str | Path) -> Iterator[Path]:
         # the collector of Python 3.12.1 dies of that (python/cpython issue 111049).
         traceback.clear_frames(error.__traceback__)
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
+
+
+def member(folder: str | Path, name: str) -> Path:
+    """The path of a file that is to be written into a folder under a name of ours.
+
+    The folder is the caller's, and may be a link. What stands in it may come from others: a link,
+    a pipe or a device under such a name is refused, since it would lead out of the folder.
+    """
+    path = Path(folder)
+    if ".." in Path(name).parts or Path(name).is_absolute():
+        raise InputError(f"{name} is no file in {folder}; a name in it has no '..'.")
+    for part in Path(name).parts[:-1]:
+        path /= part
+        _require_kind(path, stat.S_ISDIR, "folder")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path} cannot be made: {error.strerror}.") from None
+    path /= Path(name).name
+    _require_kind(path, stat.S_ISREG, "file")
+    return path
+
+
+def _require_kind(path: Path, is_kind: Callable[[int], bool], kind: str) -> None:
+    with suppress(FileNotFoundError):
+        if not is_kind(os.lstat(path).st_mode):
+            raise InputError(
+                f"{path} is no ordinary {kind}, and is written neither to nor through. Remove it, "
+                "or give another folder."
+            )
 
 
 def _prefix(target: Path) -> str:

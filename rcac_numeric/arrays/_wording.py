@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 
 from compensator_theory._wording import in_a_line, printable
@@ -18,7 +19,11 @@ __all__ = [
     "sum_latex",
 ]
 
-FORMULA = re.compile(r"\s*(?:[=@]|[+-](?![\w+\-*/^(). ]*$))")
+# Where a spreadsheet may begin a new cell inside a text: its separators in other countries.
+SEPARATOR = re.compile(r"([;|\t])")
+NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+FORMULA = "=+-@\N{MINUS SIGN}"
+UNSEEN = ("Cc", "Cf", "Mn", "Zl", "Zp", "Zs")  # categories of characters that may be passed over
 
 
 def shortened(text: str, at_most: int = 400) -> str:
@@ -43,18 +48,32 @@ def shortened(text: str, at_most: int = 400) -> str:
 def spreadsheet_text(text: str) -> str:
     """The text as a cell of a table that a spreadsheet may open: never a formula.
 
-    Control characters and ends of lines are written out. What begins as a formula does, with = or
-    @, or with + or - where more follows than an expression in numbers and names, gets an
-    apostrophe in front, which spreadsheets do not show.
+    Control characters and ends of lines are written out. What begins with =, +, - or @ in any
+    width, spaces, quotes and what is not seen passed over, gets an apostrophe in front of that
+    character; so does what stands behind a semicolon, a bar or a tabulator, where the
+    spreadsheets of some countries begin a new cell. A text that is a plain number stays.
 
     Examples
     --------
     >>> from rcac_numeric.arrays._wording import spreadsheet_text
-    >>> spreadsheet_text("=HYPERLINK(A1)"), spreadsheet_text("-1/(q - 0.5)")
-    ("'=HYPERLINK(A1)", '-1/(q - 0.5)')
+    >>> spreadsheet_text("=HYPERLINK(A1)"), spreadsheet_text("1/(q - 0.5)")
+    ("'=HYPERLINK(A1)", '1/(q - 0.5)')
+    >>> spreadsheet_text("-0.5; -0.5*q")
+    "'-0.5; '-0.5*q"
     """
     plain = in_a_line(text)
-    return f"'{plain}" if FORMULA.match(plain) else plain
+    if NUMBER.fullmatch(plain):
+        return plain
+    return "".join(map(_no_formula, SEPARATOR.split(plain)))
+
+
+def _no_formula(cell: str) -> str:
+    for i, character in enumerate(cell):
+        if unicodedata.normalize("NFKC", character)[0] in FORMULA:
+            return f"{cell[:i]}'{cell[i:]}"
+        if character != '"' and unicodedata.category(character) not in UNSEEN:
+            break
+    return cell
 
 
 def matrix_latex(rows: Iterable[Iterable[float]], digits: int = 4) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from compensator_theory._truth import Truth
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._files import replacing
+from rcac_numeric.arrays._files import member, replacing
 from rcac_numeric.arrays._validation import instance_of, items, one_of
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
@@ -177,12 +177,7 @@ def export_controller(
     said = _verified(texts, prefix)
     target = Path(folder)
     for name, text in texts.items():
-        path = target / name
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{path.parent} cannot be made: {error.strerror}.") from None
-        with replacing(path) as new:
+        with replacing(member(target, name)) as new:
             new.write_text(text, encoding="ascii", newline="\n")
     sizes = tables.sizes(real)
     return Export(target, tuple(sorted(texts)), real, *sizes, said, agreement, warnings)

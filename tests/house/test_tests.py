@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
 MIRRORED = ("compensator_theory", "rcac_numeric", "rcac_experiments", "proofs")
-OTHERS = ("docs", "fuzz", "house", "notebooks", "support")  # they mirror no package
+OTHERS = ("docs", "fuzz", "house", "notebooks", "support", "world")  # they mirror no package
 EXERCISES = ("compensator_theory", "exercises")  # of many folders at once, by chapters of a course
 FILES = sorted(TESTS.rglob("*.py"))
 HELPERS = sorted(p for p in (TESTS / "support").rglob("*.py") if p.name != "__init__.py")

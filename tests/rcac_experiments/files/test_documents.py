@@ -66,3 +66,10 @@ def test_messages_are_bearable():
     with pytest.raises(InputError) as refused:
         build({"x" * 10_000: 1, "plant": {}}, "case")
     assert len(str(refused.value)) < 2000
+
+
+def test_a_byte_order_mark_is_no_part_of_a_file(file):
+    """Editors of Windows write one; a second one is no TOML."""
+    assert read_file(file("\ufeffx = 1"))[0] == read_file(file("x = 1"))[0] == {"x": 1}
+    with pytest.raises(InputError, match="not valid TOML"):
+        read_file(file("\ufeff\ufeffx = 1"))

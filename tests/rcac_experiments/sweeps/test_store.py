@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from compensator_theory.errors import InputError
 from rcac_experiments.sweeps import (
     StoreError,
     export_table,
@@ -185,6 +186,16 @@ def test_an_export_reads_back_as_the_table(stored, tmp_path):
     assert array["rms"].dims == ("R_theta", "noise", "repetition")
     one = table.where(R_theta=1.0, noise=2)
     assert np.array_equal(array["rms"].sel(R_theta=1.0, noise=2).values, one["rms"])
+
+
+@pytest.mark.parametrize("library", ["pandas", "xarray"])
+def test_a_missing_library_is_named(stored, monkeypatch, library):
+    """xarray imports pandas itself, and would say so in its own words."""
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(InputError, match=rf"{library} is not installed.*\[pandas\]"):
+        read_table(stored).to_xarray()
 
 
 def test_parquet_holds_the_table(stored, tmp_path):
