@@ -30,7 +30,6 @@ from rcac_numeric.signals._data_files import FORMATS, read_variables
 from rcac_numeric.signals._text_tables import as_number
 from rcac_numeric.targets._filters import target_model
 
-FAR_OFF = 0.05  # of a pole from where it was asked
 KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 
 
@@ -157,12 +156,9 @@ def _status(found: ControllerCheck) -> int:
         return UNDECIDED
     if found.loop is not None and not found.loop.is_stable:
         return UNSTABLE
-    comparison, target = found.comparison, found.target
-    if comparison is None or target is None or not target.denominator[1:].any():
-        return DONE  # an FIR target asks for no pole but 0, in its own time
-    if comparison.worst_distance > FAR_OFF:
-        return MISSED
-    return DONE
+    if found.comparison is None or found.comparison.is_reached:
+        return DONE
+    return MISSED
 
 
 def _decided(log: ControllerLog, plant: str) -> tuple[Decision | str, Plant]:

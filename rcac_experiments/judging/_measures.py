@@ -238,6 +238,12 @@ def worst_spectrum_distance(r: LoopAnalysis) -> float:
 
 
 @measure
+def backward_error(r: LoopAnalysis) -> float:
+    """The relative change of the closed-loop polynomial that gives it the poles of G_f."""
+    return r.comparison.backward_error
+
+
+@measure
 def polynomial_distance(r: LoopAnalysis) -> float:
     """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
     c = r.comparison

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from sympy import Poly
@@ -39,6 +41,12 @@ class ExactComparison(Result):
         Closed-loop zeros from that channel to z.
     target_poles : array of complex
         The poles of G_f, which the controller is asked to assign.
+
+    Notes
+    -----
+    Whether the poles are reached is decided by `is_reached`, by the backward error: distances are
+    measures. An m-fold pole moves by the m-th root of a change of the coefficients, and every plant
+    with dead time has several poles at 0.
     """
 
     plant: Plant
@@ -60,7 +68,8 @@ class ExactComparison(Result):
         return self.report()
 
     def __repr__(self) -> str:
-        return f"ExactComparison(worst_distance={self.worst_distance:.3g})"
+        distance, change = self.worst_distance, self.backward_error
+        return f"ExactComparison(worst_distance={distance:.3g}, backward_error={change:.3g})"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and the map of poles."""
@@ -84,6 +93,84 @@ class ExactComparison(Result):
     def worst_distance(self) -> float:
         """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
         return _worst(self.assigned)
+
+    @cached_property
+    def backward_error(self) -> float:
+        """The relative change of the closed-loop polynomial that gives it the poles asked for.
+
+        The largest over the frequencies, abs(Dtilde - A)/max(abs(Dtilde), abs(A)) on the unit
+        circle. A is `asked`, or, nearly the same, that at which the intercalated transfer function
+        is G_f; where no exact prediction is known, also the poles of G_f with the loop's own
+        others, those next to 0 at 0. A simple pole at p that is off by d makes d/(1 - abs(p)).
+        """
+        return min(_relative_change(own, wanted) for own, wanted in self._candidates())
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether the loop has the poles that the target asks for: the one verdict on them.
+
+        They are reached where the backward error is at most 0.05, so that no simple pole is off by
+        more than 0.05 (1 - abs(p)) unless others make up for it, or where each is within 0.01. An
+        FIR target asks for a finite response, and for no pole.
+        """
+        if not self.target_poles.any():
+            return True
+        return self.worst_distance <= NEAR or self.backward_error <= REACHED
+
+    @property
+    def missed(self) -> list[tuple[complex, complex]]:
+        """Of `assigned` the pairs above 0.01 apart, the farthest first; none where reached."""
+        if self.is_reached:
+            return []
+        apart = [(a, b) for a, b in self.assigned if not abs(a - b) <= NEAR]
+        return sorted(apart, key=lambda pair: -abs(pair[0] - pair[1]))
+
+    def sensitivity(self, change: float = 1e-9) -> tuple[complex, int, float] | None:
+        """The multiple pole asked for that moves most; None where every one is simple.
+
+        That pole, its multiplicity m, and how far it moves where each coefficient of the polynomial
+        changes by `change` of the largest: the m-th root of what that change makes there.
+        """
+        polynomial = self.asked
+        if polynomial is None and self.target.exact is not None:
+            polynomial = self.target.exact.denominator
+        if polynomial is None or polynomial.degree() < 2:
+            return None
+        roots = exact.certified_roots(polynomial)
+        largest = max(abs(float(c)) for c in polynomial.monic().all_coeffs())
+        found = []
+        for root in roots:
+            p, m = root.value, root.multiplicity
+            rest = [(p - other.value) ** other.multiplicity for other in roots if other is not root]
+            size = np.sum(np.abs(p) ** np.arange(polynomial.degree()))
+            moved = (change * largest * size / abs(np.prod(rest))) ** (1 / m)
+            found.append((p, m, float(moved)))
+        multiple = [one for one in found if one[1] > 1]
+        return max(multiple, key=lambda one: one[2], default=None)
+
+    def _candidates(self) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+        """Dtilde, and a polynomial with the poles asked for, at frequencies on the unit circle."""
+        omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
+        at_poles = np.abs(np.angle(np.concatenate([self.poles, self.target_poles])))
+        q = np.exp(1j * np.concatenate([omega, at_poles, [0.0, np.pi]]))
+
+        def values(roots: ComplexArray) -> ComplexArray:
+            return np.asarray(np.prod(q[:, None] - roots[None, :], axis=1))
+
+        own = values(self.poles)
+        if self.asked is not None:
+            yield own, values(self.asked_poles)
+        else:
+            others = sorted(self.unassigned, key=abs)
+            for count in range(len(others) + 1):
+                kept = np.array(others[count:], dtype=np.complex128)
+                yield own, values(self.target_poles) * values(kept) * q**count
+        N_zu, leading = self.plant.problem.numerator("zu"), float(self.reached.LC())
+        N = np.polyval(np.array(N_zu.all_coeffs(), dtype=np.float64), q) * q**self.compensator.n_c
+        N_f, D_f = (np.polyval(side.ravel(), q) for side in (
+            self.target.numerator, self.target.denominator
+        ))  # fmt: skip
+        yield leading * own * N_f, N * D_f  # the intercalated transfer function, and G_f
 
     @property
     def spectrum_distance(self) -> float:
@@ -145,6 +232,17 @@ class ExactComparison(Result):
 
 
 SAME = 1e-9
+POINTS = 1000  # frequencies of the backward error, and those of the poles
+# The backward error up to which poles are reached, that is, 5 % of the return difference at every
+# frequency; and the distance that is none, whatever the conditioning.
+REACHED, NEAR = 0.05, 0.01
+
+
+def _relative_change(own: ComplexArray, wanted: ComplexArray) -> float:
+    with np.errstate(all="ignore"):  # a pole on the circle makes no statement there
+        change = np.abs(own - wanted) / np.maximum(np.abs(own), np.abs(wanted))
+    change[(own == 0) & (wanted == 0)] = 0.0
+    return float(change.max()) if not np.isnan(change).any() else float("inf")
 
 
 def _distance(gap: Array, directions: Array) -> float:

@@ -331,7 +331,7 @@ def compare_exactly(
     ...     structure=iir(n_c=4), target=target, update=UD(R_theta=1e-10), k_w=50)
     >>> run = simulate(plant, settings, exogenous([Step()], steps=100))
     >>> compare_exactly(run)  # doctest: +ELLIPSIS
-    ExactComparison(worst_distance=...e-06)
+    ExactComparison(worst_distance=...e-06, backward_error=...e-06)
     >>> compare_exactly(run).report().splitlines()[2].strip()
     'Characteristic polynomial D D_c - N_yu N_c:'
     """

@@ -16,7 +16,7 @@ from rcac_numeric.arrays._validation import MOST_STATES
 from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, TargetError, target_errors, zeros_of
-from rcac_numeric.checks._trials import MISSED, what_places_them
+from rcac_numeric.checks._trials import what_places_them
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
 from rcac_numeric.engine._runs import Run
@@ -259,20 +259,24 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
 
 def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
     missed = health.missed_by
-    if missed is None or missed <= MISSED or health.outcome != "completed" or health.is_held:
+    if missed is None or health.outcome != "completed" or health.is_held:
+        return
+    comparison = found.comparison
+    if comparison.is_reached:
         return
     cure = what_places_them(found)
     usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
-    structure = None if found.obstacle else found.structure
-    if structure is not None and found.comparison.can_be_placed_by(structure) is False:
+    structure = found.structure
+    if structure is not None and comparison.can_be_placed_by(structure) is False:
         cure = (
             f"another structure or target, where these poles matter: no theta of {structure.name} "
             f"with {structure.l_theta} coefficients places them; iir with n_c = "
-            f"{found.comparison.plant.n} has enough"
+            f"{comparison.plant.n} has enough"
         )
     yield HealthWarning(
         "missed poles",
-        f"A pole that the target asks for is missed by {missed:.2g}.",
+        f"A pole that the target asks for is missed by {missed:.2g}; the closed-loop polynomial "
+        f"differs by {comparison.backward_error:.2g} of itself.",
         cure or usual,
     )
 

@@ -28,7 +28,6 @@ from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 KICKS, KICKED = (0.05, 0.2), 300  # of the size of w, white, and for so many steps
 ROUNDING = 1e-12  # of its peak: no more than that, a constant w has by the rounding of its mean
 DRAWS = 3  # of each: a single one may stay where the data support theta
-MISSED = 0.05  # distance of a pole from where it was asked
 LONGEST = 20_000  # steps of a run that is repeated
 LARGEST = 30  # states of a plant for which LQG is designed in passing
 WHITE, SHORTEST = 0.2, 100  # correlation of w from step to step, and its steps, to be a noise
@@ -146,11 +145,12 @@ def what_places_them(found: LoopAnalysis) -> str | None:
                 )  # fmt: skip
             if other.outcome != "completed":
                 continue
-            distance = missed_poles(LoopAnalysis(other, found.target))
-        except CompensatorError:
+            comparison = LoopAnalysis(other, found.target).comparison
+        except (CompensatorError, np.linalg.LinAlgError):
             continue
-        if distance is not None and distance <= MISSED:
-            return f"{words} (tried: the poles are then within {distance:.1g})"
+        if comparison.is_reached:
+            left = f"{comparison.backward_error:.1g} of the closed-loop polynomial"
+            return f"{words} (tried: the poles are then reached, to {left})"
     return None
 
 

@@ -19,6 +19,7 @@ from rcac_numeric.reports._loop import (
     joined,
     match_section,
     missed_poles,
+    reached_facts,
     split_section,
     zeros_facts,
 )
@@ -202,8 +203,11 @@ def _comparison(comparison: ExactComparison) -> Section:
         far = f"{comparison.spectrum_distance:.3g}"
         words = f"distance of all poles from those the target asks for: {far}"
         blocks.append(Text(words))
+    blocks += reached_facts(comparison)
     record = {
         "poles": comparison.target_poles,
+        "backward_error": comparison.backward_error,
+        "is_reached": comparison.is_reached,
         "worst_pole_distance": comparison.worst_distance,
         "spectrum_distance": comparison.spectrum_distance,
         "obstacle": comparison.obstacle or None,

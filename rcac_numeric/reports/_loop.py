@@ -8,7 +8,7 @@ import numpy as np
 
 import compensator_theory as exact
 from rcac_numeric.analysis._classical import Margins
-from rcac_numeric.analysis._exact_comparison import ExactComparison
+from rcac_numeric.analysis._exact_comparison import NEAR, REACHED, ExactComparison
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.arrays._array_types import Array
@@ -225,21 +225,14 @@ def zeros_facts(zeros: dict[str, str]) -> tuple[Fact, ...]:
     return tuple(Fact(f"zeros from {channel} to z", words) for channel, words in zeros.items())
 
 
-MISSED = 0.01  # a pole that is farther from the one asked for is not that pole
-
-
 def missed_poles(c: ExactComparison | None, structure: Structure | None = None) -> tuple[Text, ...]:
     """The line that a report begins with where poles asked for are not reached.
 
-    A target model with all its poles at 0 asks for a finite response and not for poles. What no
-    theta of the structure places is no fault of the run.
+    `ExactComparison.is_reached` decides. What no theta of the structure places is no fault of the
+    run.
     """
-    if c is None or not c.target_poles.any():
+    if c is None or not (missed := c.missed):
         return ()
-    missed = [(a, b) for a, b in c.assigned if not abs(a - b) <= MISSED]
-    if not missed:
-        return ()
-    missed.sort(key=lambda pair: -abs(pair[0] - pair[1]))
     words = ", ".join(
         f"{complex_list([a])} by {abs(a - b):.2g} (the loop has {complex_list([b])})"
         for a, b in missed[:4]
@@ -252,7 +245,27 @@ def missed_poles(c: ExactComparison | None, structure: Structure | None = None) 
             f"places the {len(c.poles)} poles that the target asks the loop for: "
         )
         return (Text(f"{why}{count} are missed, {words}{more}.", "warning"),)
-    return (Text(f"NOT reached: {count} are missed, {words}{more}.", "bad"),)
+    changed = f"The closed-loop polynomial differs by {c.backward_error:.2g} of itself"
+    return (Text(f"NOT reached: {count} are missed, {words}{more}. {changed}.", "bad"),)
+
+
+def reached_facts(c: ExactComparison) -> tuple[Fact, ...]:
+    """What the verdict on the poles goes by, and how far a multiple pole moves for nothing."""
+    if not c.target_poles.any():
+        return ()
+    words = (
+        f"{c.backward_error:.3g} of the closed-loop polynomial at the worst frequency has to change"
+        f" for the poles asked for; up to {REACHED:g} they are reached"
+    )
+    facts = [Fact("backward error", words)]
+    if (sensitive := c.sensitivity()) is not None and sensitive[2] > NEAR:
+        pole, m, moved = sensitive
+        words = (
+            f"a {m}-fold pole at {complex_text(pole)} moves by {moved:.2g} for a change of 1e-9 of "
+            "the coefficients, so that its distance is no evidence"
+        )
+        facts.append(Fact("sensitivity", words))
+    return tuple(facts)
 
 
 def comparison_section(c: ExactComparison) -> Section:
@@ -271,6 +284,7 @@ def comparison_section(c: ExactComparison) -> Section:
     blocks.append(Fact("other closed-loop poles", complex_list(c.unassigned)))
     blocks += zeros_facts({channel: complex_list(zeros) for channel, zeros in c.zeros.items()})
     blocks.append(Fact("worst pole distance", f"{c.worst_distance:.3g}"))
+    blocks += reached_facts(c)
     if c.compensators is not None:
         free = len(c.compensators.homogeneous)
         family = "the one compensator" if not free else f"the {free}-parameter family"
@@ -287,7 +301,8 @@ def comparison_section(c: ExactComparison) -> Section:
             "obstacle": c.obstacle or None,
         },
         "worst_pole_distance": c.worst_distance,
-        "is_reached": not missed_poles(c),
+        "backward_error": c.backward_error,
+        "is_reached": c.is_reached,
         "controller_distance": c.controller_distance,
     }
     return Section(blocks=tuple(blocks), record=record)
