@@ -1,4 +1,4 @@
-"""Whether poles are reached, of plants with 1 to 12 steps of dead time: how often it is said wrongly.
+"""How often it is said wrongly whether poles are reached: plants with 1 to 12 steps of dead time.
 
 Run with: python benchmarks/missed_poles.py [LOOPS] [FIRST_SEED]
 

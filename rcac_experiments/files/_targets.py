@@ -79,12 +79,9 @@ class Fir(TargetKind):
         zeros = None if self.nmp_zeros is None else tuple(self.nmp_zeros)
         if self.d_zu is not None and self.H is not None:
             return ModellingInformation(self.d_zu, self.H, zeros or ())
-        known = _information(plant)
-        return ModellingInformation(
-            known.d_zu if self.d_zu is None else self.d_zu,
-            known.H if self.H is None else self.H,
-            known.nmp_zeros if zeros is None else zeros,
-        )
+        given = {"d_zu": self.d_zu, "H": self.H, "nmp_zeros": zeros}
+        said = {name: value for name, value in given.items() if value is not None}
+        return _information(plant).changed(**said)
 
 
 @attrs.frozen

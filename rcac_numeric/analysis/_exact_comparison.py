@@ -115,14 +115,26 @@ class ExactComparison(Result):
         """
         if not self.target_poles.any():
             return True
-        return self.worst_distance <= NEAR or self.backward_error <= REACHED
+        return _worst(self.judged) <= NEAR or self.backward_error <= REACHED
+
+    @property
+    def judged(self) -> list[tuple[complex, complex]]:
+        """Pairs as in `assigned`, where a pole that is asked for elsewhere too is no pole of G_f's.
+
+        All of `asked` are matched: where the loop cancels a zero of G_zu at which G_f has a pole,
+        two poles are asked for there, and the one that cancels does not count for the other.
+        """
+        if self.asked is None:
+            return self.assigned
+        pairs = pairing(self.asked_poles, self.poles)
+        return [pair for pair in pairs if np.abs(self.target_poles - pair[0]).min() < SAME]
 
     @property
     def missed(self) -> list[tuple[complex, complex]]:
-        """Of `assigned` the pairs above 0.01 apart, the farthest first; none where reached."""
+        """Of `judged` the pairs above 0.01 apart, the farthest first; none where reached."""
         if self.is_reached:
             return []
-        apart = [(a, b) for a, b in self.assigned if not abs(a - b) <= NEAR]
+        apart = [(a, b) for a, b in self.judged if not abs(a - b) <= NEAR]
         return sorted(apart, key=lambda pair: -abs(pair[0] - pair[1]))
 
     def sensitivity(self, change: float = 1e-9) -> tuple[complex, int, float] | None:
@@ -266,7 +278,8 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
     try:
         if not isinstance(target.exact, exact.TransferFunction):
             raise InputError(
-                "the target model was given by float64 coefficients only."
+                "the target model is known by float64 coefficients only: it was given so, or its "
+                "zeros are irrational."
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )

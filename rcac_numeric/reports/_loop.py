@@ -238,7 +238,7 @@ def missed_poles(c: ExactComparison | None, structure: Structure | None = None) 
         for a, b in missed[:4]
     )
     more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
-    count = f"{len(missed)} of {len(c.assigned)} poles asked for"
+    count = f"{len(missed)} of {len(c.judged)} poles asked for"
     if structure is not None and c.can_be_placed_by(structure) is False:
         why = (
             f"No theta of the structure {structure.name} with its {structure.l_theta} coefficients "

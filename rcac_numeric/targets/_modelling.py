@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from sympy import Expr, Poly
 
@@ -48,6 +48,10 @@ class ModellingInformation:
     d_zu: int
     H: Number
     nmp_zeros: tuple[Number, ...]
+    # Of zeros that were read of a plant and are not rational: N_zu,u where that is, else that the
+    # zeros are rounded and no more is known.
+    _factor: Poly | None = field(default=None, init=False, repr=False)
+    _is_rounded: bool = field(default=False, init=False, repr=False)
 
     def __init__(self, d_zu: int, H: Number, nmp_zeros: Sequence[Number] = ()) -> None:
         object.__setattr__(self, "d_zu", integer(d_zu, "d_zu", at_most=10_000))
@@ -65,11 +69,29 @@ class ModellingInformation:
                     f"the zero {zero} has modulus {modulus:.6g} < 1 and is minimum phase; only "
                     "zeros on or outside the unit circle belong in nmp_zeros."
                 )
+        object.__setattr__(self, "_factor", None)
+        object.__setattr__(self, "_is_rounded", False)
         object.__setattr__(self, "H", H)
         object.__setattr__(self, "nmp_zeros", tuple(nmp_zeros))
 
+    def changed(self, **fields: Any) -> ModellingInformation:
+        """The same with another d_zu, H or nmp_zeros; where the zeros stay, they stay exact."""
+        given = {name: getattr(self, name) for name in ("d_zu", "H", "nmp_zeros")}
+        made = ModellingInformation(**(given | fields))
+        if "nmp_zeros" not in fields:
+            object.__setattr__(made, "_factor", self._factor)
+            object.__setattr__(made, "_is_rounded", self._is_rounded)
+        return made
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether `nmp_polynomial` is N_zu,u itself; not where a plant's has irrational factors."""
+        return not self._is_rounded
+
     def nmp_polynomial(self) -> Poly:
         """The monic polynomial N_zu,u in q with these zeros, exactly."""
+        if self._factor is not None:
+            return self._factor
         return exact.polynomial_from_roots(self.nmp_zeros, "q")
 
 
@@ -90,6 +112,8 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     -----
     Which zeros are outside the unit circle is decided exactly, for the numerator over the unreduced
     denominator det(qI - A), so an uncontrollable or unobservable unstable mode counts as one.
+    Irrational ones are shown in float64; their polynomial is kept exactly where it is rational,
+    that is, where no conjugate of theirs lies inside.
 
     Examples
     --------
@@ -102,9 +126,14 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     numerator, denominator = linear_plant(plant).scalar_map("zu")
     if numerator.is_zero:
         raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
-    return ModellingInformation(
+    found = ModellingInformation(
         denominator.degree() - numerator.degree(), numerator.LC(), zeros_not_inside(numerator)
     )
+    if any(isinstance(zero, float | complex) for zero in found.nmp_zeros):
+        factor = factor_not_inside(numerator)
+        object.__setattr__(found, "_factor", factor)
+        object.__setattr__(found, "_is_rounded", factor is None)
+    return found
 
 
 def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
@@ -123,10 +152,36 @@ def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
     return tuple(zeros)
 
 
+def factor_not_inside(polynomial: Poly) -> Poly | None:
+    """The monic factor with the roots on or outside the unit circle; None where it is irrational.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from rcac_numeric.targets._modelling import factor_not_inside
+    >>> factor_not_inside(polynomial("2*(q**2 + 5)*(q - 1/2)")).as_expr()
+    q**2 + 5
+    >>> factor_not_inside(polynomial("q**2 - 3*q + 1")) is None
+    True
+    """
+    found = polynomial.one
+    for factor, multiplicity in polynomial.factor_list()[1]:
+        wanted = _count_not_inside(factor)
+        if 0 < wanted < factor.degree():
+            return None
+        if wanted:
+            found *= factor**multiplicity
+    return found.monic()
+
+
+def _count_not_inside(factor: Poly) -> int:
+    count = exact.locate_roots(factor, time="discrete")
+    return int(count.boundary + count.unstable)
+
+
 def _of_irreducible(factor: Poly) -> list[Number]:
     """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
-    count = exact.locate_roots(factor, time="discrete")
-    wanted = count.boundary + count.unstable
+    wanted = _count_not_inside(factor)
     if wanted and factor.degree() == 1:
         return [-factor.monic().nth(0)]
     # How many there are is exact, and they are the largest.

@@ -22,7 +22,7 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets._markov import markov_parameters
 from rcac_numeric.targets._model import TargetModel
-from rcac_numeric.targets._modelling import Number, zeros_not_inside
+from rcac_numeric.targets._modelling import Number, factor_not_inside, zeros_not_inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +142,19 @@ def output_subspace_target(plant: Plant) -> TargetModel:
     array([1., 2.])
     """
     found = output_subspace_zeros(plant)
-    coefficients = exact.polynomial_from_roots(found.nmp_zeros, "q").all_coeffs()
-    N_u = rounded(coefficients, "the output-subspace zeros")
+    polynomial = factor_not_inside(found.polynomial)
+    factor = exact.polynomial_from_roots(found.nmp_zeros, "q") if polynomial is None else polynomial
+    N_u = rounded(factor.all_coeffs(), "the output-subspace zeros")
     delay = np.zeros(found.d_zu)
-    return TargetModel(np.multiply.outer(np.concatenate([delay, N_u]), found.H))
+    numerator = np.multiply.outer(np.concatenate([delay, N_u]), found.H)
+    if polynomial is None:
+        return TargetModel(numerator)
+    H = _exact_parameter(linear_plant(plant), found.d_zu)
+    q_to_n = Poly(polynomial.gen ** (found.d_zu + polynomial.degree()), polynomial.gen)
+    entries = [[factor * H[i, j] for j in range(H.cols)] for i in range(H.rows)]
+    if H.shape == (1, 1):
+        return TargetModel(numerator, exact=exact.TransferFunction(entries[0][0], q_to_n))
+    return TargetModel(numerator, exact=exact.TransferMatrix(entries, q_to_n))
 
 
 def _exact_parameter(plant: Plant, index: int) -> Matrix:

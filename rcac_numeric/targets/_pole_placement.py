@@ -59,7 +59,8 @@ def pole_placement_target(
     Parameters
     ----------
     information : ModellingInformation or Plant
-        What is known of G_zu; of a plant it is read exactly.
+        What is known of G_zu; of a plant it is read exactly. Where its NMP zeros are irrational and
+        a conjugate of theirs is not NMP, G_f is in float64 alone and `exact` is None.
     poles : sequence of numbers, or the polynomial D_p itself
         The n_p poles to place; exact where they are given as strings or rationals.
 
@@ -92,4 +93,5 @@ def pole_placement_target(
     q = Poly(Symbol("q"), Symbol("q"))
     surplus = D_p.degree() - known.d_zu - N_u.degree()
     numerator = N_u * exact.exact_number(known.H) * q ** max(surplus, 0)
-    return from_transfer_function(exact.TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+    made = from_transfer_function(exact.TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+    return made if known.is_exact else TargetModel(made.numerator, made.denominator)

@@ -26,6 +26,7 @@ from rcac_numeric.targets._filters import target_model
 from rcac_numeric.targets._markov import markov_parameters
 from rcac_numeric.targets._model import TargetModel
 from rcac_numeric.targets._modelling import zeros_not_inside
+from rcac_numeric.targets._pole_placement import fir_target
 
 DirectedZero: TypeAlias = tuple[complex, tuple[complex, ...]]
 # A null vector of Rosenbrock's matrix, beside its largest singular value.
@@ -129,6 +130,7 @@ def zero_direction_target(
     """
     if is_foreign(source):
         source = linear_plant(source)
+    plant = source if isinstance(source, Plant) else None
     if isinstance(source, Plant):
         source = direction_information(source, squaring)
     elif squaring is not None:
@@ -139,7 +141,13 @@ def zero_direction_target(
         delays=source.delays,
         taps=taps,
     )
-    return target_model(built.transfer_matrix)
+    found = target_model(built.transfer_matrix)
+    if plant is None:
+        return found
+    if plant.l_z == plant.l_u == 1 and taps is None:
+        return fir_target(plant)  # the same, exactly
+    # The plant's zeros and directions were found in float64: what is made of them is not exact.
+    return TargetModel(found.numerator, found.denominator)
 
 
 def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> DirectionInformation:

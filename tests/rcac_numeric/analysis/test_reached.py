@@ -92,6 +92,13 @@ def test_a_simple_pole_that_is_off_by_d_is_off_by_d_over_its_distance_from_the_c
     assert found.is_reached == (d == 0.005)
 
 
+def test_a_pole_that_cancels_a_zero_does_not_count_for_the_one_asked_for_there():
+    """A zero and a pole of G_f at -0.16: the loop has one pole there, and the other at -0.22."""
+    loop = missing(304)
+    found = compare_exactly(loop.plant, loop.compensator, loop.target)
+    assert found.worst_distance < 1e-9 and not found.is_reached and found.missed
+
+
 def test_poles_on_the_circle_are_reached_by_what_rounds_to_them():
     plant = standard_plant("1/(q - 1/2)")
     c = Compensator(past_u=[[[0.5 + 1e-12]]], past_y=[[[0.0]], [[0.25]]])
