@@ -17,7 +17,11 @@ FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plan
 # What raises doubt: the plant leaves more than a tenth of how y changes from step to step, and a
 # plant fitted to the log leaves so many times less. White noise alone makes the second 1, sensor
 # noise 2 or 3; what is not white and was not logged, a tone for instance, may raise doubt, too.
+# However little the plant leaves: white sensor noise of size s makes s norm([1, D]) of it, and no
+# fit leaves less than s, so that so many times more than norm([1, D]) of the best fit is no sensor
+# noise. Where not all of w was logged it may be a disturbance, unless a fit leaves rounding alone.
 UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
+ROUNDING = 100 * np.finfo(float).eps  # of the terms that e is the sum of
 # Contradicted is what predicts worse than that y stays, where a fit is so many times better.
 CONTRADICTED = 2.0
 
@@ -33,14 +37,20 @@ class PlantResidual(Result):
     Attributes
     ----------
     rms, change : float
-        Root mean square of e about its mean, and of y(k) - y(k-1).
+        Root mean square of e, about its mean where not all of w was logged, and of y(k) - y(k-1).
     best : float or None
         Of the least-squares fit with as many past steps; None for a log too short to fit one.
     remedy : str
         A simple change of u with which the plant explains the log; empty where none does.
     offset : float
-        Length of the mean of e: a constant disturbance, or an offset of u or y, makes it, and
-        contradicts no plant.
+        Length of the mean of e: a constant disturbance that was not logged, or an offset of u or
+        y, makes it, and contradicts no plant.
+    noise_gain : float
+        norm([1, D]): what white sensor noise of unit size makes of e.
+    rounding : float
+        What e may be by rounding alone.
+    is_known : bool
+        Whether all of w was logged.
     """
 
     rms: float
@@ -48,6 +58,9 @@ class PlantResidual(Result):
     best: float | None
     remedy: str = ""
     offset: float = 0.0
+    noise_gain: float = 1.0
+    rounding: float = 0.0
+    is_known: bool = False
 
     @property
     def relative(self) -> float:
@@ -59,9 +72,13 @@ class PlantResidual(Result):
         """Whether the log seems to be of another plant."""
         if self.remedy:
             return True
-        worse = self.best is None or self.rms > TIMES_WORSE * self.best
-        unexplained = UNEXPLAINED if self.best is not None else 1.0
-        return bool(worse and self.relative > unexplained) or self.is_contradicted
+        if self.best is None:
+            return self.relative > 1.0
+        times = self.rms / max(self.best, self.rounding, np.finfo(float).tiny)
+        if self.relative > UNEXPLAINED:
+            return bool(times > TIMES_WORSE) or self.is_contradicted
+        is_exact = self.is_known or self.best <= self.rounding
+        return bool(is_exact and times > TIMES_WORSE * self.noise_gain)
 
     @property
     def is_contradicted(self) -> bool:
@@ -85,10 +102,15 @@ class PlantResidual(Result):
                 "stays as it is predicts better. It is the log of another plant, sign or problem, "
                 "and what follows is about a loop that did not run."
             )
+        words = f"The log is NOT explained by this plant: {size}. "
+        if self.is_known:
+            return (
+                f"{words}All of w was logged: it is the log of another plant, or a disturbance "
+                "acts for which w has no channel."
+            )
         return (
-            f"The log is NOT explained by this plant: {size}. Either it is the log of another "
-            "plant, and what follows is about a loop that did not run, or disturbances act on the "
-            "loop that were not logged as w."
+            f"{words}Either it is the log of another plant, and what follows is about a loop that "
+            "did not run, or disturbances act on the loop that were not logged as w."
         )
 
 
@@ -119,14 +141,22 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     size = max(np.abs(log.u).max(), np.abs(log.y).max(), np.abs(known).max(initial=0.0)) or 1.0
     u, y, known = log.u[:steps] / size, log.y[:steps] / size, known[:steps] / size
     e = one_step_errors(plant, B, D, np.hstack([u, known]), y)
-    rms, offset = _about_mean(e) * size, float(np.linalg.norm(e.mean(axis=0))) * size
+    is_known = log.w is not None and log.w.shape[1] == plant.l_w > 0
+    size_of = _rms if is_known else _about_mean
+    rms, offset = size_of(e) * size, float(np.linalg.norm(e.mean(axis=0))) * size
     change = _rms(np.diff(y, axis=0)) * size
     best = _best(u, known, y, window)
     fitted = None if best is None else best * size
-    found = PlantResidual(float(rms), float(change), fitted, offset=offset)
-    if not np.isfinite(found.rms) or found.change == 0:
+    if not np.isfinite(rms) or change == 0:
         return None  # the plant's powers leave float64, or the log shows no movement
-    if found.relative <= UNEXPLAINED:
+    T, M = predictor(plant, B, D)
+    gain = float(np.sqrt(1 + np.sum(M**2, axis=0).max()))
+    terms = max(np.abs(M).sum(axis=0).max(), 1.0) * max(np.abs(T).sum(axis=1).max(), 1.0)
+    found = PlantResidual(
+        float(rms), float(change), fitted, offset=offset, noise_gain=gain,
+        rounding=float(ROUNDING * terms * size), is_known=is_known,
+    )  # fmt: skip
+    if not found.is_doubtful and found.relative <= UNEXPLAINED:
         return found
     others = {
         "the sign of u or y: with -u this plant fits": -u,
@@ -135,9 +165,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     }
     for words, other in others.items():
         if (
-            TIMES_WORSE
-            * _about_mean(one_step_errors(plant, B, D, np.hstack([other, known]), y))
-            * size
+            TIMES_WORSE * size_of(one_step_errors(plant, B, D, np.hstack([other, known]), y)) * size
             < found.rms
         ):
             return replace(found, remedy=words)
@@ -176,7 +204,28 @@ def one_step_errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Arr
     array([[0.],
            [0.]])
     """
-    n, l_y, l_v = max(plant.n, 1), plant.l_y, v.shape[1]
+    n, l_y = max(plant.n, 1), plant.l_y
+    T, M = predictor(plant, B, D)
+    if not (np.isfinite(T).all() and np.isfinite(M).all()):
+        return np.full((1, l_y), np.nan)  # a plant whose powers leave float64
+    free = _windows(y, n, n + 1) - _windows(v, n, n + 1) @ T.T
+    past, now = free[:, : n * l_y], free[:, n * l_y :]
+    return np.asarray(now - past @ M)
+
+
+def predictor(plant: Plant, B: Array, D: Array) -> tuple[Array, Array]:
+    """What n + 1 steps of the inputs make of as many of y, and y(k) of the n before, at rest.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.checks._plant_residual import predictor
+    >>> plant = standard_plant("1/(q - 0.5)")
+    >>> predictor(plant, plant.B, plant.D_0)
+    (array([[0., 0.],
+           [1., 0.]]), array([[0.5]]))
+    """
+    n, l_y, l_v = max(plant.n, 1), plant.l_y, B.shape[1]
     powers = [plant.C]
     for _ in range(n):
         powers.append(powers[-1] @ plant.A)
@@ -186,11 +235,8 @@ def one_step_errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Arr
             block = D if i == j else powers[i - j - 1] @ B
             T[i * l_y : (i + 1) * l_y, j * l_v : (j + 1) * l_v] = block
     if not (np.isfinite(T).all() and np.isfinite(powers[n]).all()):
-        return np.full((1, l_y), np.nan)  # a plant whose powers leave float64
-    free = _windows(y, n, n + 1) - _windows(v, n, n + 1) @ T.T
-    past, now = free[:, : n * l_y], free[:, n * l_y :]
-    M = np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0]
-    return np.asarray(now - past @ M)
+        return T, np.full((n * l_y, l_y), np.nan)
+    return T, np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0]
 
 
 def _best(u: Array, known: Array, y: Array, n: int) -> float | None:

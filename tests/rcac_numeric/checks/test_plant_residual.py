@@ -86,6 +86,49 @@ def test_the_command_is_known_where_it_was_logged():
     assert plant_residual(ControllerLog(u, y), plant).rms > 0.5
 
 
+def slow_plant(rng, n, factor=1.0, pole=1.0):
+    """Real poles that are sampled fast, so that y hardly changes from step to step."""
+    V = rng.standard_normal((n, n))
+    A = V @ np.diag(rng.uniform(0.5, 0.99) ** rng.uniform(0.3, 3, n)) @ np.linalg.inv(V)
+    B, C = rng.standard_normal((n, 1)), rng.standard_normal((1, n))
+    return Plant(A=pole * A, B=factor * B, D_1=B, C=C)
+
+
+@pytest.mark.parametrize("is_logged", [True, False])
+@pytest.mark.parametrize(
+    "wrong",
+    [{"factor": 0.0}, {"factor": -1.0}, {"factor": 1.5}, {"factor": 1.05}, {"pole": 0.97}],
+    ids=str,
+)
+@given(st.integers(1, 4), st.integers(0, 2**32 - 1))
+def test_however_little_it_leaves_another_plant_is_doubted_where_a_fit_leaves_nothing(
+    is_logged, wrong, n, seed
+):
+    """All of w is logged, or none acts: what a fitted plant leaves is the yardstick, not y."""
+    right = slow_plant(np.random.default_rng(seed), n)
+    told = slow_plant(np.random.default_rng(seed), n, **wrong)
+    rng = np.random.default_rng([1, seed])
+    u = np.cumsum(0.1 * rng.standard_normal((300, 1)), axis=0)
+    w = 0.3 * rng.standard_normal((300, 1)) if is_logged else np.zeros((300, 1))
+    y = response(right, u, w, np.zeros(n))
+    log = ControllerLog(u, y, w=w if is_logged else None)
+    assert not plant_residual(log, right).is_doubtful
+    found = plant_residual(log, told)
+    assert found.is_doubtful and "fits the log" not in str(found)
+
+
+@given(st.integers(1, 3), st.floats(0.5, 5), st.integers(0, 2**32 - 1))
+def test_where_w_is_logged_a_constant_error_counts(n, size, seed):
+    """No load that is not in w explains it."""
+    plant = slow_plant(np.random.default_rng(seed), n)
+    rng = np.random.default_rng([2, seed])
+    u, w = rng.standard_normal((100, 1)), rng.standard_normal((100, 1))
+    y = response(plant, u, w + size, np.zeros(n))
+    known = plant_residual(ControllerLog(u, y, w=w), plant)
+    assert known.rms >= known.offset * (1 - 1e-9) and known.is_known
+    assert plant_residual(ControllerLog(u, y, w=w + size), plant).rms <= 1e-6 * np.abs(y).max()
+
+
 def test_a_short_log_says_nothing():
     plant = standard_plant("1/(q - 0.5)")
     assert plant_residual(ControllerLog(np.ones(5), np.ones(5)), plant) is None
