@@ -14,6 +14,7 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer, items, number
@@ -218,6 +219,14 @@ class Design(Result):
         return loop_health(self.runs[RCAC])
 
     @property
+    def no_room(self) -> str:
+        """What limits do that leave u no room on one side of the working point; else nothing.
+
+        Limits, like all signals, count from the working point. A command that lasts moves it.
+        """
+        return _no_room(self.saturation, self.model, self.expected, self.runs[FIXED].w)
+
+    @property
     def frozen(self) -> ControllerSettings:
         """The fixed controller as RCAC that never updates theta(0): for `Controller` and exports.
 
@@ -334,6 +343,8 @@ def design(
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
+    if not _range(saturation) > 0:
+        raise InputError(f"u_limits = {u_limits!r} leave u no choice: give low < high.")
     if structure is not None:
         require_reducible(structure)
     instance_of(feedforward, "feedforward", bool)
@@ -405,6 +416,7 @@ class _Basis:
     logged: LoggedPlant | None
     obstacle: str = ""  # why the best model of the log is not the one that is taken
     truncation: tuple[str, str] | None = None  # of a plant of many states, and what is known of it
+    blocked: tuple[float, ...] = ()  # frequencies of what of d a zero of the plant keeps from y
 
 
 def _basis_of(
@@ -423,7 +435,9 @@ def _basis_of(
     reference = ladder.best() if own is None else reduced_reference(ladder, own)
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
-    return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
+    return _Basis(
+        model, uncertain, expected, assumed, cases, reference, logged, blocked=ladder.blocked
+    )
 
 
 def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
@@ -611,6 +625,8 @@ def _questions(
     if basis.truncation:
         found.append(("plant", *basis.truncation))
     found += [
+        ("plant", "gain 0 at rest", "a constant u does not move y in the end")
+        if 0.0 in basis.blocked else
         ("plant", f"sign {model.sign}",
          "more u drives y this way in the end; with the other sign every loop diverges")
         if model.m == 1 else
@@ -624,6 +640,17 @@ def _questions(
         found.append((
             "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
             "a known step, sinusoid or spectrum is worth more than all tuning",
+        ))  # fmt: skip
+    for omega in basis.blocked:
+        at, what = "at rest, z = 1 (s = 0)", "a constant"
+        model_of = "an integrator"
+        if omega:
+            at, what = f"at {omega:.4g} rad/step", "this sinusoid"
+            model_of = "an oscillator"
+        found.append((
+            "disturbance", f"kept from y by the plant's zero {at}",
+            f"{what} of u leaves nothing in y, so that the controller is designed without "
+            f"{model_of}, which the zero would cancel; no controller holds a command there",
         ))  # fmt: skip
     if "noise" in assumed:
         words = "standard deviation of the sensor"
@@ -652,6 +679,37 @@ def _questions(
     return tuple(Question(*one) for one in found)
 
 
+def _no_room(limits: Saturation | None, model: DesignPlant, expected: Expected, w: Array) -> str:
+    sides = {} if limits is None else {"low": limits.low, "high": limits.high}
+    low, high = (
+        np.array(default) if sides.get(name) is None else np.ravel(np.asarray(sides[name]))
+        for name, default in (("low", [-np.inf]), ("high", [np.inf]))
+    )
+    if (low < 0).all() and (high > 0).all():
+        return ""
+    if model.m == 1 and expected.command is not None and expected.stays[1]:
+        at_rest = _control_at_rest(model, w[-max(len(w) // 4, 1) :], expected.is_known)
+        if low[0] < at_rest < high[0]:
+            return ""
+    side, beyond = ("below", low >= 0) if (low >= 0).any() else ("above", high <= 0)
+    which = "" if len(beyond) == 1 else f" of input {int(np.argmax(beyond)) + 1}"
+    return (
+        f"u_limits = {low[beyond.argmax() % len(low)]:g} to {high[beyond.argmax() % len(high)]:g}"
+        f"{which} leave u no room {side} 0, and u = 0 is the working point that limits and signals "
+        "count from: the controller can push one way only. Give the limits as deviations, such as "
+        "(-30, 70) for an actuator of 0 to 100 that is at 30 there; or the command that moves the "
+        "loop away from u = 0, such as command=Step(20.0)."
+    )
+
+
+def _control_at_rest(model: DesignPlant, last: Array, is_known: bool) -> float:
+    """What the means of r and of a known d ask of u in the end, both scalar."""
+    r, d = last[:, :2].mean(axis=0)
+    with np.errstate(divide="ignore"):
+        asked = float(np.divide(r, model.gain_at_rest)) if r else 0.0
+    return asked - float(d) * is_known
+
+
 def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Question, ...]:
     """Where control cannot do its work: by the actuator, or at all."""
     found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
@@ -662,8 +720,7 @@ def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Que
         and m == 1
         and None not in (limits.low, limits.high)
     ):
-        r, d = run.w[last, :2].mean(axis=0)
-        at_rest = float((r / model.gain_at_rest if r else 0.0) - d)
+        at_rest = _control_at_rest(model, run.w[last], is_known=True)
         low, high = (float(np.ravel(np.asarray(one))[0]) for one in (limits.low, limits.high))
         if not low < at_rest < high:
             found.append(Question(

@@ -236,7 +236,14 @@ def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
             found = _again(model, log.u[:cut], log.y[:cut], poles)
         except InputError:  # the rest shows nothing, either way
             return np.inf, True
-        e = found.errors(log.u[cut:], log.y[cut:])
+        try:
+            e = found.errors(log.u[cut:], log.y[cut:])
+        except InputError as error:
+            raise InputError(
+                f"the last third of {log.source}, {len(log.u) - cut} of its {len(log.u)} steps, by "
+                "which a pole of the plant at 1 is told from one near it, is too short or shows "
+                f"nothing: {error} That many in a third of the log."
+            ) from None
         k = np.linspace(-1, 1, len(e))
         # A pole near 1 has a state of its own to explain a drift by, one at 1 has the slope.
         squares.append((e - Legendre.fit(k, e, DRIFTS)(k)) ** 2)

@@ -50,6 +50,8 @@ SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from uns
 # hold is the loop with it: its own peak is looked at.
 CLOSE, CLOSER = 1e-4, 1e-2
 OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
+HIDDEN = 1e-9  # of the largest singular value: a mode that is not reached, or not seen
+FALLS = 0.2  # of the gain ten times as far from the zero, of which a tenth is left
 
 Models = dict[str, tuple[float, float]]
 
@@ -164,10 +166,17 @@ class Ladder:
         Then controllers are told apart by what they make of the error in a run with it, and the
         ladder goes up to slower ones.
 
+    Attributes
+    ----------
+    blocked : tuple of float
+        Frequencies, in rad/step, of what of d a zero of the plant keeps from y: no model of it is
+        in the controller, which the zero would cancel.
+
     Raises
     ------
     NoSolutionError
-        Where the plant has a zero where the disturbance has its pole.
+        Where the plant has a zero where the command, a ramp, or a disturbance of several inputs
+        has its pole.
     """
 
     def __init__(
@@ -178,8 +187,7 @@ class Ladder:
         self.expected, self.saturation = expected, saturation
         self.scaled = _in_units(plant, self.units)
         self.models = _disturbance_models(expected, self.units)
-        for omega, _ in self.models.values():
-            _require_reach(plant, omega)
+        self.blocked = _without_blocked(self.models, plant, expected)
         blocks = [f"{c}_{kind}" for c in _channels_of_d(self.scaled) for kind in self.models]
         self.noise: dict[str, float] = {"d": (expected.white / self.units[0]) ** 2}
         self.noise |= dict.fromkeys(blocks, 1.0)
@@ -279,9 +287,11 @@ class Ladder:
                 obstacle = " The last obstacle: its difference equation has not its robustness."
                 continue
             return Reference(best, made, judged.peak, R_2, V_2, units)
+        _require_no_hidden_mode(plant)
         raise NoSolutionError(
-            "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
-            f"its order or its dead time, or sample more slowly.{obstacle}"
+            "no controller was found in float64 that stabilises the plant under the disturbance "
+            "and the command as they are given; reduce the order of the plant or its dead time, or "
+            f"sample more slowly.{obstacle}"
         )
 
     def _by_runs(
@@ -353,14 +363,70 @@ def reference_loop(
     return Ladder(plant, expected, u_range, others, saturation).best()
 
 
-def _require_reach(plant: DesignPlant, omega: float) -> None:
-    """Refuse a disturbance model with its pole at a zero of the plant."""
-    if np.linalg.norm(plant.response(omega + NEAR)[0], -2) < OUT_OF_REACH * plant.low_gain:
-        what = "a constant" if omega == 0 else f"a sinusoid of {omega:.4g} rad/step"
+def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> tuple[float, ...]:
+    """Take out what a zero of the plant keeps from y; refuse what then nothing can be done about.
+
+    Through a zero at its pole a constant d leaves nothing in y at rest, and a controller that
+    integrates beside that zero has a mode which nothing moves. No controller follows a command, or
+    rejects what is added to y, there.
+    """
+    blocked = {name: omega for name, (omega, _) in models.items() if _is_blocked(plant, omega)}
+    if not blocked:
+        return ()
+    omega = min(blocked.values())
+    at = "at rest, z = 1 (s = 0)" if omega == 0 else f"at {omega:.4g} rad/step"
+    where = f"the plant has a zero {at}, so that"
+    if plant.m > 1:
+        what = "constants" if omega == 0 else f"sinusoids of {omega:.4g} rad/step"
         raise NoSolutionError(
-            f"the plant has a zero where {what} has its pole: no controller rejects it. Choose "
-            "another measurement or actuator; or, for noise alone, say disturbance=WhiteNoise(...)."
+            f"{where} in one direction {what} of u do not reach y: no controller rejects a "
+            "disturbance there. Choose another measurement or actuator; or, for noise alone, say "
+            "disturbance=WhiteNoise(...)."
         )
+    if BIAS in blocked and expected.stays[1]:
+        raise NoSolutionError(
+            f"{where} a constant u does not move y in the end: no controller holds y at a "
+            "constant command. Leave the command out, or choose another measurement or actuator."
+        )
+    if SLOPE in blocked:
+        raise NoSolutionError(
+            f"{where} of a ramp of d a constant reaches y, which no controller rejects, and none "
+            "follows a ramp. Give the disturbance and the command without ramps, or choose another "
+            "measurement or actuator."
+        )
+    for name in blocked:
+        del models[name]
+    return tuple(blocked.values())
+
+
+def _require_no_hidden_mode(plant: DesignPlant) -> None:
+    """Refuse a plant with a mode outside the circle, or on it, that no controller reaches or sees.
+
+    By Popov, Belevitch and Hautus: rank [A - pI, B] and [A' - pI, C'] at every such pole p.
+    """
+    A, n = plant.A, len(plant.A)
+    for p in np.linalg.eigvals(A):
+        if abs(p) < 1 - NEAR or p.imag < 0:
+            continue
+        for pencil, words in (
+            (np.hstack([A - p * np.eye(n), plant.B]), "u does not move"),
+            (np.hstack([A.T - p * np.eye(n), plant.C.T]), "y does not show"),
+        ):
+            sizes = np.linalg.svd(pencil, compute_uv=False)
+            if sizes[-1] <= HIDDEN * sizes[0]:
+                value = f"{p.real:.6g}" if abs(p.imag) <= NEAR else f"{p:.6g}"
+                raise NoSolutionError(
+                    f"the plant has a pole at z = {value} that {words}: a factor that its "
+                    "numerator and its denominator have in common, or a state beside the loop. "
+                    "Cancel the factor if it is not there; else choose another actuator or sensor."
+                )
+
+
+def _is_blocked(plant: DesignPlant, omega: float) -> bool:
+    """Whether a zero of the plant is at that frequency: there the gain falls with the distance."""
+    near, far = plant.response(omega + NEAR * np.array([1.0, 10.0]))
+    least = np.linalg.norm(near, -2)
+    return bool(least < FALLS * np.linalg.norm(far, -2) or least < OUT_OF_REACH * plant.low_gain)
 
 
 def _in_units(

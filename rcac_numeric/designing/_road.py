@@ -8,7 +8,7 @@ import numpy as np
 from sympy import Matrix, Symbol
 
 import compensator_theory as exact
-from compensator_theory.errors import CompensatorError, NoSolutionError
+from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._gramians import stein_solution
@@ -130,9 +130,22 @@ def intercalated_target(
     own = {one.pole for one in structure.derived} - {0.0} if structure is not None else set()
     for pole in sorted(own):
         exactly = exactly * exact.transfer_function(f"(q - {exact.exact_number(pole)})/q")
-    rounded = from_transfer_function(exactly)
-    # Its poles are asked for once more, as the controller runs it: rounded.
-    return TargetModel(rounded.numerator, rounded.denominator)
+    try:
+        rounded = from_transfer_function(exactly)
+        # Its poles are asked for once more, as the controller runs it: rounded.
+        return TargetModel(rounded.numerator, rounded.denominator)
+    except InputError:
+        raise _marginal(ClosedLoop(servo, G_c).spectral_radius) from None
+
+
+def _marginal(radius: float) -> NoSolutionError:
+    """The loop of the fixed controller is stable by less than rounding."""
+    return NoSolutionError(
+        f"the best loop around this plant has a pole of modulus {radius:.9g}, which rounding moves "
+        "out of the unit circle: a pole of the plant is beside one of its zeros near z = 1, or its "
+        "dynamics are slow beside the sample time. Sample more slowly; give the disturbance as "
+        "noise, WhiteNoise(...), if nothing of it lasts; or leave the slow pole out of the plant."
+    )
 
 
 def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetModel:

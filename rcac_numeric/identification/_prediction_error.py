@@ -143,7 +143,14 @@ def identify_in_closed_loop(
     """
     tried = shapes(orders, delays, integrators)
     record = scalar_record(u, y, max(n + d for n, d, _ in tried))
-    stirring = excitation(u, y)
+    alone, stirring = _regressed(scalar_signal(u, "u"), scalar_signal(y, "y"), PAST_U + 1)
+    if not np.std(alone) > STIRRED * record.units[0]:
+        raise InputError(
+            f"u follows from its own past from step {PAST_U} on, as a sinusoid does, or a step "
+            "that came before: such a record does not show what u answers to. If the loop was "
+            "open, use identify_output_error; if it was closed, add a dither to u, or move the "
+            "command, and record again."
+        )
     if not np.std(stirring) > STIRRED * record.units[0]:
         raise InputError(
             "u follows from y: such a record shows the controller and not the plant. Add a dither "

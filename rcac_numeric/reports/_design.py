@@ -16,7 +16,8 @@ def design_sheet(design: Design) -> Sheet:
     """The verdict first; then what it rests on."""
     verdict = design.verdict
     rcac = verdict.rcac
-    lines = [
+    lines = [Text(no_room, "bad")] if (no_room := design.no_room) else []
+    lines += [
         Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
         Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
     ]
@@ -53,6 +54,7 @@ def design_sheet(design: Design) -> Sheet:
 
 def _verdict(design: Design) -> Section:
     record = asdict(design.verdict) | {"questions": [asdict(q) for q in design.questions]}
+    record["no_room"] = design.no_room or None
     return Section(record={"verdict": record})
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import t as student
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
 from rcac_numeric import (
     ClosedLoop,
     FixedController,
@@ -29,6 +29,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.analysis._noise import with_oscillation
+from rcac_numeric.arrays._showing import sheet_of
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._design import verdict_of
 from rcac_numeric.designing._expected import KINDS, read_expected
@@ -101,9 +102,102 @@ def test_a_ramp_leaves_no_error(of):
     assert abs(e) < 1e-2 * 0.01
 
 
-def test_no_controller_rejects_a_constant_through_a_zero_at_1():
-    with pytest.raises(NoSolutionError, match="zero"):
-        reference_of("(q - 1)/((q - 0.5)*(q - 0.9))", Step(1.0))
+PENDULUM = "(4.54*s)/(s^3 + 0.182*s^2 - 31.2*s - 4.45)"  # of a cart, from force to angle
+
+
+@pytest.mark.parametrize(
+    ("G", "sample_time"),
+    [("(q - 1)/((q - 0.5)*(q - 0.9))", None), ("s/(s + 1)**2", 0.1), (PENDULUM, 0.01)],
+)
+def test_what_a_zero_keeps_from_y_has_no_integrator_in_the_controller(G, sample_time):
+    """Its pole at 1 beside the zero would be a mode that nothing moves: no loop inside 1 - 1e-6."""
+    for disturbance in (Step(1.0), "unknown"):
+        plant = read_plant(G, sample_time, 0.0)
+        expected, _ = read_expected(disturbance, 0.01, None, np.inf, plant.low_gain)
+        ladder = Ladder(plant, expected)
+        assert ladder.blocked == (0.0,) and not ladder.models
+        found = ladder.best()
+        assert found.loop(plant).spectral_radius < 1 - 1e-4
+        assert found.compensator.n_c == len(plant.A)  # and no more for the disturbance
+
+
+@pytest.mark.costly
+def test_the_pendulum_of_a_cart_is_designed_for_in_words_of_its_own():
+    found = design(PENDULUM, sample_time=0.01, **QUICK)
+    report = " ".join(found.report().split())
+    assert "kept from y by the plant's zero at rest, z = 1 (s = 0)" in report
+    assert "gain 0 at rest" in report and "sign +" not in report
+    nominal = next(t for t in found.evidence if t.controller == FIXED)
+    assert all(nominal.stable)
+
+
+def test_through_a_zero_no_controller_follows_a_command():
+    for more, words in (
+        ({"command": Step(1.0)}, "zero at rest.*command"),
+        ({"disturbance": Ramp(0.1)}, "zero at rest.*ramp"),
+    ):
+        with pytest.raises(NoSolutionError, match=words):
+            design(PENDULUM, sample_time=0.01, **more, **QUICK)
+    rows = [["s/(s + 1)**2", "0"], ["0", "1/(s + 1)"]]
+    with pytest.raises(NoSolutionError, match=r"zero at rest.*one direction"):
+        design(rows, sample_time=0.1, disturbance=Step(1.0), **QUICK)
+
+
+@pytest.mark.parametrize("omega", [0.3, 1.2])
+def test_a_sinusoid_at_a_zero_has_no_oscillator_in_the_controller(omega):
+    plant = read_plant(f"(q^2 - {2 * np.cos(omega):.17g}*q + 1)/(q - 0.5)^3", None, 0.0)
+    expected, _ = read_expected(Harmonic(omega, 0.5), 0.01, None, np.inf, plant.low_gain)
+    ladder = Ladder(plant, expected)
+    assert ladder.blocked == (omega,) and not ladder.models
+    assert Ladder(plant, read_expected(Step(1.0), 0.01, None, np.inf, 1.0)[0]).blocked == ()
+
+
+# A refusal speaks of the plant, the disturbance, the command and the limits: nobody gave a target
+# model, a regressor, weights, a Riccati equation or a matrix of them.
+INNER = ("target model", "regressor", "G_f", "LQG", "Riccati", "disturbance model", "singular",
+         "rung", "ladder", "float64 coefficients", "SVD", "theta")  # fmt: skip
+REFUSED = [
+    ("(q - 1)/((q - 1)*(q - 0.5))", {}, "pole at z = 1 "),
+    ("s/(s*(s + 1))", {"sample_time": 0.1}, "pole at z = 1 "),
+    ("(s - 1)/((s - 1)*(s + 2))", {"sample_time": 0.1}, "pole at z = 1.10517"),
+    ("q/(q - 0.5)", {}, "strictly proper"),
+    ("(s + 1)/(s + 2)", {"sample_time": 0.1}, "strictly proper"),
+    ("1/(s + 1)", {}, "sample_time"),
+    ("1/(s + 1)", {"sample_time": 0.1, "disturbance": 0.0}, "disturbance"),
+    ("1/(s + 1)", {"sample_time": 0.1, "disturbance": Step(0.0)}, "disturbance"),
+    ("1/(s + 1)", {"sample_time": 0.1, "u_limits": (0, 0)}, "u_limits"),
+    ("1/(s + 1)", {"sample_time": 0.1, "u_limits": (1, 0)}, "low"),
+    ("0*s/(s + 1)", {"sample_time": 0.1}, "plant"),
+    (PENDULUM, {"sample_time": 0.01, "command": Step(1.0)}, "command"),
+]
+
+
+@pytest.mark.parametrize(("G", "more", "words"), REFUSED)
+def test_a_refusal_speaks_of_what_was_given(G, more, words):
+    with pytest.raises(CompensatorError, match=words) as refusal:
+        design(G, **more, **QUICK)
+    assert not [word for word in INNER if word in str(refusal.value)]
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize(
+    ("limits", "command", "words"),
+    [
+        ((0, 100), None, "no room below 0"),
+        ((-100, 0), None, "no room above 0"),
+        ((1, 2), None, "no room below 0"),
+        ((0, 100), Step(-20.0), "no room below 0"),
+        ((0, 100), Step(20.0), ""),
+        ((-50, 50), None, ""),
+    ],
+)
+def test_limits_at_the_working_point_are_the_first_line(limits, command, words):
+    """Of a heater of 0 to 100 %: counted from its working point it can only be turned up."""
+    found = design("0.9/(175*s + 1)", sample_time=5.0, disturbance=0.44, noise=0.1,
+                   u_limits=limits, command=command, seeds=1, steps=100)  # fmt: skip
+    first = sheet_of(found).health[0]
+    assert (words in found.no_room) if words else not found.no_room
+    assert (first.words == found.no_room) == bool(words)
 
 
 # What RCAC is told.

@@ -136,6 +136,8 @@ NOISE = np.random.default_rng(1).standard_normal((2, 500))
     [
         (-0.5 * NOISE[0], NOISE[0], "u follows from y.*dither"),
         (*NOISE, "does not show"),
+        (1.0 * (np.arange(500) > 5), NOISE[0], "its own past.*identify_output_error"),
+        (np.sin(0.3 * np.arange(500)), NOISE[0], "its own past.*identify_output_error"),
         (np.ones(500), NOISE[0], "u does not move"),
         (NOISE[0], np.ones(500), "y does not move"),
         (NOISE[0][:20], NOISE[1][:20], "at least"),
