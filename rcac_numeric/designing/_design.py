@@ -432,6 +432,12 @@ def _basis_of(
     own = around.structure
     if own is not None and model.m > 1:
         raise InputError(f"structure = {own.name} is for one input and output; leave it out.")
+    if own is not None and 0.0 in ladder.blocked and any(one.pole == 1 for one in own.derived):
+        raise NoSolutionError(
+            f"structure = {own.name} integrates, and the plant has a zero at rest, z = 1 (s = 0), "
+            "that cancels the integrator: a mode that nothing moves. Take one without, such as "
+            "pid('P') or fir(20)."
+        )
     reference = ladder.best() if own is None else reduced_reference(ladder, own)
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
@@ -687,7 +693,7 @@ def _no_room(limits: Saturation | None, model: DesignPlant, expected: Expected, 
     )
     if (low < 0).all() and (high > 0).all():
         return ""
-    if model.m == 1 and expected.command is not None and expected.stays[1]:
+    if model.m == 1 and expected.constant_command:
         at_rest = _control_at_rest(model, w[-max(len(w) // 4, 1) :], expected.is_known)
         if low[0] < at_rest < high[0]:
             return ""

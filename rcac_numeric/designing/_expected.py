@@ -88,6 +88,11 @@ class Expected(Value):
         return of_d, 0.0 if r is None else _kept(r, Ramp)
 
     @property
+    def constant_command(self) -> float:
+        """Size of what of r is neither noise, nor a sinusoid, nor a ramp; in units of y."""
+        return 0.0 if self.command is None else _kept(self.command, WhiteNoise, Harmonic, Ramp)
+
+    @property
     def largest_command(self) -> float:
         """The largest abs(r) of the first 2000 steps."""
         return 0.0 if self.command is None else _size(1.0, self.command)

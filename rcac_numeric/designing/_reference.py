@@ -266,7 +266,7 @@ class Ladder:
         rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
         found = [(self.judged(parts), *rung) for rung, parts in rungs.items()]
         found = [one for one in found if np.isfinite(one[0].peak)]
-        obstacle = ""
+        obstacle: CompensatorError | None = None
         found.sort(key=lambda one: (one[0].order, *one[1:]))
         found = _calmest_first(found)
         if self.saturation is not None:
@@ -278,21 +278,23 @@ class Ladder:
                 several = plant.m > 1
                 G_c = converted(best.state_space, CLOSE)[0] if several else best.compensator
             except CompensatorError as error:
-                obstacle = f" The last obstacle: {error}"
+                obstacle = error
                 continue
             made = self.in_units(G_c)
             if plant.m > 1 and not (
                 sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * judged.peak
             ):
-                obstacle = " The last obstacle: its difference equation has not its robustness."
+                obstacle = NoSolutionError("rounded, the controller loses its robustness.")
                 continue
             return Reference(best, made, judged.peak, R_2, V_2, units)
         _require_no_hidden_mode(plant)
+        order = self.scaled.n + len(self.models) * plant.m
+        rounded = f": those of order {order} that do need more digits than it has" * bool(obstacle)
         raise NoSolutionError(
             "no controller was found in float64 that stabilises the plant under the disturbance "
-            "and the command as they are given; reduce the order of the plant or its dead time, or "
-            f"sample more slowly.{obstacle}"
-        )
+            f"and the command as they are given{rounded}. Reduce the order of the plant or its "
+            "dead time, sample more slowly, or say less of the disturbance."
+        ) from obstacle
 
     def _by_runs(
         self, found: list[tuple[Judged, float, float]],
@@ -383,7 +385,7 @@ def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> 
             "disturbance there. Choose another measurement or actuator; or, for noise alone, say "
             "disturbance=WhiteNoise(...)."
         )
-    if BIAS in blocked and expected.stays[1]:
+    if BIAS in blocked and expected.constant_command:
         raise NoSolutionError(
             f"{where} a constant u does not move y in the end: no controller holds y at a "
             "constant command. Leave the command out, or choose another measurement or actuator."

@@ -252,3 +252,12 @@ def missing(seed):
         return Loop(f"{words}: {drawn.delay} steps", drawn.plant, drawn.target(), compensator,
                     False, run)  # fmt: skip
     return None
+
+
+def delayed_run(R_theta=1e-6, steps=2000):
+    """RCAC with five steps of dead time, whose target has five poles at 0 and one at 1/2."""
+    plant = standard_plant("1/(q**5*(q - 1/2))")
+    settings = ControllerSettings(
+        structure=iir(6), target=pole_placement_target(plant, ["1/2"]), update=UD(R_theta), k_w=60
+    )
+    return simulate(plant, settings, np.random.default_rng(0).standard_normal((steps, 1)))

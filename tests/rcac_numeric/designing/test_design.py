@@ -24,6 +24,7 @@ from rcac_numeric import (
     design,
     exogenous,
     intercalated_match,
+    pid,
     simulate,
     stability_margins,
     standard_plant,
@@ -169,6 +170,7 @@ REFUSED = [
     ("1/(s + 1)", {"sample_time": 0.1, "u_limits": (1, 0)}, "low"),
     ("0*s/(s + 1)", {"sample_time": 0.1}, "plant"),
     (PENDULUM, {"sample_time": 0.01, "command": Step(1.0)}, "command"),
+    ("s/(s + 1)**2", {"sample_time": 0.1, "structure": pid("PI")}, "structure = PI integrates"),
 ]
 
 
