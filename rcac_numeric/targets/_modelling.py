@@ -76,7 +76,7 @@ class ModellingInformation:
 
     def changed(self, **fields: Any) -> ModellingInformation:
         """The same with another d_zu, H or nmp_zeros; where the zeros stay, they stay exact."""
-        given = {name: getattr(self, name) for name in ("d_zu", "H", "nmp_zeros")}
+        given = {"d_zu": self.d_zu, "H": self.H, "nmp_zeros": self.nmp_zeros}
         made = ModellingInformation(**(given | fields))
         if "nmp_zeros" not in fields:
             object.__setattr__(made, "_factor", self._factor)
