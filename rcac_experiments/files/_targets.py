@@ -79,9 +79,7 @@ class Fir(TargetKind):
         zeros = None if self.nmp_zeros is None else tuple(self.nmp_zeros)
         if self.d_zu is not None and self.H is not None:
             return ModellingInformation(self.d_zu, self.H, zeros or ())
-        given = {"d_zu": self.d_zu, "H": self.H, "nmp_zeros": zeros}
-        said = {name: value for name, value in given.items() if value is not None}
-        return _information(plant).changed(**said)
+        return _information(plant).changed(d_zu=self.d_zu, H=self.H, nmp_zeros=zeros)
 
 
 @attrs.frozen

@@ -236,7 +236,7 @@ def predictor(plant: Plant, B: Array, D: Array) -> tuple[Array, Array]:
             T[i * l_y : (i + 1) * l_y, j * l_v : (j + 1) * l_v] = block
     if not (np.isfinite(T).all() and np.isfinite(powers[n]).all()):
         return T, np.full((n * l_y, l_y), np.nan)
-    return T, np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0]
+    return T, np.asarray(np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0])
 
 
 def _best(u: Array, known: Array, y: Array, n: int) -> float | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from sympy import Expr, Poly
 
@@ -74,11 +74,20 @@ class ModellingInformation:
         object.__setattr__(self, "H", H)
         object.__setattr__(self, "nmp_zeros", tuple(nmp_zeros))
 
-    def changed(self, **fields: Any) -> ModellingInformation:
+    def changed(
+        self,
+        *,
+        d_zu: int | None = None,
+        H: Number | None = None,
+        nmp_zeros: Sequence[Number] | None = None,
+    ) -> ModellingInformation:
         """The same with another d_zu, H or nmp_zeros; where the zeros stay, they stay exact."""
-        given = {"d_zu": self.d_zu, "H": self.H, "nmp_zeros": self.nmp_zeros}
-        made = ModellingInformation(**(given | fields))
-        if "nmp_zeros" not in fields:
+        made = ModellingInformation(
+            self.d_zu if d_zu is None else d_zu,
+            self.H if H is None else H,
+            self.nmp_zeros if nmp_zeros is None else nmp_zeros,
+        )
+        if nmp_zeros is None:
             object.__setattr__(made, "_factor", self._factor)
             object.__setattr__(made, "_is_rounded", self._is_rounded)
         return made

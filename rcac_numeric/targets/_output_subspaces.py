@@ -151,7 +151,7 @@ def output_subspace_target(plant: Plant) -> TargetModel:
         return TargetModel(numerator)
     H = _exact_parameter(linear_plant(plant), found.d_zu)
     q_to_n = Poly(polynomial.gen ** (found.d_zu + polynomial.degree()), polynomial.gen)
-    entries = [[factor * H[i, j] for j in range(H.cols)] for i in range(H.rows)]
+    entries = tuple(tuple(factor * H[i, j] for j in range(H.cols)) for i in range(H.rows))
     if H.shape == (1, 1):
         return TargetModel(numerator, exact=exact.TransferFunction(entries[0][0], q_to_n))
     return TargetModel(numerator, exact=exact.TransferMatrix(entries, q_to_n))
