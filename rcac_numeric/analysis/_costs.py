@@ -151,7 +151,10 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     except IllConditionedError:
         return _enclosed(plant, compensator, inputs, radius)
     Z, W = E_x + u_x, E_w + u_w
-    X, Y = stein_solution(A, B @ B.T), stein_solution(A.T, Z.T @ Z)
+    try:
+        X, Y = stein_solution(A, B @ B.T), stein_solution(A.T, Z.T @ Z)
+    except IllConditionedError:
+        return _enclosed(plant, compensator, inputs, radius)
     terms = {
         "state": _mean_square(E_x, X),
         "cross": 2 * float(np.sum((E_x @ X) * u_x)),

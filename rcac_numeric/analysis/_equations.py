@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
-from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.analysis._gramians import norm, stein_solution
 from rcac_numeric.analysis._obstacles import (
     REGULATOR,
     Role,
@@ -19,7 +19,7 @@ from rcac_numeric.analysis._obstacles import (
     require_rank,
     require_stabilisable,
 )
-from rcac_numeric.analysis._solutions import StabilisingSolution, norm
+from rcac_numeric.analysis._solutions import StabilisingSolution
 from rcac_numeric.analysis._square_roots import kleinman, starting_gains, triangle
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._definite_matrices import square_root_columns
@@ -198,10 +198,10 @@ def _refined(solution: StabilisingSolution) -> StabilisingSolution:
         if not solution.margin > 0:
             break
         s = solution
-        P = s.P + stein_solution(s.closed_loop.T, _left_over(s)[0])
         try:
+            P = s.P + stein_solution(s.closed_loop.T, _left_over(s)[0])
             better = _evaluated(s.A, s.B, (s.R_1, s.R_12, s.R_2), P)
-        except np.linalg.LinAlgError:
+        except (np.linalg.LinAlgError, CompensatorError):
             break
         if not (better.residual < solution.residual and better.margin > 0):
             break
