@@ -35,7 +35,7 @@ def stein_solution(A: Array, Q: Array) -> Array:
     A, Q = np.asarray(A, dtype=np.float64), np.asarray(Q, dtype=np.float64)
     with np.errstate(all="ignore"):  # what leaves float64 ends in the residual
         found = _doubled(A, Q)
-        if stein_residual(A, Q, found) <= _rounding(A):
+        if found is not None and stein_residual(A, Q, found) <= _rounding(A):
             return found
         is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())
         radius = float(np.abs(np.linalg.eigvals(A)).max()) if is_finite else np.inf
@@ -68,17 +68,17 @@ def _rounding(A: Array) -> float:
     return 200 * (len(A) + 1) * float(np.finfo(float).eps)
 
 
-def _doubled(A: Array, Q: Array) -> Array:
+def _doubled(A: Array, Q: Array) -> Array | None:
     X, power = np.array(Q), np.array(A)
     for _ in range(64):  # 2^64 terms: more than any spectral radius in float64 asks for
         added = power @ X @ power.T
         X = X + (added + added.T) / 2
         small = not np.abs(added).max(initial=0.0) > 1e-18 * np.abs(X).max(initial=0.0)
         # A nilpotent part may hide Q for some steps: the powers must have died out as well.
-        if small and not np.abs(power).max(initial=0.0) > 1e-9:
-            break
+        if small and np.abs(power).max(initial=0.0) <= 1e-9:
+            return X
         power = power @ power
-    return X
+    return None
 
 
 def _from_balls(A: Array, Q: Array) -> Array | None:
