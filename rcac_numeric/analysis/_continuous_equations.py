@@ -31,9 +31,9 @@ from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._validation import matrix
 from rcac_numeric.arrays._values import Result
 
-# States from which SciPy's solution with Newton steps is taken where it is good, before square
-# roots are tried; and the residual that is good.
-MANY_STATES, GOOD = 60, 1e-12
+# The residual that is good; and states from which SciPy's solution with Newton steps is taken where
+# it is good enough, before square roots are tried.
+GOOD, MANY_STATES, GOOD_OF_MANY = 1e-12, 40, 1e-10
 
 Weights = tuple[Array, Array, Array]
 
@@ -161,6 +161,8 @@ def solve_care(
             "no stabilising solution of the continuous-time Riccati equation was found in float64 "
             f"(the best: {best}). {advice}"
         )
+    if factor is None:
+        _require_no_pole_on_axis(found, weights)
     return found
 
 
@@ -171,7 +173,7 @@ def _weights(
     """(R_1, R_12, R_2), and (E_1, E_2) where the full weight has a factor."""
     if E_1 is not None and E_2 is not None:
         if not (R_1 is None and R_2 is None and R_12 is None):
-            raise InputError("give the weights R_1 and R_2, or their factors E_1 and E_2, not both.")
+            raise InputError("give R_1 and R_2, or their factors E_1 and E_2, not both.")
         left = matrix(E_1, "E_1", (None, n))
         right = matrix(E_2, "E_2", (len(left), m))
         scaled = right / np.maximum(np.linalg.norm(right, axis=0), 1e-300)
@@ -184,6 +186,12 @@ def _weights(
     if R_1 is None or R_2 is None or not (E_1 is None and E_2 is None):
         raise InputError(
             "give R_1 and R_2, the weights of x and u, or both of their factors, E_1 and E_2."
+        )
+    shape = np.shape(R_1)
+    if len(shape) == 2 and shape[1] == n != shape[0]:
+        raise InputError(
+            f"R_1 has shape {shape}, and a weight of x is {n} x {n}. Factors have names of their "
+            "own: solve_care(A, B, E_1=E_1, E_2=E_2)."
         )
     weights = (
         symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
@@ -205,7 +213,7 @@ def _until_good(found: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolut
     """The candidates up to the first one whose residual is that of rounding."""
     for one in found:
         yield one
-        if one.margin > 0 and one.residual < GOOD:
+        if one.margin > 0 and one.residual < (GOOD if len(one.A) <= MANY_STATES else GOOD_OF_MANY):
             return
 
 
@@ -229,7 +237,7 @@ def _candidates(
 
 def _evaluated(A: Array, B: Array, weights: Weights, P: Array) -> tuple[Array, Array, float]:
     """The gain of P, what P leaves of the equation, and the sum of the norms of its terms."""
-    R_1, R_12, R_2 = weights
+    _, R_12, R_2 = weights
     if not np.isfinite(P).all():
         raise np.linalg.LinAlgError("not finite")
     K = -np.asarray(np.linalg.solve(R_2, R_12.T + B.T @ P))
@@ -259,8 +267,7 @@ def _refined(
     K, left, size = _evaluated(A, B, weights, P)
     for _ in range(5):
         try:
-            step = np.asarray(linalg.solve_continuous_lyapunov((A + B @ K).T, -left))
-            better = P + (step + step.T) / 2
+            better = P + _lyapunov((A + B @ K).T, -left)
             found = better, *_evaluated(A, B, weights, better)
         except (np.linalg.LinAlgError, ValueError):
             break
@@ -269,6 +276,16 @@ def _refined(
         P, K, left, size = found
     S = None if factor is None else triangle(square_root_columns(P).T)
     return ContinuousSolution(A, B, P, K, S, norm(left) / size if size else 0.0)
+
+
+def _lyapunov(A: Array, Q: Array) -> Array:
+    """The symmetric X with A X + X A' = Q, by Bartels and Stewart; refused where it is singular."""
+    T, V = linalg.schur(A, output="real")
+    X, scale, info = linalg.lapack.dtrsyl(T, T, V.T @ Q @ V, tranb="C")
+    if info:  # two modes of opposite sign: LAPACK moves one of them by rounding
+        raise np.linalg.LinAlgError("the Lyapunov equation is singular")
+    X = scale * V @ X @ V.T
+    return np.asarray((X + X.T) / 2)
 
 
 def _in_square_roots(
@@ -342,10 +359,10 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
     inner, rest = inner * scale / scale[:, None], rest * scale
     size = norm(inner) or 1.0
     shown = rest / (norm(E_1 * scale) or 1.0) * size
-    for mode in np.linalg.eigvals(inner):
-        cluster = np.linalg.eigvals(inner)
-        centre = cluster[np.abs(cluster - mode) < 1e-4 * size].mean()
-        for one in (mode, centre):
+    modes = np.linalg.eigvals(inner)
+    for mode in modes:
+        # A multiple mode is computed as a cluster, off by a root of the rounding error.
+        for one in (mode, modes[np.abs(modes - mode) < 1e-4 * size].mean()):
             at = 1j * one.imag
             if not abs(one.real) <= 100 * len(A) * EPS * size:
                 continue
@@ -358,3 +375,25 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
                     "closed-loop pole would have to lie on it, so no solution is stabilising. "
                     "Weight the states that it moves (R_1)."
                 )
+
+
+def _require_no_pole_on_axis(found: ContinuousSolution, weights: Weights) -> None:
+    """Refuse an eigenvalue of the Hamiltonian matrix that rounding alone moved off the axis."""
+    (R_1, R_12, R_2), A, B = weights, found.A, found.B
+    n = len(A)
+    closing = np.linalg.solve(R_2, np.hstack([R_12.T, B.T]))
+    inner = A - B @ closing[:, :n]
+    H = np.block([[inner, -B @ closing[:, n:]], [R_12 @ closing[:, :n] - R_1, -inner.T]])
+    size = norm(H)
+    pole = found.poles[np.argmax(found.poles.real)]
+    # A double eigenvalue on the axis is moved off it by the root of the rounding error.
+    if found.margin <= 100 * np.sqrt(EPS) * size:
+        at = 1j * float(pole.imag)
+        least = float(np.linalg.svd(H - at * np.eye(2 * n), compute_uv=False)[-1])
+        if least <= 100 * n * EPS * size:
+            raise UnitCircleError(
+                f"the Hamiltonian matrix has an eigenvalue on the imaginary axis at {words(at)} "
+                f"(smallest singular value {least:.1e}): a closed-loop pole would have to lie "
+                "there, so no solution is stabilising. Change the weights: the full weight is not "
+                "positive semidefinite."
+            )
