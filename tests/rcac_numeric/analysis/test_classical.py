@@ -431,7 +431,7 @@ def test_a_closed_loop_refuses_a_sign_and_a_missing_channel():
         (control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]]), r"compensator_theory\.stability_margins"),
         (scipy.signal.lti([1.0], [1.0, 1.0]), r"compensator_theory\.stability_margins"),
         ("2/(s*(s + 1))", r"compensator_theory\.stability_margins"),
-        (control.frd(np.array([1, 0.5, 0.2]), np.array([0.1, 1, 2.0])), r"control\.stability_margins"),
+        (control.frd(np.ones(2), np.array([0.1, 1.0])), r"control\.stability_margins"),
         (control.tf([1.0, 0], [1.0, 0.0], 0.1), "Change the gain of the loop a little"),
     ],
 )  # fmt: skip

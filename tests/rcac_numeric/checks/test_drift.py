@@ -69,4 +69,4 @@ def test_a_direction_that_is_excited_little_is_excited():
     R_theta = np.array([[1.0, 0.5], [0.5, 1.0]])
     along = np.linalg.solve(R_theta, rows[0])
     assert drift_of(rows[:1], R_theta, along) < 1e-15
-    assert drift_of(rows[:1], R_theta, along + [0, 2.0]) == pytest.approx(2.0)
+    assert drift_of(rows[:1], R_theta, along + np.array([0, 2.0])) == pytest.approx(2.0)

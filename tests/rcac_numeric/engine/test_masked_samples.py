@@ -16,7 +16,8 @@ from rcac_numeric import (
 )
 
 SETTINGS = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(1.0), k_w=2)
-MASKED = [np.ma.masked, np.ma.masked_array([5.0], mask=[True]), np.ma.masked_array([5], mask=[True]),
+MASKED = [np.ma.masked, np.ma.masked_array([5.0], mask=[True]),
+          np.ma.masked_array([5], mask=[True]),
           [np.ma.masked], np.ma.masked_equal(-9999.0, -9999.0)]  # fmt: skip
 Y = np.random.default_rng(0).standard_normal(12)
 
