@@ -185,10 +185,11 @@ def excitation_of(run: Run) -> Excitation | None:
 def is_still_where_unexcited(run: Run) -> bool:
     """Whether exact arithmetic leaves theta(0) in every direction that no Phi_f excites."""
     settings = run.settings
+    if not isinstance(settings, ControllerSettings) or type(settings.update) is not UD:
+        return False
     update = settings.update
-    plain = type(update) is UD and not isinstance(update.lambda_, Forgetting)
     return (
-        plain
+        not isinstance(update.lambda_, Forgetting)
         and update.process_noise is None
         and update.reset is None
         and settings.bounds is None

@@ -9,29 +9,30 @@ import pytest
 import rcac_numeric as rcac
 from compensator_theory.errors import CompensatorError
 from docs.reference_pages import public_path
+from rcac_numeric import Plant
+from rcac_numeric.arrays._values import replaced
 from rcac_numeric.results import ContinuousSolution, StabilisingSolution
-from tests.support.example_calls import array_doors, numeric_array
+from tests.support.example_calls import doors, is_array, numeric_array
 
 
-def doors(package):
+def of(package, takes):
     """The doors of a package but the results, which nobody makes: what they hold is computed."""
-    return {
-        name: door
-        for name, door in array_doors(package).items()
-        if ".results." not in public_path(package, name)
-    }
+    found = doors(package, takes)
+    return {k: v for k, v in found.items() if ".results." not in public_path(package, k)}
 
 
-DOORS, EXACT = doors("rcac_numeric"), doors("compensator_theory")
+DOORS, EXACT = of("rcac_numeric", is_array), of("compensator_theory", is_array)
+PLANTS = of("rcac_numeric", lambda value: isinstance(value, Plant))
 # What is read when it is used only.
 USED = {"SimulationCase": lambda case: list(rcac.simulate_many([case]))}
+SLOW = {"fit_noises"}
 CASES = [(name, array) for name, (_, _, arrays) in DOORS.items() for array in arrays]
 SENTINEL = -9999.0  # of a data logger
 
 
 def answer(name, **changed):
     """What a door answers, or the error of ours that refuses."""
-    function, call, _ = DOORS[name] if name in DOORS else EXACT[name]
+    function, call, _ = next(table[name] for table in (DOORS, PLANTS, EXACT) if name in table)
     try:
         return USED.get(name, lambda made: made)(function(**{**call, **changed}))
     except CompensatorError as error:
@@ -76,17 +77,49 @@ def hostile(shape):
         yield "graded", np.eye(*shape) * weights[: shape[0], None]
 
 
-@pytest.mark.parametrize(("name", "array"), CASES)
+def hostile_plants(plant):
+    """The plant with one of its matrices replaced, and strongly non-normal but stable."""
+    for name in ("A", "B", "C"):
+        for kind, given in hostile(getattr(plant, name).shape):
+            changed = {
+                name: given,
+                **({"E_1": given} if name == "C" and plant.l_z == plant.l_y else {}),
+            }
+            yield f"{name} {kind}", replaced(plant, exact=None, **changed)
+    n = plant.n
+    yield (
+        "stable",
+        replaced(plant, exact=None, A=np.triu(np.full((n, n), 1e9), 1) + 0.9 * np.eye(n)),
+    )
+
+
+def answered(name, kind, argument, given):
+    """A door given something hostile has a solution or refuses by an error of ours."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            found = answer(name, **{argument: given})
+        except (RuntimeWarning, np.linalg.LinAlgError, ArithmeticError) as error:
+            raise AssertionError(f"{kind}: {type(error).__name__}: {error}") from error
+    if isinstance(found, StabilisingSolution | ContinuousSolution):
+        assert found.residual < 1e-8 and found.margin > 0, kind
+        assert np.isfinite(found.P).all() and np.isfinite(found.gain).all(), kind
+
+
+@pytest.mark.parametrize(
+    ("name", "array"),
+    [pytest.param(*c, marks=pytest.mark.costly if c[0] in SLOW else ()) for c in CASES],
+)
 def test_hostile_arrays_have_an_answer_or_an_error_of_ours(name, array):
     value = np.array(numeric_array(DOORS[name][1][array]))
     for kind, given in hostile(value.shape):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            warnings.simplefilter("error", RuntimeWarning)
-            try:
-                found = answer(name, **{array: given})
-            except (RuntimeWarning, np.linalg.LinAlgError, ArithmeticError) as error:
-                raise AssertionError(f"{kind}: {type(error).__name__}: {error}") from error
-        if isinstance(found, StabilisingSolution | ContinuousSolution):
-            assert found.residual < 1e-8 and found.margin > 0, kind
-            assert np.isfinite(found.P).all() and np.isfinite(found.gain).all(), kind
+        answered(name, kind, array, given)
+
+
+@pytest.mark.parametrize(
+    ("name", "argument"), [(name, one) for name, (_, _, names) in PLANTS.items() for one in names]
+)
+def test_hostile_plants_have_an_answer_or_an_error_of_ours(name, argument):
+    for kind, given in hostile_plants(PLANTS[name][1][argument]):
+        answered(name, kind, argument, given)

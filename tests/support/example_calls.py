@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import warnings
+from functools import cache
 
 import numpy as np
 
@@ -67,12 +68,27 @@ def numeric_array(value):
     return array.astype(np.float64) if array.dtype.kind in "iuf" and array.size else None
 
 
-def array_doors(package):
-    """Name -> (callable, arguments, names of those that are arrays) of all that is public."""
-    doors = {}
+def doors(package, takes):
+    """Name -> (callable, arguments, names of those that `takes` is true of) of what is public."""
+    found = {}
+    for name, (one, call) in example_calls(package).items():
+        names = [k for k, v in call.items() if takes(v)]
+        if names:
+            found[name] = one, call, names
+    return found
+
+
+@cache
+def example_calls(package):
+    """Name -> (callable, arguments of the first call in its example) of all that is public."""
+    found = {}
     for name, one in public_objects(package).items():
         call = call_of(one) if callable(one) else None
-        arrays = [k for k, v in (call or {}).items() if numeric_array(v) is not None]
-        if arrays:
-            doors[name] = one, call, arrays
-    return doors
+        if call:
+            found[name] = one, call
+    return found
+
+
+def is_array(value):
+    """Whether it is a non-empty array or list of real numbers."""
+    return numeric_array(value) is not None
