@@ -66,6 +66,14 @@ def test_a_stable_plant_is_never_called_unstabilisable(slow, fast, reached):
     assert np.diag(found.P) == pytest.approx([1 / (2 * slow), p], rel=1e-9)
 
 
+@pytest.mark.parametrize("slow", [1e-3, 1e-9])
+def test_a_slow_mode_that_z_does_not_show_is_no_zero_on_the_axis(slow):
+    found = solve_care(np.diag([-slow, -1e6]), [[0.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]])
+    assert np.diag(found.P) == pytest.approx([0.0, 1 / 2e6], rel=1e-9)
+    with pytest.raises(UnitCircleError, match="zero on the imaginary axis at 0 "):
+        solve_care(np.diag([0.0, -1e6]), [[1.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]])
+
+
 OBSTACLES = {
     "an unstable mode": (
         np.diag([1.0, -1.0]), I_2, NotControllableError, r"the mode 1 of A, which is on or right",
