@@ -1,5 +1,7 @@
 """A Stein equation is answered with a residual of rounding, or refused."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from flint import fmpq_mat
@@ -22,7 +24,7 @@ def exactly(A, Q):
         for i in range(n) for j in range(n) for k in range(n) for m in range(n)
     ])  # fmt: skip
     X = rows.solve(fmpq_mat(n * n, 1, Q.entries()))
-    return np.reshape([float(e.p) / float(e.q) for e in X.entries()], (n, n))
+    return np.reshape([float(Fraction(int(e.p), int(e.q))) for e in X.entries()], (n, n))
 
 
 @given(n=st.integers(2, 5), coupling=st.sampled_from([1e2, 1e6, 1e12]), seed=st.integers(0, 10**6))
