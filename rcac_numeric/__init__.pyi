@@ -7,10 +7,10 @@ from . import results as results
 from . import targets as targets
 from .analysis._classical import stability_margins as stability_margins
 from .analysis._closed_loop import ClosedLoop as ClosedLoop
+from .analysis._continuous_equations import solve_care as solve_care
 from .analysis._conversion import compensator_from_state_space as compensator_from_state_space
 from .analysis._costs import h2_cost as h2_cost
 from .analysis._disk import multivariable_disk_margin as multivariable_disk_margin
-from .analysis._equations import solve_care as solve_care
 from .analysis._equations import solve_dare as solve_dare
 from .analysis._loop_analysis import LoopAnalysis as LoopAnalysis
 from .analysis._loop_analysis import compare_exactly as compare_exactly

@@ -1,10 +1,10 @@
 from .analysis._agreement import ExactAgreement as ExactAgreement
 from .analysis._boundaries import StabilityBoundary as StabilityBoundary
 from .analysis._classical import Margins as Margins
+from .analysis._continuous_equations import ContinuousSolution as ContinuousSolution
 from .analysis._conversion import ConversionCertificate as ConversionCertificate
 from .analysis._costs import H2Cost as H2Cost
 from .analysis._disk import DiskMargin as DiskMargin
-from .analysis._equations import ContinuousSolution as ContinuousSolution
 from .analysis._exact_comparison import ExactComparison as ExactComparison
 from .analysis._match import IntercalatedMatch as IntercalatedMatch
 from .analysis._match import ResidualSplit as ResidualSplit

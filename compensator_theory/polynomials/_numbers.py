@@ -139,6 +139,8 @@ def _from_wrapped(value: Any, binary: bool) -> Expr:
     if isinstance(value, flint.fmpq):
         return _ratio(int(value.p), int(value.q))
     if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
+        if hasattr(value, "filled") and value.mask:
+            raise InputError("an entry is masked, and what is not known is no number; leave it out")
         return exact_number(value.item(), binary=binary)
     raise InputError(
         f"{shown(value)} of type {type(value).__name__} is not a "

@@ -97,6 +97,47 @@ def period_in(variable: Symbol, sample_time: NumberLike | None) -> Rational | No
     return period
 
 
+# Two sample times are one up to this share, which is more than rounding and less than any clock.
+SAME = Rational(1, 10**9)
+
+
+def agreed_period(*periods: Any, at: str = "the system", remedy: str = "resample it") -> Any:
+    """The one sample time that was given, or None; two that differ by more than 1e-9 are refused.
+
+    Of 3/10 and the decimal of 0.1*3 the one that is shorter to write is kept, in any order.
+
+    Parameters
+    ----------
+    periods : Rational, float or None, seconds
+        All exact, or all rounded.
+
+    Raises
+    ------
+    InputError
+        Where two of them differ.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._sample_times import agreed_period
+    >>> agreed_period(None, 0.1 * 3, 0.3), agreed_period(None)
+    (0.3, None)
+    """
+    known = [period for period in periods if period is not None]
+    if not known:
+        return None
+    for period in known[1:]:
+        if abs(period - known[0]) > SAME * max(period, known[0]):
+            raise InputError(
+                f"{at} is sampled every {_seconds(known[0])} s, not every {_seconds(period)} s; "
+                f"{remedy}"
+            )
+    return min(known, key=lambda period: (len(str(period)), period))
+
+
+def _seconds(period: Any) -> str:
+    return str(period) if isinstance(period, Rational) else f"{float(period):.12g}"
+
+
 def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
     """The system with the sample time that was named; one that it has already has to agree.
 
@@ -108,12 +149,9 @@ def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
     1/10
     """
     period = period_in(system.variable, sample_time)
-    if period is None or system.sample_time == period:
+    agreed_period(system.sample_time, period)
+    if period is None or system.sample_time is not None:
         return system
-    if system.sample_time is not None:
-        raise InputError(
-            f"the system is sampled every {system.sample_time} s, not every {period} s; resample it"
-        )
     return replace(system, sample_time=period)  # type: ignore[type-var]
 
 
@@ -132,12 +170,13 @@ def shared_sample_time(*systems: Any) -> Rational | None:
     1/100
     """
     found = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}
-    if len(found) > 1:
+    try:
+        return agreed_period(*sorted(found))
+    except InputError:
         raise InputError(
             f"systems sampled every {' and '.join(f'{t} s' for t in sorted(found))} cannot be "
             "joined; resample one of them"
-        )
-    return found.pop() if found else None
+        ) from None
 
 
 def time_base(
@@ -154,6 +193,8 @@ def time_base(
     (0, True, 0.01)
     """
     if dt is not None:
+        if sample_time is not None and not isinstance(dt, bool):
+            agreed_period(to_float(sample_time), dt, remedy="leave dt out, or resample it")
         return dt
     if sample_time is not None:
         return to_float(sample_time)

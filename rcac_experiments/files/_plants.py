@@ -11,6 +11,7 @@ from sympy import Expr
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
+from compensator_theory.systems._sample_times import agreed_period
 from rcac_experiments.format._places import Errors, Place
 from rcac_experiments.format._tables import (
     Deferred,
@@ -450,6 +451,7 @@ def _period(sample_time: Any) -> Expr:
 def _timed(plant: Plant, sample_time: Any) -> Plant:
     """The plant with a sample time, of its exact data too."""
     period = _period(sample_time)
+    agreed_period(plant.sample_time, float(period), at="the plant", remedy="leave sample_time out.")
     known = None if plant.exact is None else replace(plant.exact, sample_time=period)
     return replaced(plant, exact=known, sample_time=float(period))
 

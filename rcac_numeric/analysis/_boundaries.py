@@ -45,7 +45,7 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
     if np.all(np.abs(excess) <= 1e-12 * sizes):
         raise InputError(
             "abs(L) = 1 at every frequency, so that every frequency is a gain crossover and phase "
-            "and delay have no single margin. PlantChange the gain of the loop a little."
+            "and delay have no single margin. Change the gain of the loop a little."
         )
     found = _frequencies(excess, omega)
 
@@ -79,23 +79,30 @@ def phase_crossovers(loop: OpenedLoop) -> Array:
     inner = inner[(inner > 0) & (inner < np.pi)]
     every = np.concatenate([[0.0], inner, [np.pi]])
     values = loop.response(every)
-    is_real = np.abs(values.imag) < np.maximum(1e-6, _rounding(loop, every)) * np.abs(values)
+    with np.errstate(over="ignore", invalid="ignore"):  # no share of a size beyond float64
+        share = np.maximum(1e-6, _rounding(loop, every))
+        is_real = np.abs(values.imag) < share * np.abs(values)
     negative = np.isfinite(values) & (values.real < 0) & is_real
     return np.asarray(every[negative], dtype=np.float64)
 
 
 def _on_the_circle(loop: OpenedLoop, count: int) -> tuple[Array, ComplexArray, ComplexArray]:
     """N and D of L = N / D at the angles of the Chebyshev nodes cos((i + 1/2) pi / count)."""
-    while True:
-        omega = np.asarray((np.arange(count) + 0.5) * np.pi / count)
+    for more in range(len(loop.open_poles) + 2):  # each pole can sit on a node
+        omega = np.asarray((np.arange(count + more) + 0.5) * np.pi / (count + more))
         z = np.exp(1j * omega)
-        # N and D may share any positive factor; this one keeps large poles from overflowing.
+        # N and D may share any positive factor; these keep large poles and gains from overflowing.
         sizes = np.maximum(np.abs(loop.open_poles), 1.0)
         D = np.prod((z[:, None] - loop.open_poles) / sizes, axis=1)
-        L = loop.at(z)
-        if np.all(np.isfinite(L)):
-            return omega, L * D, D
-        count += 1  # an open-loop pole sits on a node
+        N = loop.at(z) * D
+        if np.all(np.isfinite(N)):
+            largest = max(np.abs(N).max(), np.abs(D).max())
+            factor = np.exp2(-np.round(np.log2(largest))) if largest else 1.0
+            return omega, N * factor, D * factor
+    raise InputError(
+        "the loop transfer function leaves float64 on the unit circle; scale the signals of the "
+        "loop, or its states."
+    )
 
 
 def _frequencies(values: Array, omega: Array) -> Array:
@@ -179,8 +186,8 @@ def _rounding(loop: OpenedLoop, omega: Array) -> Array:
         nearness = np.linalg.norm(np.linalg.inv(pencils), 1, axis=(1, 2))
     except np.linalg.LinAlgError:  # a pole among the points
         nearness = np.array([1 / max(np.linalg.svd(p)[1][-1], 1e-300) for p in pencils])
-    rounding = 10 * np.finfo(float).eps * size * nearness
-    return np.asarray(rounding)
+    with np.errstate(over="ignore"):  # infinite: no digit of L is known
+        return np.asarray(10 * np.finfo(float).eps * size * nearness)
 
 
 # The perturbed loops beside a boundary are this share of the margin away from it.

@@ -23,8 +23,8 @@ from rcac_numeric.analysis._loop_analysis import attempted
 from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of, picture_of
-from rcac_numeric.arrays._validation import positive_time
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.plants._foreign import agreed_times
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,14 +182,15 @@ def stability_margins(
     feedback : {+1, -1}
         For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
     sample_time : float, optional
-        In seconds; taken from a python-control system that has one.
+        In seconds; taken from the system, plant or compensator that has one.
     disk : bool
         Whether the disk margin is found too.
 
     Raises
     ------
     InputError
-        Where the loop is not scalar, not in discrete time, or has abs(L) = 1 at every frequency.
+        Where the loop is not scalar, not in discrete time, has abs(L) = 1 at every frequency, or
+        another sample time than the one that was given.
     ImproperError
         Where the opened loop is not well posed.
 
@@ -209,10 +210,8 @@ def stability_margins(
     (0.8, 1.2)
     """
     opened = broken_loop(loop, at=at, channel=channel, feedback=feedback)
-    if sample_time is None and isinstance(getattr(loop, "dt", None), float):
-        sample_time = loop.dt
-    if sample_time is not None:
-        positive_time(sample_time, "sample_time")
+    parts = [loop.plant, loop.compensator] if isinstance(loop, ClosedLoop) else loop
+    sample_time = agreed_times(parts if isinstance(parts, list | tuple) else [parts], sample_time)
     gains, phases = gain_crossovers(opened), phase_crossovers(opened)
     radius = opened.radius()
     stable = opened.is_stable
@@ -243,7 +242,7 @@ def channel_margins(
 
     Of time the plant's own sample time is taken where none is given.
     """
-    sample_time = loop.plant.sample_time if sample_time is None else sample_time
+    sample_time = agreed_times([loop.plant, loop.compensator], sample_time)
     found, reasons = {}, {}
     for i in range(loop.plant.l_u):
         name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"

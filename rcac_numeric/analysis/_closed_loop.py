@@ -17,7 +17,7 @@ from rcac_numeric.arrays._validation import require_dense, signal_array
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.plants._any_plant import AnyPlant
-from rcac_numeric.plants._foreign import linear_plant
+from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import measuring_command, plant_at
 
@@ -61,6 +61,7 @@ class ClosedLoop(Value):
         plant, compensator = linear_plant(self.plant), compensator_of(self.compensator)
         object.__setattr__(self, "plant", plant)
         object.__setattr__(self, "compensator", compensator)
+        agreed_times([plant, compensator])
         if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
             raise InputError(
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "

@@ -98,7 +98,13 @@ def converted(
 ) -> tuple[Compensator, ConversionCertificate]:
     """As `compensator_from_state_space`, to another accuracy, and with its certificate."""
     points = _check_points(parts[0])
-    response, scales = _response(parts, points)
+    with np.errstate(all="ignore"):  # what leaves float64 is looked for
+        response, scales = _response(parts, points)
+    if not all(np.isfinite(one).all() for one in (response, *scales)):
+        raise IllConditionedError(
+            "the response of this compensator leaves float64. Scale its states, and its inputs and "
+            "outputs to like size."
+        )
     best = None
     for scale in scales:
         best = _best(parts, points, (response, scale))

@@ -20,7 +20,7 @@ from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.engine._runs import Run
-from rcac_numeric.plants._foreign import linear_plant
+from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._linear import Plant
 
 # Relative error of J, by the bound that its residuals and its data leave, up to which float64 is
@@ -132,6 +132,7 @@ def h2_cost(
     plant = linear_plant(plant)
     if compensator is None:
         raise InputError("a plant alone is no loop; give its compensator, or a Run.")
+    agreed_times([plant, compensator])
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for
@@ -151,7 +152,10 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     except IllConditionedError:
         return _enclosed(plant, compensator, inputs, radius)
     Z, W = E_x + u_x, E_w + u_w
-    X, Y = stein_solution(A, B @ B.T), stein_solution(A.T, Z.T @ Z)
+    try:
+        X, Y = stein_solution(A, B @ B.T), stein_solution(A.T, Z.T @ Z)
+    except IllConditionedError:
+        return _enclosed(plant, compensator, inputs, radius)
     terms = {
         "state": _mean_square(E_x, X),
         "cross": 2 * float(np.sum((E_x @ X) * u_x)),

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
-from rcac_numeric.analysis._gramians import stein_solution
+from rcac_numeric.analysis._gramians import norm, stein_solution
 from rcac_numeric.analysis._obstacles import (
     REGULATOR,
     Role,
@@ -19,12 +17,11 @@ from rcac_numeric.analysis._obstacles import (
     require_rank,
     require_stabilisable,
 )
-from rcac_numeric.analysis._solutions import StabilisingSolution, norm
-from rcac_numeric.analysis._square_roots import kleinman, starting_gains, triangle
-from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.analysis._solutions import StabilisingSolution
+from rcac_numeric.analysis._square_roots import kleinman, starting_gains
+from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._validation import matrix
-from rcac_numeric.arrays._values import Result
 
 # From which closeness of a closed-loop pole to the unit circle a zero on it is looked for (for a
 # zero of multiplicity d the pole is off by the 2d-th root of a rounding error), and the relative
@@ -90,11 +87,11 @@ def solve_dare(
     A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
     m = B.shape[1]
     weights = (
-        _symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
+        symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
         np.zeros((n, m)) if R_12 is None else matrix(R_12, "R_12", (n, m)),
-        np.zeros((m, m)) if R_2 is None else _symmetric(matrix(R_2, "R_2", (m, m)), "R_2"),
+        np.zeros((m, m)) if R_2 is None else symmetric(matrix(R_2, "R_2", (m, m)), "R_2"),
     )
-    return stabilising_solution(A, B, weights, _factor(weights), REGULATOR)
+    return stabilising_solution(A, B, weights, factor_of(weights), REGULATOR)
 
 
 def stabilising_solution(
@@ -198,10 +195,10 @@ def _refined(solution: StabilisingSolution) -> StabilisingSolution:
         if not solution.margin > 0:
             break
         s = solution
-        P = s.P + stein_solution(s.closed_loop.T, _left_over(s)[0])
         try:
+            P = s.P + stein_solution(s.closed_loop.T, _left_over(s)[0])
             better = _evaluated(s.A, s.B, (s.R_1, s.R_12, s.R_2), P)
-        except np.linalg.LinAlgError:
+        except (np.linalg.LinAlgError, CompensatorError):
             break
         if not (better.residual < solution.residual and better.margin > 0):
             break
@@ -239,7 +236,7 @@ def _left_over(s: StabilisingSolution) -> tuple[Array, float]:
     return np.asarray((left + left.T) / 2), sum(map(norm, terms))
 
 
-def _factor(weights: tuple[Array, Array, Array]) -> tuple[Array, Array] | None:
+def factor_of(weights: tuple[Array, Array, Array]) -> tuple[Array, Array] | None:
     """(E_1, E_2) with [R_1 R_12; R_12' R_2] = [E_1 E_2]'[E_1 E_2]; None where there is none."""
     R_1, R_12, R_2 = weights
     full = np.block([[R_1, R_12], [R_12.T, R_2]])
@@ -252,122 +249,7 @@ def _factor(weights: tuple[Array, Array, Array]) -> tuple[Array, Array] | None:
     return rows[:, : len(R_1)], rows[:, len(R_1) :]
 
 
-def _symmetric(weight: Array, name: str) -> Array:
+def symmetric(weight: Array, name: str) -> Array:
     if np.abs(weight - weight.T).max(initial=0.0) > 1e-12 * np.abs(weight).max(initial=0.0):
         raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
     return np.asarray((weight + weight.T) / 2)
-
-
-@dataclass(frozen=True, eq=False)
-class ContinuousSolution(Result):
-    """The stabilising solution of a continuous-time Riccati equation.
-
-    Attributes
-    ----------
-    A, B : arrays of shape (n, n), (n, m)
-    P : array, shape (n, n)
-    gain : array, shape (m, n)
-        K = -R_2^{-1} (R_12' + B'P), found without squares.
-    factor : array, shape (n, n)
-        S with P = S'S.
-    residual : float
-        Norm of what is left of the equation over the sum of the norms of its terms.
-    """
-
-    A: Array
-    B: Array
-    P: Array
-    gain: Array
-    factor: Array
-    residual: float
-
-    @property
-    def closed_loop(self) -> Array:
-        """A + BK, shape (n, n)."""
-        return np.asarray(self.A + self.B @ self.gain)
-
-    @cached_property
-    def poles(self) -> ComplexArray:
-        """The n eigenvalues of A + BK, in the open left half plane."""
-        return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
-
-    @property
-    def margin(self) -> float:
-        """Distance of the closed-loop poles to the imaginary axis."""
-        return -float(self.poles.real.max(initial=-np.inf))
-
-    def __repr__(self) -> str:
-        return (
-            f"ContinuousSolution(n={len(self.A)}, residual={self.residual:.1e}, "
-            f"margin={self.margin:.3g})"
-        )
-
-
-def solve_care(A: ArrayLike, B: ArrayLike, E_1: ArrayLike, E_2: ArrayLike) -> ContinuousSolution:
-    """Solve A'P + PA + E_1'E_1 - (PB + E_1'E_2)(E_2'E_2)^{-1}(B'P + E_2'E_1) = 0, stabilising.
-
-    P is also that of the discrete-time equation of
-    ``(I - hA)^{-1} (I + hA), sqrt(2h) (I - hA)^{-1} B, sqrt(2h) E_1 (I - hA)^{-1},
-    E_2 + h E_1 (I - hA)^{-1} B`` for every h > 0 that leaves I - hA regular, and is found there, in
-    square roots. The Kalman-Bucy filter is the dual: A', C', D_1', D_2'.
-
-    Parameters
-    ----------
-    A, B : arrays of shape (n, n), (n, m)
-    E_1, E_2 : arrays of shape (p, n), (p, m)
-        The weights are their squares; E_2 has full column rank.
-
-    Raises
-    ------
-    NotControllableError, NoSolutionError, UnitCircleError
-        Where the discrete-time equation has no stabilising solution; its message is about that.
-    InputError
-        Where an argument has the wrong shape, or E_2 dependent columns.
-
-    Examples
-    --------
-    >>> from rcac_numeric import solve_care
-    >>> found = solve_care([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]],
-    ...     [[1.0, 0.0], [0.0, 0.0]], [[0.0], [1.0]])
-    >>> found.gain.round(12), found.residual < 1e-14  # the double integrator: -1, -sqrt(2)
-    (array([[-1.        , -1.41421356]]), True)
-    """
-    A = matrix(A, "A", (None, None))
-    n = len(A)
-    A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
-    E_1 = matrix(E_1, "E_1", (None, n))
-    E_2 = matrix(E_2, "E_2", (len(E_1), B.shape[1]))
-    if np.linalg.matrix_rank(E_2 / np.maximum(np.linalg.norm(E_2, axis=0), 1e-300)) < B.shape[1]:
-        raise InputError(
-            "E_2 has dependent columns: in continuous time every direction of u needs a weight. "
-            "Weight it, or sample the plant and use solve_dare."
-        )
-    found = _by_sampling(A, B, E_1, E_2, 0.7 / (norm(A) or 1.0))
-    for _ in range(4):  # h between the fastest and the slowest pole of the loop that is looked for
-        sizes = np.abs(found.poles)
-        h = float(np.exp(-np.mean(np.log(np.maximum(sizes, 1e-8 * sizes.max())))))
-        try:
-            better = _by_sampling(A, B, E_1, E_2, h)
-        except CompensatorError:
-            break
-        if not better.residual < 0.5 * found.residual:
-            break
-        found = better
-    return found
-
-
-def _by_sampling(A: Array, B: Array, E_1: Array, E_2: Array, h: float) -> ContinuousSolution:
-    n, root = len(A), np.sqrt(2 * h)
-    inverse = np.linalg.inv(np.eye(n) - h * A)
-    moved = (
-        inverse @ (np.eye(n) + h * A), root * inverse @ B, root * E_1 @ inverse,
-        E_2 + h * E_1 @ inverse @ B,
-    )  # fmt: skip
-    squares = moved[2].T @ moved[2], moved[2].T @ moved[3], moved[3].T @ moved[3]
-    found = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
-    S = triangle(E_1) if found.factor is None else found.factor
-    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.gain.T).T
-    P, closed, seen = found.P, A + B @ K, E_1 + E_2 @ K
-    terms = closed.T @ P, P @ closed, seen.T @ seen
-    residual = norm(sum(terms[1:], terms[0])) / (sum(map(norm, terms)) or 1.0)
-    return ContinuousSolution(A, B, P, np.asarray(K), S, residual)

@@ -5,35 +5,94 @@ from __future__ import annotations
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
+from compensator_theory.errors import IllConditionedError
 from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.arrays._array_types import Array
 
 # Bits that ball arithmetic takes in turn, and doublings: more than any float64 matrix asks for.
 PRECISIONS, DOUBLINGS = (192, 512, 1536, 4096), 100
+# States of a Stein equation that are tried in balls where float64 loses it: a second of work.
+MOST_STATES = 120
 
 
 def stein_solution(A: Array, Q: Array) -> Array:
-    """X = A X A' + Q, as the sum of A^k Q A'^k, for a spectral radius below 1.
+    """X = A X A' + Q, as the sum of A^k Q A'^k, for a spectral radius below 1; Q symmetric.
 
-    Each step doubles the number of terms, X <- X + F X F' and F <- F F. Unlike a linear solve it
-    keeps a positive semidefinite X so, and the relative accuracy of badly scaled entries; where
-    the sum leaves float64 its entries are infinite or NaN, for the caller to refuse.
+    Each step of the doubling doubles the number of terms, X <- X + F X F' and F <- F F. Unlike a
+    linear solve it keeps a positive semidefinite X so, and the relative accuracy of badly scaled
+    entries. The powers of a strongly non-normal A are lost to rounding, though, and may leave
+    float64: where the residual shows it, X is enclosed in balls and rounded once.
+
+    Raises
+    ------
+    IllConditionedError
+        Where A is not stable, X leaves float64, or neither way leaves a residual of rounding.
 
     Notes
     -----
     Source: (4.23); R. A. Smith, SIAM J. Appl. Math. 16 (1968) 198-201.
     """
-    X, power = np.array(Q, dtype=np.float64), np.array(A, dtype=np.float64)
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        for _ in range(64):  # 2^64 terms: more than any spectral radius in float64 asks for
-            added = power @ X @ power.T
-            X = X + (added + added.T) / 2
-            small = not np.abs(added).max(initial=0.0) > 1e-18 * np.abs(X).max(initial=0.0)
-            # A nilpotent part may hide Q for some steps: the powers must have died out as well.
-            if small and not np.abs(power).max(initial=0.0) > 1e-9:
-                break
-            power = power @ power
-    return X
+    A, Q = np.asarray(A, dtype=np.float64), np.asarray(Q, dtype=np.float64)
+    with np.errstate(all="ignore"):  # what leaves float64 ends in the residual
+        found = _doubled(A, Q)
+        if found is not None and stein_residual(A, Q, found) <= _rounding(A):
+            return found
+        is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())
+        radius = float(np.abs(np.linalg.eigvals(A)).max()) if is_finite else np.inf
+        enclosed = _from_balls(A, Q) if radius < 1 else None
+        if enclosed is not None and stein_residual(A, Q, enclosed) <= _rounding(A):
+            return enclosed
+    raise IllConditionedError(
+        f"X = A X A' + Q has no solution that float64 holds with a residual of rounding, for A of "
+        f"{len(A)} states, spectral radius {radius:.6g} and norm {norm(A):.3g}. Scale the states "
+        "and signals to like size, or move the poles away from the unit circle."
+    )
+
+
+def norm(value: Array) -> float:
+    """The 2-norm; zero for an empty matrix, infinite where an entry is not finite."""
+    if not np.isfinite(value).all():
+        return np.inf
+    return float(np.linalg.norm(value, 2)) if value.size else 0.0
+
+
+def stein_residual(A: Array, Q: Array, X: Array) -> float:
+    """What X leaves of X = A X A' + Q, relative to its terms; infinite where one is not finite."""
+    left = np.abs(A @ X @ A.T + Q - X).max(initial=0.0)
+    size = (np.abs(A) @ np.abs(X) @ np.abs(A).T + np.abs(Q) + np.abs(X)).max(initial=0.0)
+    return float(left / size) if np.isfinite(size) and size else (0.0 if size == 0 else np.inf)
+
+
+def _rounding(A: Array) -> float:
+    """The residual that the rounding of some tens of doublings leaves."""
+    return 200 * (len(A) + 1) * float(np.finfo(float).eps)
+
+
+def _doubled(A: Array, Q: Array) -> Array | None:
+    X, power = np.array(Q), np.array(A)
+    for _ in range(64):  # 2^64 terms: more than any spectral radius in float64 asks for
+        added = power @ X @ power.T
+        X = X + (added + added.T) / 2
+        small = not np.abs(added).max(initial=0.0) > 1e-18 * np.abs(X).max(initial=0.0)
+        # A nilpotent part may hide Q for some steps: the powers must have died out as well.
+        if small and np.abs(power).max(initial=0.0) <= 1e-9:
+            return X
+        power = power @ power
+    return None
+
+
+def _from_balls(A: Array, Q: Array) -> Array | None:
+    if len(A) > MOST_STATES:
+        return None
+    state, source = rational(A), rational(Q)
+    for precision in PRECISIONS:
+        found = enclosed_gramians(state, source, fmpq_mat(len(A), len(A)), precision)
+        if found is None:
+            continue
+        entries, largest = found[0].entries(), max(float(e.abs_upper()) for e in found[0].entries())
+        if all(float(entry.rad()) <= 1e-17 * largest for entry in entries):
+            return np.array([float(entry.mid()) for entry in entries]).reshape(A.shape)
+    return None
 
 
 def rational(A: Array) -> fmpq_mat:

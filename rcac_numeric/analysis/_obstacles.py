@@ -126,7 +126,7 @@ def require_no_zero_on_circle(
         # A multiple zero is known to a root of the rounding error only; these are often meant.
         likely = [at for at in (1, -1, 1j, -1j) if abs(at - zero) < NEXT]
         for at in (*likely, zero / abs(zero)):
-            pencil = _balanced(_pencil(A, B, E_1, E_2, at))
+            pencil = balanced_pencil(_pencil(A, B, E_1, E_2, at))
             least = float(np.linalg.svd(pencil, compute_uv=False)[size - 1])
             if least <= 100 * size * EPS:
                 raise _zero_on_circle(at, least, role)
@@ -194,7 +194,7 @@ def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[
     return np.block([[A - at * np.eye(len(A)), B], [E_1, E_2]])
 
 
-def _balanced(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def balanced_pencil(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """The matrix with rows and columns of size one, which changes no rank."""
     for _ in range(3):
         for axis in (1, 0):
@@ -204,5 +204,5 @@ def _balanced(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 
 def _rank(pencil: NDArray[np.complex128]) -> int:
-    values = np.linalg.svd(_balanced(pencil), compute_uv=False)
+    values = np.linalg.svd(balanced_pencil(pencil), compute_uv=False)
     return int(np.sum(values > 10 * max(pencil.shape) * EPS * values.max(initial=0.0)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, closed_loop
 from rcac_numeric.analysis._stability import decide_stability
@@ -139,8 +142,29 @@ def broken_loop(
     return OpenedLoop(A, B, -feedback * C, -feedback * D)
 
 
+def is_continuous(system: Any) -> bool:
+    """Whether it is a system of ours, or of another package, in continuous time."""
+    if isinstance(system, str | exact.TransferFunction | exact.Realisation):
+        with suppress(InputError):
+            return bool(exact.transfer_function(system).time == "continuous")
+        return False
+    if hasattr(system, "isctime"):  # of python-control
+        return bool(system.isctime(strict=True))
+    return hasattr(system, "dt") and system.dt is None and is_foreign(system)  # of SciPy
+
+
 def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
     kind = type(system).__name__
+    if hasattr(system, "frdata"):
+        raise InputError(
+            f"the {kind} holds a response at some frequencies and no poles, by which margins are "
+            "decided here: control.stability_margins interpolates it, or fit a StateSpace to it."
+        )
+    if is_continuous(system):
+        raise InputError(
+            f"the {kind} is in continuous time, whose margins compensator_theory.stability_margins "
+            "finds exactly; or discretise it with control.c2d(system, sample_time)."
+        )
     if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
         raise InputError(
             f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "

@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from rcac_numeric.analysis._gramians import stein_solution
+from compensator_theory.errors import IllConditionedError
+from rcac_numeric.analysis._gramians import norm, stein_solution
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._values import Result
 
@@ -77,7 +78,10 @@ class StabilisingSolution(Result):
         if not self.margin > 0:
             return np.inf
         closed = self.closed_loop
-        X = stein_solution(closed.T, np.eye(len(closed)))
+        try:
+            X = stein_solution(closed.T, np.eye(len(closed)))
+        except IllConditionedError:
+            return np.inf
         graph = norm(np.vstack([np.eye(len(closed)), self.gain]))
         weight = norm(np.block([[self.R_1, self.R_12], [self.R_12.T, self.R_2]]))
         data = 2 * norm(closed.T @ self.P) * norm(np.hstack([self.A, self.B]))
@@ -89,10 +93,3 @@ class StabilisingSolution(Result):
             f"StabilisingSolution(n={len(self.A)}, residual={self.residual:.1e}, "
             f"margin={self.margin:.3g}, condition={self.condition:.1e})"
         )
-
-
-def norm(value: Array) -> float:
-    """The 2-norm; zero for an empty matrix, infinite where an entry is not finite."""
-    if not np.isfinite(value).all():
-        return np.inf
-    return float(np.linalg.norm(value, 2)) if value.size else 0.0

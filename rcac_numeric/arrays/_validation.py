@@ -17,6 +17,9 @@ from compensator_theory.errors import BudgetError, InputError
 from rcac_numeric.arrays._array_types import Array
 
 MOST_STATES = 1000
+LARGEST_SQUARED = 1e140  # its square, times any number of rows, is within float64
+# What a kernel may read by itself; of other types, such as masked arrays, an array is made first.
+PLAIN = frozenset({float, int, np.float64, np.ndarray, list, tuple, type(None)})
 
 
 def reads(check: Callable[..., Any], *, optional: bool = False, **options: Any) -> dict[str, Any]:
@@ -77,7 +80,7 @@ def real_array(value: ArrayLike, name: str) -> Array:
 def float_array(value: ArrayLike, name: str) -> Array:
     """`value` as a new C-contiguous float64 array, whose entries may be infinite or NaN."""
     try:
-        if np.ma.is_masked(value):
+        if has_mask(value):
             raise TypeError("some of its entries are masked")
         given = np.asarray(value)
         if given.dtype.kind not in "iuf" and not _all_real(given):
@@ -87,6 +90,40 @@ def float_array(value: ArrayLike, name: str) -> Array:
         raise InputError(
             f"{name} must be an array of real numbers, not {value!r}: {error}."
         ) from None
+
+
+def has_mask(value: object) -> bool:
+    """Whether a masked array of NumPy with a masked entry is, or is inside, what is given."""
+    if isinstance(value, list | tuple):
+        return any(map(has_mask, value))
+    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
+
+
+def gaps_as_nan(value: Any) -> Any:
+    """A masked array of NumPy with NaN where it is masked; anything else as it is.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.arrays._validation import gaps_as_nan
+    >>> gaps_as_nan(np.ma.masked_equal([1, -9999], -9999))
+    array([ 1., nan])
+    """
+    if isinstance(value, list | tuple) and has_mask(value):
+        return [gaps_as_nan(entry) for entry in value]
+    is_numeric = isinstance(value, np.ma.MaskedArray) and value.dtype.kind in "iuf"
+    return value.astype(np.float64).filled(np.nan) if is_numeric else value
+
+
+def squarable(array: Array, name: str) -> Array:
+    """The array, if sums of squares of its entries are within float64."""
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest and not 1 / LARGEST_SQUARED < largest < LARGEST_SQUARED:
+        raise InputError(
+            f"the largest entry of {name} is {largest:.3g} in size, and its square leaves float64. "
+            f"Write {name} in another unit."
+        )
+    return array
 
 
 def rounded(entries: Sequence[Any], name: str) -> Array:

@@ -21,7 +21,7 @@ from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._array_types import ComplexArray
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
-from rcac_numeric.arrays._validation import instance_of, integer, positive_time
+from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.checks._logs import ControllerLog
@@ -34,7 +34,7 @@ from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.engine._compatibility import command_position, controllers_of
 from rcac_numeric.engine._runs import Run
-from rcac_numeric.plants._foreign import linear_plant
+from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import plant_at
@@ -231,8 +231,7 @@ def check_controller(
     log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
-    if sample_time is not None:
-        positive_time(sample_time, "sample_time")
+    agreed_times([plant, compensator], sample_time)
     if k_w is not None:
         integer(k_w, "k_w")
     fixed = fixed_compensator(log, structure, compensator)

@@ -14,6 +14,8 @@ from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._trials import NextDisturbance
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
+from rcac_numeric.controllers._forgetting import Forgetting
+from rcac_numeric.controllers._recursive import UD
 from rcac_numeric.controllers._regressor import (
     filtered_regressor,
     has_common_filter,
@@ -92,6 +94,7 @@ def without_control(run: Run) -> Array | None:
     return free.z if free.outcome == "completed" else None
 
 
+DRIFT = 1e-6  # share of norm(theta) from which a drift by rounding is spoken of
 ROWS = 20_000  # steps that are looked at: the first ones from k_w on
 
 
@@ -108,16 +111,24 @@ class Excitation:
         move theta, in the others theta stays near theta(0).
     excited : int
         Number of directions that the data excite by more than rounding.
+    drift : float
+        Distance, relative to norm(theta), by which theta(final) is off theta(0) along directions
+        that no Phi_f of the run excites by more than rounding. Exact arithmetic does not move
+        theta there: all of it is rounding, some eps/R_theta a step. Zero where that is not so
+        (bounds, resets, R_u, process noise) or not looked for.
     """
 
     l_theta: int
     outweighed: int
     excited: int
+    drift: float = 0.0
 
     def __str__(self) -> str:
         words = f"the data outweigh R_theta in {self.outweighed} of {self.l_theta} directions"
         if self.excited < self.l_theta:
             words += f", and excite {self.excited} of them by more than rounding"
+        if self.drift > DRIFT:
+            words += f"; rounding moved theta by {self.drift:.1g} of its size in the others"
         return words
 
 
@@ -162,7 +173,53 @@ def excitation_of(run: Run) -> Excitation | None:
         spread = np.sqrt(np.diag(information))
         spread[spread == 0] = 1.0
         values = np.linalg.eigvalsh(information / np.outer(spread, spread))
-    return Excitation(size, int(outweighed.sum()), int((values > 1e-13 * size).sum()))
+        rows_of_theta = Phi_f.reshape(-1, size)
+        drift = 0.0
+        if is_still_where_unexcited(run) and len(Phi_f) == run.steps - start:
+            drift = drift_of(rows_of_theta, scale, run.theta_final - settings.theta_0)
+            drift /= float(np.linalg.norm(run.theta_final)) or 1.0
+    excited = int((values > 1e-13 * size).sum())
+    return Excitation(size, int(outweighed.sum()), excited, drift)
+
+
+def is_still_where_unexcited(run: Run) -> bool:
+    """Whether exact arithmetic leaves theta(0) in every direction that no Phi_f excites."""
+    settings = run.settings
+    if not isinstance(settings, ControllerSettings) or type(settings.update) is not UD:
+        return False
+    update = settings.update
+    return (
+        not isinstance(update.lambda_, Forgetting)
+        and update.process_noise is None
+        and update.reset is None
+        and settings.bounds is None
+        and not settings.reflect_poles
+        and isinstance(settings.R_u, np.ndarray)
+        and not (settings.R_u.any() or settings.R_u_unfiltered.any())
+        and not run.first_step
+        and not run.changes
+        and bool(np.isfinite(run.theta_final).all())
+    )
+
+
+def drift_of(rows: Array, R_theta: Array, moved: Array) -> float:
+    """The part of theta - theta(0) that lies where no row excites, in the metric of R_theta.
+
+    R_theta (theta - theta(0)) is a combination of the rows, so that it is orthogonal to a v that
+    all of them are orthogonal to.
+    """
+    spread = np.linalg.norm(rows, axis=0)
+    spread[spread == 0] = 1.0
+    triangle = np.linalg.qr(rows / spread, mode="r")
+    _, singular, V = np.linalg.svd(triangle)
+    sizes = np.zeros(rows.shape[1])
+    sizes[: len(singular)] = singular
+    rounding = 100 * np.finfo(float).eps * np.sqrt(len(sizes)) * sizes.max(initial=0.0)
+    still = (V[sizes <= rounding] / spread).T
+    if not still.size or not np.isfinite(rows).all():
+        return 0.0
+    by = np.linalg.lstsq(still.T @ R_theta @ still, still.T @ R_theta @ moved, rcond=None)[0]
+    return float(np.linalg.norm(still @ by))
 
 
 HELD = 0.1  # share of the steps in which bounds moved theta

@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import optional_array_like, real_array
+from rcac_numeric.arrays._validation import (
+    gaps_as_nan,
+    has_mask,
+    optional_array_like,
+    real_array,
+)
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.signals._data_files import read_variables
@@ -108,7 +113,10 @@ class ControllerLog(Value):
         return last
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
+        value = gaps_as_nan(value)
         array = np.asarray(value)
+        if has_mask(value) or array.dtype.kind == "O":
+            return real_array(value, f"{self.source}: {name}")
         if array.dtype.kind == "c":
             raise InputError(
                 f"{self.source}: {name} must be an array of real numbers, and its entries are "

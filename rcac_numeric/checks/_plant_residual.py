@@ -114,6 +114,7 @@ class PlantResidual(Result):
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what leaves float64 has no residual
 def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     """The residual of u -> y through the plant; None where the log is too short or n above 100.
 

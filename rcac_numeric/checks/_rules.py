@@ -14,7 +14,7 @@ from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import MOST_STATES
 from rcac_numeric.checks._check import ControllerCheck
-from rcac_numeric.checks._health import HealthWarning, LoopHealth
+from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.checks._trials import what_places_them
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -66,7 +66,7 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
         _wound_up(health),
         _missed(health, found),
         _costly(health),
-        _arithmetic(run),
+        _arithmetic(health, run),
         _margins(health),
         _saturated(run),
         _learning(health, run),
@@ -332,13 +332,23 @@ def warnings_of_controller(
     return tuple(sorted(found, key=lambda warning: not warning.is_grave))
 
 
-def _arithmetic(run: Run) -> Iterator[HealthWarning]:
+def _arithmetic(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
     if run.guard_count:
         yield HealthWarning(
             "rounding",
             f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided "
             "by rounding: the data cannot support this R_theta.",
             "a larger R_theta",
+        )
+    found = health.excitation
+    if found is not None and found.drift > DRIFT:
+        yield HealthWarning(
+            "rounding",
+            f"Rounding moved theta by {found.drift:.1g} of its size along directions that nothing "
+            "excites, where exact arithmetic keeps theta(0): z does not tell apart what these "
+            "coefficients do.",
+            "a larger R_theta (the drift is proportional to 1/R_theta), or a controller without "
+            "the inputs or measurements that repeat others",
         )
 
 

@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import instance_of, integer, number, one_of, reads, with_checks
+from rcac_numeric.arrays._validation import (
+    has_mask,
+    instance_of,
+    integer,
+    number,
+    one_of,
+    reads,
+    with_checks,
+)
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._structure import Structure
 
@@ -23,6 +31,8 @@ def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Arra
     """A number or an array that may be infinite, on the side where that means no bound."""
     if value is None:
         return None
+    if has_mask(value):
+        raise InputError(f"{name} = {value!r} of the bounds has masked entries; give numbers.")
     try:
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._frames import StateSpace, control_state_space
 from rcac_numeric.arrays._validation import (
@@ -140,9 +141,10 @@ class Compensator(Value):
         """The compensator as a discrete-time python-control system.
 
         The sample time, in seconds, is its own where none is given; where it has none either,
-        the period is unspecified, dt = True.
+        the period is unspecified, dt = True. Another one than its own is refused.
         """
-        period = self.sample_time if sample_time is None else sample_time
+        advice = "leave sample_time out, or resample it"
+        period = agreed_period(self.sample_time, sample_time, at="the compensator", remedy=advice)
         return control_state_space(*self.state_space(), period)
 
     def _repr_latex_(self) -> str:

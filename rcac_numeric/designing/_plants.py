@@ -26,7 +26,7 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.plants._foreign import plant_of
+from rcac_numeric.plants._foreign import agreed_time, plant_of
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -310,6 +310,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
             )
         steps, plant = plant.changes[0].delay, plant.changes[0].plant
     if isinstance(plant, Plant):
+        plant = plant_of(plant, sample_time=sample_time)
         return _with_dead_time(_of_plant(plant), late, steps)
     if isinstance(plant, ModellingInformation | DirectionInformation):
         raise InputError(
@@ -442,8 +443,10 @@ def _floats(made: exact.Realisation) -> StateSpace:
 
 def _listed(entries: list[Any], sample_time: float | None) -> Plant:
     """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
-    A, B, C, D = _floats(exact.minimal_realisation(exact.transfer_matrix(entries)).realisation)
-    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=sample_time)
+    G = exact.transfer_matrix(entries)
+    A, B, C, D = _floats(exact.minimal_realisation(G).realisation)
+    period = agreed_time(G, sample_time)
+    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
 
 
 def _of_plant(plant: Plant) -> DesignPlant:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import schur, solve_triangular
 
+from compensator_theory.errors import IllConditionedError
 from rcac_numeric.analysis._gramians import stein_solution
 from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -90,7 +91,10 @@ def truncated(plant: DesignPlant) -> Truncation | None:
     longest = LONGEST_DELAY // plant.m - plant.delay
     while late < longest and np.abs(C @ B).max() <= 1e-14 * size:
         late, C = late + 1, C @ A
-    reach, seen = _root(stein_solution(A, B @ B.T)), _root(stein_solution(A.T, C.T @ C))
+    try:
+        reach, seen = _root(stein_solution(A, B @ B.T)), _root(stein_solution(A.T, C.T @ C))
+    except IllConditionedError:  # no truncation can be had: the plant stays whole
+        return None
     left, hankel, right = np.linalg.svd(seen.T @ reach)
     omega, response = _response(plant)
     peak = float(np.linalg.norm(response, 2, axis=(1, 2)).max())

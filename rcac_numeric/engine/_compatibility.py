@@ -9,6 +9,7 @@ from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.plants._any_plant import AnyPlant, block_start
+from rcac_numeric.plants._foreign import agreed_times
 
 # One controller, and what `simulate` takes.
 OneController = ControllerSettings | FixedController
@@ -68,6 +69,7 @@ def _require_settings_fit(plant: AnyPlant, controller: ControllerSettings) -> No
 
 def _require_fixed_fits(plant: AnyPlant, controller: FixedController) -> None:
     c = controller.compensator
+    agreed_times([plant, c])
     _require_sizes(plant, l_u=c.l_u, l_y=c.l_y - controller.l_r)
     if c.past_y[0].any() and plant.y_needs_u:
         raise _algebraic_loop()

@@ -19,7 +19,14 @@ from compensator_theory.errors import (
     InputError,
 )
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import instance_of, number, vector
+from rcac_numeric.arrays._validation import (
+    PLAIN,
+    gaps_as_nan,
+    has_mask,
+    instance_of,
+    number,
+    vector,
+)
 from rcac_numeric.arrays._values import fingerprint, html_table, shown_array
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._controllers import compiled_controller, fitted_denominator
@@ -160,7 +167,9 @@ class Controller:
                 raise DivergedError(self._broken)
             if u_applied is not None and (self.k == 0 or not self._is_strict):
                 refuse_u_applied(self.settings, self.k, u_applied)
-            answer = None if self._learner else self._moved(y, z, r, u_applied)
+            answer = None
+            if not self._learner and type(y) in PLAIN and type(z) in PLAIN and type(r) in PLAIN:
+                answer = self._moved(y, z, r, u_applied) if type(u_applied) in PLAIN else None
             if answer is None:
                 gaps = self.supervision.is_on
                 arguments = step_arguments(self.settings, y, z, r, u_applied, gaps=gaps)
@@ -517,7 +526,8 @@ def step_arguments(
 
 def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
     """A signal at one step; with `gaps` an entry of it may be no finite number."""
-    if gaps:
+    value = gaps_as_nan(value) if gaps else value
+    if gaps and not has_mask(value):
         with suppress(TypeError, ValueError, OverflowError):
             array = np.asarray(value)
             if array.dtype.kind == "f" and array.size == size:

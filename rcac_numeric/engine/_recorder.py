@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import instance_of
+from rcac_numeric.arrays._validation import gaps_as_nan, instance_of
 from rcac_numeric.arrays._values import Standing
 from rcac_numeric.controllers._supervision import SupervisionWarning
 from rcac_numeric.engine._controller import Controller
@@ -116,7 +116,7 @@ class Recorder(Standing):
             return u
         after = self.controller.record.troubles.get("missed sample")
         missed = after is not None and (before is None or after.steps > before.steps)
-        for name, given in (("y", y), ("z", z), ("r", r)):
+        for name, given in zip("yzr", map(gaps_as_nan, (y, z, r)), strict=True):
             values = np.zeros(0) if given is None else np.asarray(given, dtype=float).reshape(-1)
             known = np.isfinite(values)
             self._known[name] = np.where(known, values, self._known[name])

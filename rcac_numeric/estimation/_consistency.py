@@ -140,7 +140,10 @@ def nees_consistency(error: ArrayLike, P: ArrayLike, confidence: float = 0.95) -
             "a covariance in P is not positive definite; leave such a step out."
         ) from None
     whitened = np.linalg.solve(roots, errors[..., None])[..., 0]
-    values = (whitened**2).sum(axis=1)
+    with np.errstate(over="ignore"):
+        values = (whitened**2).sum(axis=1)
+    if not np.isfinite(values).all():
+        raise InputError("error over the root of P has a square beyond float64; check their units.")
     n = errors.shape[1]
     interval = chi_square_interval(n, values.size, confidence)
     return Consistency(float(values.mean()), n, values.size, interval, confidence)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from compensator_theory.errors import IllConditionedError
+from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.arrays._array_types import Array
 
 # Singular values below this share of the largest are rounding errors of the Markov parameters.
@@ -36,9 +36,14 @@ def retrospective_matrix(
            [0. , 1. ]])
     """
     powers, markov = C, []
-    for _ in range(max(delays)):
-        markov.append(powers @ B)
-        powers = powers @ A
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(max(delays)):
+            markov.append(powers @ B)
+            powers = powers @ A
+    if not np.isfinite(markov).all():
+        raise InputError(
+            f"C A^{max(delays) - 1} B leaves float64; scale the states, or take smaller delays."
+        )
     zero = np.zeros((C.shape[0], B.shape[1]))
     blocks = [[markov[i - k_j - 1] if i > k_j else zero for i in delays] for k_j in stack]
     return np.ascontiguousarray(np.block(blocks))

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import instance_of, signal_array, vector
+from rcac_numeric.arrays._validation import PLAIN, instance_of, signal_array, vector
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import (
     EstimationError,
@@ -137,7 +137,8 @@ class ModelRefinement(Resumable[RCMR]):
         self._require_half(measured=False)
 
         def moved() -> None:
-            if not self._kernel.step(w, y, x):
+            plain = type(w) in PLAIN and type(y) in PLAIN and type(x) in PLAIN
+            if not (plain and self._kernel.step(w, y, x)):
                 inputs, outputs, state = self._read(w, y, x)
                 self._kernel.step(inputs, outputs, state)
 

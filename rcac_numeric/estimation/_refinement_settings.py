@@ -14,6 +14,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
 from rcac_numeric.arrays._validation import (
     array_like,
+    float_array,
     instance_of,
     integer,
     matrix,
@@ -203,10 +204,10 @@ def _steps(values: Sequence[int], name: str, least: int) -> tuple[int, ...]:
 
 
 def _column(value: ArrayLike, n: int) -> ArrayLike:
-    array = np.asarray(value)
+    array = float_array(value, "a column")
     return array.reshape(n, 1) if array.ndim == 1 and array.size == n else value
 
 
 def _row(value: ArrayLike) -> ArrayLike:
-    array = np.asarray(value)
+    array = float_array(value, "a row")
     return array.reshape(1, -1) if array.ndim == 1 else value

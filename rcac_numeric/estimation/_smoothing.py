@@ -103,8 +103,14 @@ def smooth(
     inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
     if lag is not None:
         integer(lag, "lag")
-    forward = _forward(settings, given, measured, inputs)
+    with np.errstate(over="ignore", invalid="ignore"):  # what leaves float64 is looked for
+        forward = _forward(settings, given, measured, inputs)
     x, S, predicted, likelihood = forward
+    if not (np.isfinite(x).all() and np.isfinite(predicted).all() and np.isfinite(likelihood)):
+        raise IllConditionedError(
+            "the filter or its likelihood leaves float64: write y and u in units in which they are "
+            "of the size of their noises."
+        )
     filtered = x.copy()
     n = model.n
     gains = np.zeros((max(steps - 1, 0), n, n))

@@ -22,6 +22,7 @@ from rcac_numeric.export._building import compiled
 from rcac_numeric.export._folder import core_texts, export_controller
 from rcac_numeric.export._header import config_header
 from rcac_numeric.export._tables import CoreTables, core_tables
+from rcac_numeric.plants._foreign import agreed_time
 from rcac_numeric.plants._saturation import Saturation
 
 VERSIONS = ("2.0", "3.0")
@@ -91,7 +92,9 @@ def export_fmu(
     if target.suffix != ".fmu":
         raise InputError(f"{path}: the name of an FMU must end in .fmu.")
     one_of(version, "version", VERSIONS)
-    positive_time(sample_time, "sample_time")
+    is_fixed = isinstance(controller, FixedController)
+    timed = controller.compensator if is_fixed else controller  # type: ignore[union-attr]
+    agreed_time(timed, positive_time(sample_time, "sample_time"))
     source: Any = controller
     if isinstance(controller, Run):
         saturation = controller.saturation if saturation is None else saturation

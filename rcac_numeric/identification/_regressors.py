@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import real_array
+from rcac_numeric.arrays._validation import real_array, squarable
 
 
 def regression(u: ArrayLike, y: ArrayLike, mu: int, n_mod: int) -> tuple[Array, Array]:
@@ -28,7 +28,7 @@ def as_signal(value: ArrayLike, name: str) -> Array:
     >>> as_signal([1, 2, 3], "u").shape
     (3, 1)
     """
-    array = real_array(value, name)
+    array = squarable(real_array(value, name), name)
     array = array.reshape(-1, 1) if array.ndim == 1 else array
     if array.ndim != 2 or array.size == 0:
         raise InputError(f"{name} has shape {array.shape}; (steps, number of signals) is needed.")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import integer, items, real_array
+from rcac_numeric.arrays._validation import integer, items, real_array, squarable
 from rcac_numeric.arrays._values import Value
 
 STEPS_EACH = 10  # steps that a record must have for each of the longest model's lags
@@ -109,7 +109,7 @@ def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[i
 
 def scalar_signal(values: ArrayLike, name: str) -> Array:
     """A signal of one component, as an array of shape (steps,)."""
-    found = real_array(values, name)
+    found = squarable(real_array(values, name), name)
     if found.ndim == 2 and found.shape[1] != 1:
         raise InputError(f"{name} has {found.shape[1]} columns; one signal is needed.")
     return found.ravel()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
 from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import instance_of, one_of, positive_time, rounded
 from rcac_numeric.arrays._values import replaced
@@ -75,7 +77,9 @@ def plant_of(
         positive_time(sample_time, "sample_time")
     if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_own(system):
         own: AnyPlant = system
-        return own
+        agreed_time(own, sample_time)
+        unknown = isinstance(own, Plant) and sample_time is not None and own.sample_time is None
+        return replaced(own, sample_time=float(sample_time)) if unknown else own  # type: ignore
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
     found = _realisation(system, variable)
@@ -83,11 +87,7 @@ def plant_of(
     if str(found.variable) == "s":
         sampled = _sampled(system, found, sample_time, method)
         return _verified(sampled, system, found, method)
-    if None not in (own_period, sample_time) and own_period != sample_time:
-        raise InputError(
-            f"the system is sampled every {own_period:g} s, not {sample_time:g} s; leave "
-            "sample_time out, or resample it yourself."
-        )
+    agreed_time(system, sample_time)
     period = own_period if own_period is not None else sample_time
     if not is_foreign(system):
         return replaced(standard_plant(system), sample_time=period)
@@ -102,6 +102,35 @@ def as_plant(system: Any) -> Any:
     """
     ours = str, exact.TransferFunction, exact.TransferMatrix, exact.Realisation
     return plant_of(system) if isinstance(system, ours) or is_foreign(system) else system
+
+
+def agreed_time(system: Any, sample_time: float | None) -> float | None:
+    """The sample time of a system, or the one that was named; two that differ are refused.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric.plants._foreign import agreed_time
+    >>> agreed_time(control.tf([1], [1, -0.5], 0.3), 0.1 * 3)
+    0.3
+    >>> agreed_time(control.tf([1], [1, -0.5], 0.3), 0.7)
+    Traceback (most recent call last):
+    ...
+    compensator_theory.errors.InputError: this TransferFunction is sampled every 0.3 s, not every
+    0.7 s; leave sample_time out, or resample it yourself.
+    """
+    return agreed_times([system], sample_time)
+
+
+def agreed_times(systems: Sequence[Any], sample_time: float | None = None) -> float | None:
+    """The sample time that systems share, with the one that was named."""
+    if sample_time is not None:
+        positive_time(sample_time, "sample_time")
+    periods = [sample_time_of(system) for system in systems]
+    name = next((type(s).__name__ for s, p in zip(systems, periods, strict=True) if p), "system")
+    advice = "leave sample_time out, or resample it yourself."
+    found = agreed_period(*periods, sample_time, at=f"this {name}", remedy=advice)
+    return None if found is None else float(found)
 
 
 def linear_plant(system: Any, name: str = "plant") -> Plant:

@@ -141,7 +141,7 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
 
 
 def sample_time_of(system: Any) -> float | None:
-    """The sample time of a system of another package; None where it has none, or of a text.
+    """The sample time of a system; None where it has none, or of a text.
 
     Examples
     --------
@@ -153,7 +153,8 @@ def sample_time_of(system: Any) -> float | None:
     if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:
-        period = exact_sample_time(system) if is_foreign(system) else None
+        own = getattr(system, "sample_time", None)
+        period = exact_sample_time(system) if is_foreign(system) else own
     return None if period is None else float(period)
 
 

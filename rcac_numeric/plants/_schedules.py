@@ -13,6 +13,7 @@ import numpy as np
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
+from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
     instance_of,
@@ -104,6 +105,8 @@ class PlantSchedule(Value):
         if changes[-1].ramp:
             raise InputError("the last change cannot ramp: there is nothing to ramp to.")
         sizes = _sizes(changes[0].plant)
+        advice = "all plants of a schedule are sampled alike: resample one."
+        agreed_period(*(c.plant.sample_time for c in changes), at="a plant", remedy=advice)
         for before, now in pairwise(changes):
             if now.start <= before.start:
                 raise InputError(
@@ -121,6 +124,12 @@ class PlantSchedule(Value):
                 )
             if before.ramp and n != n_before:
                 raise InputError(f"the ramp from {before.start} joins plants of different order.")
+
+    @property
+    def sample_time(self) -> float | None:
+        """The sample time of its plants, in seconds; None where none of them has one."""
+        found: float | None = agreed_period(*(change.plant.sample_time for change in self.changes))
+        return found
 
     @property
     def first(self) -> Plant:

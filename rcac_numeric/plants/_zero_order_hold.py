@@ -13,7 +13,8 @@ from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import matrix, number, real_array
 
-LARGEST_EXPONENT = 500.0  # exp of more leaves float64 soon
+# Bits of the balls: at first, and at most; a norm of h A of 1e150 is done with what is between.
+FEWEST_BITS, MOST_BITS = 256, 1 << 14
 
 
 def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]:
@@ -36,8 +37,9 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
     Raises
     ------
     InputError
-        If h is not positive, the sizes do not fit, or the norm of h A is so large that the
-        exponential leaves float64.
+        If h is not positive, the sizes do not fit, or an entry of the exponential leaves float64,
+        as of a mode that grows by more than exp(709) in a period. Modes that decay may be as fast
+        as they like.
 
     Notes
     -----
@@ -58,20 +60,29 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
         raise InputError(f"h = {h:g}; a sampling period is positive.")
     generator = np.zeros((n + B.shape[1], n + B.shape[1]))
     generator[:n, :n], generator[:n, n:] = A, B
-    size = float(np.abs(A).sum(axis=1).max(initial=0.0)) * h
-    if size > LARGEST_EXPONENT:
+    both = _exponential(generator, h)
+    if both is None:
+        size = h * float(np.abs(A).max())
         raise InputError(
-            f"the norm of h A is {size:.3g}; its exponential leaves float64. Sample faster, or "
-            "write the plant in slower time units."
+            f"exp(h A) was not enclosed with {MOST_BITS} bits: h A has an entry of {size:.3g}. "
+            "Write the states in units of like size, or leave out what is that much faster than "
+            "the sampling."
         )
-    both = _exponential(generator, h, 256 + 4 * int(size))
+    if not np.isfinite(both).all():
+        fastest = float(np.linalg.eigvals(A).real.max(initial=0.0))
+        raise InputError(
+            f"exp(h A) has entries beyond float64: the fastest growing mode of A is {fastest:.3g} "
+            f"per second, and h = {h:g} s. Sample faster."
+        )
     return real_array(both[:n, :n], "A_D"), real_array(both[:n, n:], "B_D")
 
 
-def _exponential(generator: Array, h: float, precision: int) -> Array:
+def _exponential(generator: Array, h: float) -> Array | None:
+    """exp(h generator), each entry rounded once; None where the balls stay too wide."""
     period = _decimal(h)
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
-    while True:
+    precision = FEWEST_BITS
+    while precision <= MOST_BITS:
         with ball_precision(precision):
             found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
             entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
@@ -80,6 +91,7 @@ def _exponential(generator: Array, h: float, precision: int) -> Array:
                 values = [float(x.mid()) for x in entries]
                 return np.reshape(np.array(values, dtype=np.float64), generator.shape)
         precision *= 2
+    return None
 
 
 def _decimal(value: float) -> fmpq:

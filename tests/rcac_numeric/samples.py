@@ -359,7 +359,7 @@ SAMPLES = {
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
     ),
     results.ContinuousSolution: lambda seed: rcac.solve_care(
-        [[1.0 + seed]], [[1.0]], [[1], [0]], [[0], [1]]
+        [[1.0 + seed]], [[1.0]], E_1=[[1], [0]], E_2=[[0], [1]]
     ),
     results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]

@@ -54,7 +54,9 @@ def test_the_sample_time_is_kept_and_goes_out(name):
     assert getattr(made, "sample_time", PERIOD) == PERIOD
     assert getattr(made, "time", "discrete") == "discrete"
     assert made.to_control().dt == T
-    assert made.to_control(0.5).dt == 0.5
+    assert made.to_control(0.1 * 0.1).dt == 0.1 * 0.1  # 0.010000000000000002
+    with pytest.raises(InputError, match=r"sampled every 0\.01 s, not every 0\.5 s; leave dt out"):
+        made.to_control(0.5)
 
 
 def test_sampling_says_the_period_of_what_it_makes():

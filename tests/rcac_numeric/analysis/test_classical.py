@@ -6,8 +6,10 @@ from itertools import product
 import control
 import numpy as np
 import pytest
+import scipy.signal
 from hypothesis import assume, given, settings
 
+import compensator_theory
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
 from rcac_numeric import (
     UD,
@@ -399,7 +401,7 @@ def test_table_5_2_calls_seconds_steps():
     ("loop", "options", "error", "words"),
     [
         (tf([1.0], [1, -0.5]), {}, InputError, "does not say how it is closed"),
-        (control.tf([1.0], [1, 1]), {"feedback": -1}, InputError, "not in discrete time"),
+        (control.tf([1.0], [1, 1]), {"feedback": -1}, InputError, "is in continuous time"),
         (tf([1.0, 0, 0], [1, -0.5]), {"feedback": -1}, ImproperError, "future"),
         (3.0, {"feedback": -1}, InputError, "not a loop"),
         (tf([1.0], [1, 0.0]), {"feedback": -1}, InputError, "every frequency"),
@@ -420,3 +422,21 @@ def test_a_closed_loop_refuses_a_sign_and_a_missing_channel():
     with pytest.raises(InputError, match="at most 0"):
         stability_margins(loop, channel=1)
     assert len(stability_margins(loop).plot().axes) == 3
+
+
+@pytest.mark.parametrize(
+    ("system", "words"),
+    [
+        (control.tf([2.0], [1, 3, 2, 0]), r"compensator_theory\.stability_margins"),
+        (control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]]), r"compensator_theory\.stability_margins"),
+        (scipy.signal.lti([1.0], [1.0, 1.0]), r"compensator_theory\.stability_margins"),
+        ("2/(s*(s + 1))", r"compensator_theory\.stability_margins"),
+        (control.frd(np.ones(2), np.array([0.1, 1.0])), r"control\.stability_margins"),
+        (control.tf([1.0, 0], [1.0, 0.0], 0.1), "Change the gain of the loop a little"),
+    ],
+)  # fmt: skip
+def test_what_has_no_margins_here_names_who_answers(system, words):
+    with pytest.raises(InputError, match=words):
+        stability_margins(system, feedback=-1)
+    if "compensator_theory" in words:
+        assert compensator_theory.stability_margins(system, feedback=-1) is not None

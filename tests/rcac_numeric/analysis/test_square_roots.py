@@ -131,7 +131,7 @@ def test_continuous_time_agrees_with_scipy_and_leaves_no_residual(seed):
     A, B = rng.standard_normal((n, n)), rng.standard_normal((n, m))
     E_1 = np.vstack([np.eye(n), np.zeros((m, n))])
     E_2 = np.vstack([rng.standard_normal((n, m)) / 10, np.eye(m)])
-    found = solve_care(A, B, E_1, E_2)
+    found = solve_care(A, B, E_1=E_1, E_2=E_2)
     P = linalg.solve_continuous_are(A, B, E_1.T @ E_1, E_2.T @ E_2, s=E_1.T @ E_2)
     assert found.margin > 0 and found.residual < 1e-11
     assert np.allclose(found.P, P, rtol=1e-6, atol=1e-7 * np.abs(P).max())
@@ -141,8 +141,9 @@ def test_continuous_time_agrees_with_scipy_and_leaves_no_residual(seed):
 def test_cheap_control_of_a_double_integrator(size):
     """Textbook: u = -(x / rho + sqrt(2 / rho) v) for the weight rho^2 of u."""
     found = solve_care(
-        [[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0], [0.0, 0.0]], [[0.0], [size]]
-    )
+        [[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]],
+        E_1=[[1.0, 0.0], [0.0, 0.0]], E_2=[[0.0], [size]],
+    )  # fmt: skip
     assert found.gain == pytest.approx(-np.array([[1 / size, np.sqrt(2 / size)]]), rel=1e-7)
     with pytest.raises(InputError, match="dependent columns"):
-        solve_care([[1.0]], [[1.0]], [[1.0]], [[0.0]])
+        solve_care([[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[0.0]])

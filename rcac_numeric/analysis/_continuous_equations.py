@@ -1,0 +1,401 @@
+"""The continuous-time algebraic Riccati equation, in its own words, and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import linalg
+
+from compensator_theory.errors import (
+    CompensatorError,
+    InputError,
+    NoSolutionError,
+    NotControllableError,
+    UnitCircleError,
+)
+from rcac_numeric.analysis._equations import (
+    LARGEST_RESIDUAL,
+    factor_of,
+    stabilising_solution,
+    symmetric,
+)
+from rcac_numeric.analysis._gramians import norm
+from rcac_numeric.analysis._obstacles import EPS, REGULATOR, balanced_pencil, words
+from rcac_numeric.analysis._square_roots import triangle
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._definite_matrices import square_root_columns
+from rcac_numeric.arrays._validation import matrix
+from rcac_numeric.arrays._values import Result
+
+# The residual that is good; and states from which SciPy's solution with Newton steps is taken where
+# it is good enough, before square roots are tried.
+GOOD, MANY_STATES, GOOD_OF_MANY = 1e-12, 40, 1e-10
+
+Weights = tuple[Array, Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class ContinuousSolution(Result):
+    """The stabilising solution of a continuous-time Riccati equation.
+
+    Attributes
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    P : array, shape (n, n)
+    gain : array, shape (m, n)
+        K = -R_2^{-1} (R_12' + B'P).
+    factor : array, shape (n, n), or None
+        S with P = S'S; None where the weight is not positive semidefinite.
+    residual : float
+        Norm of what is left of the equation over the sum of the norms of its terms.
+    """
+
+    A: Array
+    B: Array
+    P: Array
+    gain: Array
+    factor: Array | None
+    residual: float
+
+    @property
+    def closed_loop(self) -> Array:
+        """A + BK, shape (n, n)."""
+        return np.asarray(self.A + self.B @ self.gain)
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """The n eigenvalues of A + BK, in the open left half plane."""
+        return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
+
+    @property
+    def margin(self) -> float:
+        """Distance of the closed-loop poles to the imaginary axis."""
+        return -float(self.poles.real.max(initial=-np.inf))
+
+    def __repr__(self) -> str:
+        return (
+            f"ContinuousSolution(n={len(self.A)}, residual={self.residual:.1e}, "
+            f"margin={self.margin:.3g})"
+        )
+
+
+def solve_care(
+    A: ArrayLike, B: ArrayLike, R_1: ArrayLike | None = None, R_2: ArrayLike | None = None,
+    R_12: ArrayLike | None = None, *, E_1: ArrayLike | None = None, E_2: ArrayLike | None = None,
+) -> ContinuousSolution:  # fmt: skip
+    """Solve A'P + PA + R_1 - (PB + R_12) R_2^{-1} (B'P + R_12') = 0 for the stabilising P.
+
+    The gain minimises the integral of x'R_1 x + 2 x'R_12 u + u'R_2 u over u = Kx, as `lqr` does.
+
+    Parameters
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    R_1, R_2, R_12 : arrays of shape (n, n), (m, m), (n, m)
+        Weights; R_1 and R_2 symmetric, R_2 regular, R_12 zero by default. [R_1 R_12; R_12' R_2]
+        may be indefinite.
+    E_1, E_2 : arrays of shape (p, n), (p, m), instead of the weights
+        Their factors: R_1 = E_1'E_1, R_12 = E_1'E_2, R_2 = E_2'E_2. E_2 has full column rank. No
+        weight is squared then: an E_2 of 1e-10 costs no digit.
+
+    Returns
+    -------
+    ContinuousSolution
+
+    Raises
+    ------
+    NotControllableError
+        Where a mode of A on or right of the imaginary axis cannot be moved; it is named.
+    UnitCircleError
+        Where a zero is on the imaginary axis; it is named.
+    NoSolutionError
+        Where no stabilising solution was found with a small residual.
+    InputError
+        Where an argument has the wrong shape, a weight is not symmetric, or R_2 is singular.
+
+    Notes
+    -----
+    With factors P is also that of the discrete-time equation of ``(I - hA)^{-1} (I + hA),
+    sqrt(2h) (I - hA)^{-1} B, sqrt(2h) E_1 (I - hA)^{-1}, E_2 + h E_1 (I - hA)^{-1} B`` for every
+    h > 0 that leaves I - hA regular, and is found there, in square roots; else by
+    `scipy.linalg.solve_continuous_are`. Either is refined by Newton steps, one Lyapunov equation
+    each, and held against the equation itself. The Kalman-Bucy filter is the dual: A', C' and the
+    spectral densities of the noises. Source: P. Benner, A. J. Laub and V. Mehrmann, A collection
+    of benchmark examples for the numerical solution of algebraic Riccati equations I (1995).
+
+    Examples
+    --------
+    >>> from rcac_numeric import solve_care
+    >>> found = solve_care([[0, 1], [0, 0]], [[0], [1]], R_1=[[1, 0], [0, 0]], R_2=[[1]])
+    >>> found.gain.round(12), found.residual < 1e-14  # the double integrator: -1, -sqrt(2)
+    (array([[-1.        , -1.41421356]]), True)
+    >>> solve_care([[1]], [[1]], E_1=[[0], [0]], E_2=[[0], [1]]).P  # the least control: 1 -> -1
+    array([[2.]])
+    """
+    A = matrix(A, "A", (None, None))
+    n = len(A)
+    A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
+    if not A.size:
+        raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
+    weights, factor = _weights(n, B.shape[1], R_1, R_2, R_12, E_1, E_2)
+    with np.errstate(all="ignore"):  # what leaves float64 ends in a bad residual
+        _require_stabilisable(A, B)
+        if factor is not None:
+            _require_no_zero_on_axis(A, B, *factor)
+        found = min(
+            _until_good(_candidates(A, B, weights, factor)),
+            key=lambda s: (not s.margin > 0, s.residual), default=None,
+        )  # fmt: skip
+    if found is None or not found.margin > 0 or not found.residual < LARGEST_RESIDUAL:
+        best = "none" if found is None else repr(found)
+        advice = (
+            "The full weight is not positive semidefinite, so that there may be none."
+            if factor is None
+            else "Scale the states and signals to like size; for scalar signals "
+            "compensator_theory.solve_riccati is exact."
+        )
+        raise NoSolutionError(
+            "no stabilising solution of the continuous-time Riccati equation was found in float64 "
+            f"(the best: {best}). {advice}"
+        )
+    if factor is None:
+        _require_no_pole_on_axis(found, weights)
+    return found
+
+
+def _weights(
+    n: int, m: int, R_1: ArrayLike | None, R_2: ArrayLike | None, R_12: ArrayLike | None,
+    E_1: ArrayLike | None, E_2: ArrayLike | None,
+) -> tuple[Weights, tuple[Array, Array] | None]:  # fmt: skip
+    """(R_1, R_12, R_2), and (E_1, E_2) where the full weight has a factor."""
+    if E_1 is not None and E_2 is not None:
+        if not (R_1 is None and R_2 is None and R_12 is None):
+            raise InputError("give R_1 and R_2, or their factors E_1 and E_2, not both.")
+        left = matrix(E_1, "E_1", (None, n))
+        right = matrix(E_2, "E_2", (len(left), m))
+        scaled = right / np.maximum(np.linalg.norm(right, axis=0), 1e-300)
+        if np.linalg.matrix_rank(scaled) < m:
+            raise InputError(
+                "E_2 has dependent columns: in continuous time every direction of u needs a "
+                "weight. Weight it, or sample the plant and use solve_dare."
+            )
+        return (left.T @ left, left.T @ right, right.T @ right), (left, right)
+    if R_1 is None or R_2 is None or not (E_1 is None and E_2 is None):
+        raise InputError(
+            "give R_1 and R_2, the weights of x and u, or both of their factors, E_1 and E_2."
+        )
+    shape = np.shape(R_1)
+    if len(shape) == 2 and shape[1] == n != shape[0]:
+        raise InputError(
+            f"R_1 has shape {shape}, and a weight of x is {n} x {n}. Factors have names of their "
+            "own: solve_care(A, B, E_1=E_1, E_2=E_2)."
+        )
+    weights = (
+        symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
+        np.zeros((n, m)) if R_12 is None else matrix(R_12, "R_12", (n, m)),
+        symmetric(matrix(R_2, "R_2", (m, m)), "R_2"),
+    )
+    sizes = np.sqrt(np.abs(np.diag(weights[2])))
+    scale = np.where(sizes > 0, sizes, np.sqrt(np.abs(weights[2]).max(initial=0.0)) or 1.0)
+    values = np.abs(np.linalg.eigvalsh(weights[2] / np.outer(scale, scale)))
+    if not values.min(initial=1.0) > 10 * m * EPS * values.max(initial=1.0):
+        raise InputError(
+            "R_2 is singular: in continuous time every direction of u needs a weight. Weight it, "
+            "or sample the plant and use solve_dare."
+        )
+    return weights, factor_of(weights)
+
+
+def _until_good(found: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolution]:
+    """The candidates up to the first one whose residual is that of rounding."""
+    for one in found:
+        yield one
+        if one.margin > 0 and one.residual < (GOOD if len(one.A) <= MANY_STATES else GOOD_OF_MANY):
+            return
+
+
+def _candidates(
+    A: Array, B: Array, weights: Weights, factor: tuple[Array, Array] | None
+) -> Iterator[ContinuousSolution]:
+    """Solutions, each refined, those first that are to be preferred."""
+    if factor is not None and len(A) <= MANY_STATES:
+        yield from _in_square_roots(A, B, weights, factor)
+    for balanced in (True, False):
+        try:
+            P = linalg.solve_continuous_are(
+                A, B, weights[0], weights[2], s=weights[1], balanced=balanced
+            )
+            yield _refined(A, B, weights, np.asarray(P), factor)
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+    if factor is not None and len(A) > MANY_STATES:
+        yield from _in_square_roots(A, B, weights, factor)
+
+
+def _evaluated(A: Array, B: Array, weights: Weights, P: Array) -> tuple[Array, Array, float]:
+    """The gain of P, what P leaves of the equation, and the sum of the norms of its terms."""
+    _, R_12, R_2 = weights
+    if not np.isfinite(P).all():
+        raise np.linalg.LinAlgError("not finite")
+    K = -np.asarray(np.linalg.solve(R_2, R_12.T + B.T @ P))
+    left, size = _left_over(A, B, weights, P, K)
+    return K, left, size
+
+
+def _left_over(A: Array, B: Array, weights: Weights, P: Array, K: Array) -> tuple[Array, float]:
+    R_1, R_12, R_2 = weights
+    closed, cross = A + B @ K, R_12 @ K
+    terms = (closed.T @ P, P @ closed, R_1, cross + cross.T, K.T @ R_2 @ K)
+    return np.asarray(sum(terms[1:], terms[0])), sum(map(norm, terms))
+
+
+def _solution(
+    A: Array, B: Array, weights: Weights, P: Array, K: Array, S: Array | None
+) -> ContinuousSolution:
+    left, size = _left_over(A, B, weights, P, K)
+    return ContinuousSolution(A, B, P, K, S, norm(left) / size if size else 0.0)
+
+
+def _refined(
+    A: Array, B: Array, weights: Weights, P: Array, factor: tuple[Array, Array] | None
+) -> ContinuousSolution:
+    """Newton steps: one Lyapunov equation each, as long as the residual falls."""
+    P = (P + P.T) / 2
+    K, left, size = _evaluated(A, B, weights, P)
+    for _ in range(5):
+        try:
+            better = P + _lyapunov((A + B @ K).T, -left)
+            found = better, *_evaluated(A, B, weights, better)
+        except (np.linalg.LinAlgError, ValueError):
+            break
+        if not norm(found[2]) / (found[3] or 1.0) < norm(left) / (size or 1.0):
+            break
+        P, K, left, size = found
+    S = None if factor is None else triangle(square_root_columns(P).T)
+    return ContinuousSolution(A, B, P, K, S, norm(left) / size if size else 0.0)
+
+
+def _lyapunov(A: Array, Q: Array) -> Array:
+    """The symmetric X with A X + X A' = Q, by Bartels and Stewart; refused where it is singular."""
+    T, V = linalg.schur(A, output="real")
+    X, scale, info = linalg.lapack.dtrsyl(T, T, V.T @ Q @ V, tranb="C")
+    if info:  # two modes of opposite sign: LAPACK moves one of them by rounding
+        raise np.linalg.LinAlgError("the Lyapunov equation is singular")
+    X = scale * V @ X @ V.T
+    return np.asarray((X + X.T) / 2)
+
+
+def _in_square_roots(
+    A: Array, B: Array, weights: Weights, factor: tuple[Array, Array]
+) -> Iterator[ContinuousSolution]:
+    """The solution of the discrete-time equation, at the best of some h that are tried."""
+    h = 0.7 / (norm(A) or 1.0)
+    found = None
+    for _ in range(5):  # h between the fastest and the slowest pole of the loop that is looked for
+        try:
+            better = _by_sampling(A, B, weights, factor, h)
+        except (CompensatorError, np.linalg.LinAlgError):  # about the discrete-time equation
+            break
+        if found is not None and not better.residual < 0.5 * found.residual:
+            break
+        found, sizes = better, np.abs(better.poles)
+        h = float(np.exp(-np.mean(np.log(np.maximum(sizes, 1e-8 * sizes.max())))))
+    if found is not None:
+        yield found
+
+
+def _by_sampling(
+    A: Array, B: Array, weights: Weights, factor: tuple[Array, Array], h: float
+) -> ContinuousSolution:
+    n, root, (E_1, E_2) = len(A), np.sqrt(2 * h), factor
+    inverse = np.linalg.inv(np.eye(n) - h * A)
+    moved = (
+        inverse @ (np.eye(n) + h * A), root * inverse @ B, root * E_1 @ inverse,
+        E_2 + h * E_1 @ inverse @ B,
+    )  # fmt: skip
+    squares = moved[2].T @ moved[2], moved[2].T @ moved[3], moved[3].T @ moved[3]
+    found = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
+    S = triangle(E_1) if found.factor is None else found.factor
+    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.gain.T).T
+    P, closed, seen = found.P, A + B @ K, E_1 + E_2 @ K
+    terms = closed.T @ P, P @ closed, seen.T @ seen
+    residual = norm(sum(terms[1:], terms[0])) / (sum(map(norm, terms)) or 1.0)
+    return ContinuousSolution(A, B, P, np.asarray(K), S, residual)
+
+
+def _require_stabilisable(A: Array, B: Array) -> None:
+    """Refuse a mode of A on or right of the imaginary axis that no gain moves, by name."""
+    _, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
+    A, B = A * scale / scale[:, None], B / scale[:, None]
+    size = norm(A) or 1.0
+    widths = np.linalg.norm(B, axis=0)
+    scaled = B[:, widths > 0] / widths[widths > 0] * size
+    for mode in np.linalg.eigvals(A):
+        if not mode.real >= -EPS * abs(mode):
+            continue
+        pencil = np.hstack([A - mode * np.eye(len(A)), scaled])
+        smallest = np.linalg.svd(pencil, compute_uv=False)[len(A) - 1]
+        if smallest <= 100 * len(A) * EPS * size:
+            raise NotControllableError(
+                f"(A, B) is not stabilisable: no gain moves the mode {words(mode)} of A, which is "
+                f"on or right of the imaginary axis (smallest singular value {smallest:.1e} of "
+                f"[A - sI, B], of norm {size:.3g}). Remove it from the plant, or move it into the "
+                "left half plane if it models a disturbance."
+            )
+
+
+def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None:
+    """Refuse an s on the imaginary axis at which [A - sI, B; E_1, E_2] loses rank.
+
+    E_2 is one to one, so that these are the modes of A - B E_2^+ E_1 there which the rest of z,
+    (I - E_2 E_2^+) E_1, does not show.
+    """
+    onto = np.linalg.lstsq(E_2, E_1, rcond=None)[0]
+    inner, rest = A - B @ onto, E_1 - E_2 @ onto
+    _, (scale, _) = linalg.matrix_balance(inner, permute=False, separate=True)
+    inner, rest = inner * scale / scale[:, None], rest * scale
+    size = norm(inner) or 1.0
+    shown = rest / (norm(E_1 * scale) or 1.0) * size
+    modes = np.linalg.eigvals(inner)
+    for mode in modes:
+        # A multiple mode is computed as a cluster, off by a root of the rounding error.
+        for one in (mode, modes[np.abs(modes - mode) < 1e-4 * size].mean()):
+            at = 1j * one.imag
+            if not abs(one.real) <= 100 * len(A) * EPS * size:
+                continue
+            pencil = np.vstack([inner - at * np.eye(len(A)), shown])
+            least = float(np.linalg.svd(pencil, compute_uv=False)[-1])
+            # Beside a fast mode a slow one is as small as rounding; its own row tells them apart.
+            own = float(np.linalg.svd(balanced_pencil(pencil), compute_uv=False)[-1])
+            if least <= 100 * len(A) * EPS * size and own <= 100 * len(A) * EPS:
+                raise UnitCircleError(
+                    f"G_zu has a zero on the imaginary axis at {words(at)} (a mode of A there that "
+                    f"z does not show included; smallest singular value {least:.1e}). A "
+                    "closed-loop pole would have to lie on it, so no solution is stabilising. "
+                    "Weight the states that it moves (R_1)."
+                )
+
+
+def _require_no_pole_on_axis(found: ContinuousSolution, weights: Weights) -> None:
+    """Refuse an eigenvalue of the Hamiltonian matrix that rounding alone moved off the axis."""
+    (R_1, R_12, R_2), A, B = weights, found.A, found.B
+    n = len(A)
+    closing = np.linalg.solve(R_2, np.hstack([R_12.T, B.T]))
+    inner = A - B @ closing[:, :n]
+    H = np.block([[inner, -B @ closing[:, n:]], [R_12 @ closing[:, :n] - R_1, -inner.T]])
+    size = norm(H)
+    pole = found.poles[np.argmax(found.poles.real)]
+    # A double eigenvalue on the axis is moved off it by the root of the rounding error.
+    if found.margin <= 100 * np.sqrt(EPS) * size:
+        at = 1j * float(pole.imag)
+        least = float(np.linalg.svd(H - at * np.eye(2 * n), compute_uv=False)[-1])
+        if least <= 100 * n * EPS * size:
+            raise UnitCircleError(
+                f"the Hamiltonian matrix has an eigenvalue on the imaginary axis at {words(at)} "
+                f"(smallest singular value {least:.1e}): a closed-loop pole would have to lie "
+                "there, so no solution is stabilising. Change the weights: the full weight is not "
+                "positive semidefinite."
+            )
