@@ -100,9 +100,9 @@ def test_when_a_pair_is_uncontrollable(A, b, symbol, right):
 @pytest.mark.parametrize(
     "name",
     [
-        case("LQR-weight-q", "q", open_because="q is taken for the shift"),
-        case("zero-z", "z", open_because="z is taken for the variable"),
-        case("parameter-s", "s", open_because="s is taken for the variable"),
+        case("LQR-weight-q", "q"),
+        case("zero-z", "z"),
+        case("parameter-s", "s"),
         case("parameter-a", "a"),
     ],
 )

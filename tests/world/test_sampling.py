@@ -74,12 +74,10 @@ OWN_H = [
     case(
         "h-as-gain",
         lambda hold: hold("h/(s + 1)", variable="s"),
-        open_because="the step h is the plant's h",
     ),
     case(
         "h-as-zero",
         lambda hold: hold("(s + h)/(s + 1)", variable="s"),
-        open_because="the step h is the plant's h",
     ),
     case("h-as-pole", lambda hold: hold("1/(s + h)", variable="s")),
 ]

@@ -73,17 +73,7 @@ GAIN_K = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("loop", "values", "right"),
-    [
-        pytest.param(
-            *row.values,
-            id=row.id,
-            marks=pytest.mark.xfail(strict=True, reason="the plant's k is taken for the gain"),
-        )
-        for row in GAIN_K
-    ],
-)
+@pytest.mark.parametrize(("loop", "values", "right"), GAIN_K)
 def test_the_gain_is_no_letter_of_the_plant(loop, values, right):
     """By Routh and Jury with numbers put in; a refusal or any other letter is right."""
     try:
