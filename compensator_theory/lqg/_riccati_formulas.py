@@ -26,7 +26,6 @@ from compensator_theory.polynomials._substitution import (
     Substitutions,
     names_in,
     read_values,
-    require_names,
     substituted,
 )
 from compensator_theory.polynomials._values import ExactValue
@@ -80,13 +79,11 @@ class RiccatiFormula(ExactValue):
         Raises
         ------
         InputError
-            If a symbol has no value, or a name is none of the symbols.
+            If a symbol has no value.
         """
         weights = (self.A, self.B, self.Q, self.R, self.N)
         known, given = names_in(weights), read_values(values, value)
-        names = {symbol.name for symbol in given}
-        require_names(names, known, "the formula")
-        if missing := sorted(known - names):
+        if missing := sorted(known - {symbol.name for symbol in given}):
             raise InputError(f"give a value for {', '.join(missing)}, too")
         A, B, Q, R, N = substituted(weights, given)
         return solve_riccati(A, B, Q=Q, R=R, N=N, time=self.time)

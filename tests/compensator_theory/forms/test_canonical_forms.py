@@ -171,9 +171,9 @@ def test_popov_form_with_symbols():
 @pytest.mark.parametrize(
     "call",
     [lambda: frobenius_form([[1, 2]]), lambda: frobenius_form([]),
-     lambda: frobenius_form([["s"]]), lambda: frobenius_form("A"),
+     lambda: frobenius_form([["s"]], "s"), lambda: frobenius_form("A"),
      lambda: frobenius_form(sympy.eye(60)), lambda: kronecker_form([[1]], [[1, 2]]),
-     lambda: kronecker_form([], []), lambda: kronecker_form([["s"]], [[1]]),
+     lambda: kronecker_form([], []), lambda: kronecker_form([["s"]], [[1]], variable="s"),
      lambda: popov_form([["1/s"]]), lambda: popov_form([]), lambda: popov_form([["s**1001"]])],
 )  # fmt: skip
 def test_bad_input(call):
