@@ -279,8 +279,15 @@ def test_roots_inside_roots_are_refused_at_once(depth):
 @pytest.mark.parametrize("values", [Long(10**9), Endless()], ids=["a length", "no end"])
 def test_no_more_is_drawn_than_a_limit_allows(values):
     with pytest.raises(BudgetError), exact.budget(degree=20):
+        exact.read_roots(values)
+    assert values.drawn <= 22  # one more than the degree, and one too many
+
+
+def test_of_what_has_no_order_nothing_is_drawn_as_coefficients():
+    values = Endless()
+    with pytest.raises(InputError, match="first and which its last"):
         exact.polynomial(values, "s")
-    assert values.drawn <= 22  # one more coefficient than the degree, and one too many
+    assert values.drawn == 0
 
 
 def test_a_refusal_says_what_to_do_and_a_limit_can_be_raised():
