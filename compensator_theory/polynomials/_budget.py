@@ -281,7 +281,7 @@ def is_array(values: object, dimensions: int | None = None) -> bool:
     >>> is_array(np.zeros(2)), is_array(np.zeros(2), 2), is_array(np.float64(3)), is_array([1])
     (True, False, False, False)
     """
-    if type(values).__module__.split(".")[0] not in _OF_ARRAYS:
+    if (type(values).__module__ or "").split(".")[0] not in _OF_ARRAYS:
         return False
     found = len(getattr(values, "shape", ()))
     return found > 0 if dimensions is None else found == dimensions

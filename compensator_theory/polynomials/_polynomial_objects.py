@@ -39,7 +39,7 @@ def in_our_order(obj: Any) -> Any:
         return Poly(expression, symbols[0]) if alone else expression
     if isinstance(obj, _IN_FLINT):
         return _descending(listed(obj.coeffs(), "degree", "the polynomial", more=1))
-    classes = {(one.__module__.split(".")[0], one.__name__) for one in type(obj).__mro__}
+    classes = {((one.__module__ or "").split(".")[0], one.__name__) for one in type(obj).__mro__}
     if ("numpy", "poly1d") in classes:
         return _named([*obj.coeffs], obj.variable)
     if ("numpy", "ABCPolyBase") in classes:

@@ -174,15 +174,17 @@ def stability_margins(
 
     Parameters
     ----------
-    loop : Run, ClosedLoop, pair of a plant and a Compensator, or python-control system
-        Of a run it is the loop of its last controller. A TransferFunction or StateSpace of
-        python-control is the scalar loop transfer function L in discrete time.
+    loop : Run, ClosedLoop, pair of a plant and a Compensator, or transfer function
+        Of a run it is the loop of its last controller. A text, a system of python-control or SciPy,
+        or whatever else `compensator_theory.transfer_function` reads, is the scalar loop transfer
+        function L in discrete time. (`compensator_theory.stability_margins` has those of a loop in
+        s.)
     at : {"u", "y"}, channel : int
         Where a closed loop is opened; its other channels stay closed.
     feedback : {+1, -1}
         For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
     sample_time : float, optional
-        In seconds; taken from a python-control system that has one.
+        In seconds; taken from a system that has one.
     disk : bool
         Whether the disk margin is found too.
 

@@ -521,6 +521,12 @@ def test_settings_stand_in_one_place(name):
 
 
 def test_rows_of_a_transfer_matrix_are_no_matrices():
-    pairs = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
+    pairs = [[(1, 2), (3, 4)], [(5, 6), (7, 8)], [(1, 2), (1, "s + 3")]]
     assert exact.transfer_matrix(pairs, "s").shape == (3, 2)
+    assert exact.transfer_matrix(pairs[:2], "s").shape == (2, 2)
+    pairs[2][1] = (1, 3)  # may be A, B and C
+    with pytest.raises(InputError, match="may be the matrices"):
+        exact.transfer_matrix(pairs, "s")
+    matrices = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
+    assert exact.transfer_matrix(matrices, "s") == exact.transfer_matrix(tuple(matrices), "s")
     assert exact.transfer_matrix([["1/s"], ["2/s"], ["3/s"]]).shape == (3, 1)
