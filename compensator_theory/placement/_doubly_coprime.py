@@ -26,7 +26,6 @@ from compensator_theory.polynomials._variables import time_of
 from compensator_theory.roots._stability import decide_stability
 from compensator_theory.systems._canonical_forms import RealisationLike, timed_realisation
 from compensator_theory.systems._descriptions import has_states
-from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
@@ -187,7 +186,7 @@ def read_plant(
     >>> read_plant("(s + 1)/((s + 1)*(s + 2))", None)[0].n
     1
     """
-    if has_states(plant, variable) and not is_foreign(plant):
+    if has_states(plant, variable):
         return timed_realisation(plant, variable, "a stable fraction"), ()
     found = minimal_realisation(plant, variable)
     return found.realisation, found.exceptional

@@ -34,6 +34,7 @@ class Natural:
     make: Callable[[], Any]
     canonical: Any
     variable: str | None = None
+    beside: Any = None  # what it stands for where another argument shows the variable
 
 
 class Backwards:
@@ -53,7 +54,14 @@ class Backwards:
 
 
 # Numerator and denominator, zeros and poles: in s of a stable plant, in z of another.
-NUMBERS = {"s": ([1, 5], [1, 3, 2], [-5], [-1, -2]), "z": ([1, 0.25], [1, -0.75, 0.125], [-0.25], [0.5, 0.25])}  # fmt: skip
+NUMBERS = {
+    "s": ([1, 5], [1, 3, 2], [-5], [-1, -2]),
+    "z": ([1, 0.25], [1, -0.75, 0.125], [-0.25], [0.5, 0.25]),
+}
+
+
+def rational_in_flint(value):
+    return flint.fmpq(*Fraction(value).as_integer_ratio())
 
 
 def polynomial_inputs(x):
@@ -74,16 +82,14 @@ def polynomial_inputs(x):
         "a list of Decimals": lambda: [*map(Decimal, map(str, d))],
         "a list of texts": lambda: [*map(str, d)],
         "a list of SymPy's numbers": lambda: [*map(sympy.Rational, d)],
-        "a list of flint's numbers": lambda: [flint.fmpq(*Fraction(c).as_integer_ratio()) for c in d],
+        "a list of flint's numbers": lambda: [*map(rational_in_flint, d)],
         "a Tuple": lambda: sympy.Tuple(*map(sympy.Rational, d)),
         "a Series of pandas": lambda: pd.Series(d),
         "poly1d": lambda: np.poly1d(d),
         "a Polynomial of NumPy": lambda: Polynomial(up),
         "a Polynomial that ends in zero": lambda: Polynomial([*up, 0.0]),
-        "a polynomial of flint": lambda: flint.fmpq_poly(
-            [flint.fmpq(*Fraction(c).as_integer_ratio()) for c in up]),
-        "a power series of flint": lambda: flint.fmpq_series(
-            [flint.fmpq(*Fraction(c).as_integer_ratio()) for c in up]),
+        "a polynomial of flint": lambda: flint.fmpq_poly([*map(rational_in_flint, up)]),
+        "a power series of flint": lambda: flint.fmpq_series([*map(rational_in_flint, up)]),
     }  # fmt: skip
     shown = {
         "a text": lambda: f"{x}**2 + ({d[1]})*{x} + {d[2]}",
@@ -91,7 +97,7 @@ def polynomial_inputs(x):
         "a printed text": lambda: f"{first}·{second}".replace("-", "−"),
         "a printed square": lambda: f"{x}² + ({d[1]})×{x} + {d[2]}".replace("-", "−"),
         "a text with a caret": lambda: f"{x}^2 + ({d[1]})*{x} + {d[2]}",
-        "an expression": lambda: wanted.as_expr(),
+        "an expression": wanted.as_expr,
         "an expression with floats": lambda: sum(float(c) * symbol**k for k, c in enumerate(up)),
         "a Poly": lambda: sympy.Poly(wanted.as_expr(), symbol),
         "a named poly1d": lambda: np.poly1d(d, variable=x),
@@ -130,6 +136,7 @@ def system_inputs(x):
     lti = scipy.signal.lti if x == "s" else (lambda *parts: scipy.signal.dlti(*parts, dt=0.5))
     sampled = wanted if x == "s" else replace(wanted, sample_time=sympy.Rational(1, 2))
     up = [part[::-1] for part in (n, d)]
+    one = exact.transfer_matrix([[wanted]])
     rows = [
         Natural("text", lambda: f"({top})/({bottom})", wanted),
         Natural("factors", lambda: f"({top})/(({x} - ({poles[0]}))*({x} - ({poles[1]})))", wanted),
@@ -137,7 +144,7 @@ def system_inputs(x):
         Natural("caret", lambda: f"({top})/({x}^2 + ({d[1]})*{x} + {d[2]})", wanted),
         Natural("expression", lambda: polys[0] / polys[1], wanted),
         Natural("ours", lambda: wanted, wanted),
-        Natural("our matrix", lambda: exact.transfer_matrix([[wanted]]), wanted),
+        Natural("our matrix", lambda: exact.transfer_matrix([[wanted]]), one),
         Natural("pair of texts", lambda: (top, bottom), wanted),
         Natural("pair of lists", lambda: (n, d), wanted, x),
         Natural("pair of tuples", lambda: ((*n,), (*d,)), wanted, x),
@@ -148,14 +155,14 @@ def system_inputs(x):
         Natural("pair of poly1d", lambda: tuple(map(np.poly1d, (n, d))), wanted, x),
         Natural("pair of Polynomials", lambda: tuple(map(Polynomial, up)), wanted, x),
         Natural("pair of flint's", lambda: tuple(
-            flint.fmpq_poly([flint.fmpq(*Fraction(c).as_integer_ratio()) for c in part])
+            flint.fmpq_poly([*map(rational_in_flint, part)])
             for part in up), wanted, x),
         Natural("pair of elements", lambda: tuple(map(ring.from_expr, polys)), wanted),
         Natural("element of a field", lambda: field.from_expr(polys[0] / polys[1]), wanted),
         Natural("pair of Series", lambda: (pd.Series(n), pd.Series(d)), wanted, x),
         Natural("one entry", lambda: [[f"({top})/({bottom})"]], wanted),
         Natural("one pair as entry", lambda: [[(n, d)]], wanted, x),
-        Natural("SymPy matrix of one", lambda: sympy.Matrix([[polys[0] / polys[1]]]), wanted),
+        Natural("SymPy matrix of one", lambda: sympy.Matrix([[polys[0] / polys[1]]]), one),
         Natural("object array", lambda: np.array([[f"({top})/({bottom})"]], dtype=object), wanted),
         Natural("three levels", lambda: ([[n]], [[d]]), wanted, x),
         Natural("three levels over one", lambda: ([[n]], d), wanted, x),
@@ -180,11 +187,13 @@ def system_inputs(x):
         Natural("D = 0.0", lambda: (*arrays, 0.0), states, x),
         Natural("D = None", lambda: (A, B, C, None), states, x),
         Natural("flat B and C", lambda: (A, [0, 1], C[0], 0), states, x),
-        Natural("flat arrays", lambda: (arrays[0], arrays[1].ravel(), arrays[2].ravel()), states, x),
+        Natural("flat arrays", lambda: (
+            arrays[0], arrays[1].ravel(), arrays[2].ravel()), states, x),
         Natural("flat D", lambda: (*arrays, np.zeros(1)), states, x),
         Natural("[A, B, C]", lambda: [A, B, C], states, x),
         Natural("[A, B, C, D]", lambda: [*arrays, np.zeros((1, 1))], states, x),
-        Natural("rows as tuples", lambda: tuple(tuple(map(tuple, m)) for m in (A, B, C)), states, x),
+        Natural("rows as tuples", lambda: tuple(
+            tuple(map(tuple, matrix)) for matrix in (A, B, C)), states, x),
         Natural("SymPy's matrices", lambda: tuple(map(sympy.Matrix, (A, B, C))), states, x),
         Natural("realisation", lambda: states, states),
         Natural("python-control ss", lambda: control.ss(A, B, C, 0, dt), states),
@@ -203,7 +212,7 @@ def system_inputs(x):
     texts = [[f"1/({bottom})", f"2/({top})"], [f"3/({top})", f"4/({bottom})"]]
     several, common = exact.transfer_matrix(texts), exact.transfer_matrix(
         [[f"{k}/({bottom})" for k in row] for row in ((1, 2), (3, 4))])  # fmt: skip
-    identity = ([[A[0][0], 1], A[1]], np.eye(2).tolist(), [[1, 0], [2, 1]])
+    square = ([[A[0][0], 1], A[1]], np.eye(2).tolist(), [[1, 0], [2, 1]])
     rows += [
         Natural("rows of texts", lambda: texts, several),
         Natural("rows of pairs", lambda: [
@@ -216,10 +225,10 @@ def system_inputs(x):
         Natural("SymPy's matrix", lambda: TransferFunctionMatrix([
             [TransferFunction(sympy.Integer(k), p, symbol) for k, p in row]
             for row in ([(1, polys[1]), (2, polys[0])], [(3, polys[0]), (4, polys[1])])]), several),
-        Natural("matrices of several", lambda: identity, exact.Realisation(*identity, variable=x), x),
-        Natural("constant rows", lambda: [[1, 2], [3, 4]], exact.transfer_matrix(
-            exact.Realisation(sympy.zeros(0), sympy.zeros(0, 2), sympy.zeros(2, 0), [[1, 2], [3, 4]],
-                              variable=x)), x),
+        Natural("matrices of several", lambda: square, exact.Realisation(*square, variable=x), x),
+        Natural("constant rows", lambda: [[1, 2], [3, 4]], exact.Realisation(
+            sympy.zeros(0), sympy.zeros(0, 2), sympy.zeros(2, 0), [[1, 2], [3, 4]], variable=x
+        ).transfer_matrix(), x),
     ]  # fmt: skip
     other = "z" if x == "s" else "q"
     lead = f"({x} + {other})/({x} + p)"
@@ -229,11 +238,11 @@ def system_inputs(x):
         Natural("its expression", lambda: sympy.sympify(lead), renamed, x),
         Natural("its lists", lambda: ([1, other], [1, "p"]), renamed, x),
         Natural("its pair of texts", lambda: (f"{x} + {other}", f"{x} + p"), renamed, x),
+        Natural("two letters", lambda: lead, REFUSED, None, renamed),
         Natural("π", lambda: f"π/({bottom})", exact.transfer_function(f"pi/({bottom})")),
     ]
     tf2zpk = scipy.signal.tf2zpk(n, d)
     refused = {
-        "two letters": (lambda: lead, None),
         "another letter alone": (lambda: f"1/{other}", x),
         "ss2tf": (lambda: scipy.signal.ss2tf(*arrays, np.zeros((1, 1))), x),
         "tf2zpk": (lambda: tf2zpk, x),
