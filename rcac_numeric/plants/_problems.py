@@ -80,7 +80,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     >>> servo_plant([["1/(q - 0.8)", "(q - 2)/((q - 0.8)*(q - 0.9))"]])
     Plant(n=2, l_u=2, l_w=4, l_y=1, l_z=1)
     """
-    if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list):
+    if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list) and len(G[0]) > 1:
         matrices, G = {**matrices, **realised_row(G[0])}, None
     if isinstance(G, Plant):
         p, G = G.problem, None
