@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-import sympy
 from sympy import Expr, MatrixBase, Poly, Rational, Symbol, Tuple
 
 from compensator_theory.errors import CompensatorError, InputError
@@ -156,12 +155,15 @@ def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
     if isinstance(found, States):
         found = found.realisation("s" if variable is None else variable)
     if is_foreign(found):
-        for names in (
-            ("noutputs", "ninputs"), ("num_outputs", "num_inputs"), ("outputs", "inputs"),
-        ):  # fmt: skip
-            outputs, inputs = (getattr(found, name, None) for name in names)
-            if isinstance(outputs, int) and isinstance(inputs, int):
-                return outputs, inputs
+        counts: tuple[Any, Any] = (None, None)
+        if hasattr(found, "noutputs"):  # of python-control, SymPy and SciPy
+            counts = found.noutputs, found.ninputs
+        elif hasattr(found, "num_outputs"):
+            counts = found.num_outputs, found.num_inputs
+        elif hasattr(found, "outputs") and hasattr(found, "inputs"):
+            counts = found.outputs, found.inputs
+        if all(isinstance(count, int) for count in counts):
+            return counts
     own = getattr(found, "D", found)  # of a realisation, a descriptor system
     if isinstance(own, Rows | System | MatrixBase) and hasattr(own, "shape"):
         outputs, inputs = own.shape
@@ -331,7 +333,7 @@ def _shows(lists: Sequence[Any], variable: str | Symbol | None) -> bool:
             return True
         if isinstance(entry, str | Expr):
             try:
-                read = sympy.sympify(exact_number(entry))
+                read = exact_number(entry)
             except CompensatorError:  # whoever reads it says why
                 continue
             if any(map(sought, read.free_symbols)):
