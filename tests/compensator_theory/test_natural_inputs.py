@@ -87,7 +87,9 @@ def outcome(name, place, value, variable):
 def tables():
     polynomials = {x: polynomial_inputs(x) for x in "sz"}
     systems = {x: system_inputs(x) for x in "sz"}
-    of_z = [row for row in systems["z"] if "dt" in row.name or "SciPy" in row.name]
+    of_z = [
+        row for row in systems["z"] if any(name in row.name for name in ("dt", "SciPy", "sampled"))
+    ]
     return polynomials["s"], [*systems["s"], *of_z]
 
 

@@ -178,6 +178,7 @@ def system_inputs(x):
     ]  # fmt: skip
     A, B, C = [[0, 1], [-d[2], -d[1]]], [[0], [1]], [[n[1], n[0]]]
     states = exact.Realisation(A, B, C, variable=x)
+    least = exact.minimal_realisation(wanted).realisation
     arrays = tuple(map(np.array, (A, B, C)))
     timed_states = replace(states, sample_time=sympy.Rational(1, 2)) if x == "z" else states
     rows += [
@@ -196,6 +197,7 @@ def system_inputs(x):
             tuple(map(tuple, matrix)) for matrix in (A, B, C)), states, x),
         Natural("SymPy's matrices", lambda: tuple(map(sympy.Matrix, (A, B, C))), states, x),
         Natural("realisation", lambda: states, states),
+        Natural("minimal realisation", lambda: exact.minimal_realisation(wanted), least),
         Natural("python-control ss", lambda: control.ss(A, B, C, 0, dt), states),
         Natural("SciPy ss", lambda: lti(*arrays, np.zeros((1, 1))), timed_states),
     ]  # fmt: skip
@@ -203,7 +205,9 @@ def system_inputs(x):
         rows.append(Natural("SymPy ss", lambda: StateSpace(
             *map(sympy.Matrix, (A, B, C)), sympy.zeros(1)), states))  # fmt: skip
     else:
+        held = exact.sampling.zero_order_hold("2/((s + 1)*(s + 2))", sympy.log(2))
         rows += [
+            Natural("sampled plant", lambda: held, held.realisation),
             Natural("(A, B, C, D, dt)", lambda: (*arrays, [[0]], 0.5), timed_states),
             Natural("(A, B, C, 0, dt) in z", lambda: [A, B, C, 0, 0.5], timed_states, "z"),
         ]
@@ -257,6 +261,7 @@ def system_inputs(x):
         "sets": (lambda: ({*n}, {*d}), x),
         "a generator of rows": (lambda: ([c] for c in n), x),
         "complex coefficients": (lambda: ([1j], np.array([1, 2 + 1j])), x),
+        "a complex system": (lambda: lti([1], [1, 0.5j]), None),
         "a complex text": (lambda: f"1/({x} + j)", None),
         "a list of two lists": (lambda: [n, d], x),
         "two numbers": (lambda: [1, 2], x),
