@@ -27,10 +27,10 @@ def in_our_order(obj: Any) -> Any:
 
     Examples
     --------
-    >>> from numpy.polynomial import Polynomial
+    >>> from flint import fmpz_poly
     >>> from compensator_theory.polynomials._polynomial_objects import in_our_order
-    >>> in_our_order(Polynomial([3, 2, 1])), in_our_order("s + 1")
-    ([1.0, 2.0, 3.0], 's + 1')
+    >>> in_our_order(fmpz_poly([3, 2, 1])), in_our_order("s + 1")
+    ([1, 2, 3], 's + 1')
     """
     if isinstance(obj, PolyElement | FracElement):
         expression = obj.as_expr()

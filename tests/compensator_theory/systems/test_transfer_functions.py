@@ -120,6 +120,7 @@ def test_beside_a_variable_that_was_named_another_letter_is_a_parameter(text):
     with pytest.raises(InputError, match="not evident"):
         transfer_function(text)
     renamed = transfer_function(text.replace("s", "a").replace("q", "b"), "z")
-    assert transfer_function(text, "z") == renamed.subs({
-        name: {"a": "s", "b": "q"}[name] for name in "ab" if name in str(renamed)})
+    assert transfer_function(text, "z") == renamed.subs(
+        {name: {"a": "s", "b": "q"}[name] for name in "ab" if name in str(renamed)}
+    )
     assert transfer_function(text.replace("s", "a").replace("q", "b"), "z").variable.name == "z"
