@@ -74,7 +74,7 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
 def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
     """Write it once; and whether as it stands, since it is no system, or too large a one."""
     obj = in_our_order(obj)
-    is_nested = isinstance(obj, list) and any(isinstance(part, list | tuple) for part in obj)
+    is_nested = isinstance(obj, list) and isinstance(next(iter(obj), None), list | tuple)
     if isinstance(obj, ExactValue | tuple) or is_nested or is_foreign(obj):
         return str(transfer_function(obj, variable)), False
     if isinstance(obj, Poly) or is_list(obj):

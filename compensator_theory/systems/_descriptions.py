@@ -173,6 +173,7 @@ def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
 
 def _of_parts(parts: Sequence[Any], variable: str | Symbol | None) -> Pair | Rows | States:
     ask("entries", len(parts), "the system")
+    ask("entries", sum(len(p) for p in parts if isinstance(p, list | tuple)), "the transfer matrix")
     if (states := _states(parts, variable)) is not None:
         return states
     levels = [*map(_level, parts)]
