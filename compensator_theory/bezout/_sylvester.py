@@ -13,6 +13,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import from_flint
 from compensator_theory.polynomials._budget import ask, integer, shown
 from compensator_theory.polynomials._generic_answers import generic_answer_of
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable, is_list
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -231,6 +232,7 @@ def with_formal_degrees(
     >>> [degree for _, degree in with_formal_degrees([0, 1], "s + 2", None)]
     [1, 1]
     """
+    a, b = in_our_order(a), in_our_order(b)
     read = in_one_variable(a, b, variable=variable, default="s")
     found = []
     for name, given, poly, asked in zip("ab", (a, b), read, degrees, strict=True):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
-from compensator_theory.forms._elimination import Elimination
 from compensator_theory.forms._equivalence import certificate_of_products
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
@@ -16,9 +15,10 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.forms._rings import Element, Grid, Ring, identity, multiply
 from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._rings import Element, Grid, Ring, identity, multiply
 from compensator_theory.polynomials._poly import monic
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from sympy import Expr, S
 
-from compensator_theory.forms._elimination import Elimination
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     denominators,
@@ -15,9 +14,10 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.forms._rings import Grid, Ring, identity, multiply
 from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._rings import Grid, Ring, identity, multiply
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def certificate_of_products(
     --------
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.forms._equivalence import certificate_of_products
-    >>> from compensator_theory.forms._rings import ring_of
+    >>> from compensator_theory.matrices._rings import ring_of
     >>> ring = ring_of([polynomial("s")])
     >>> certificate_of_products(ring, "1 = 1", [([[ring.one]], [[ring.one]])]).holds
     True

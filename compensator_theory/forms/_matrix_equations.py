@@ -8,7 +8,6 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless, words
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.forms._elimination import Elimination
 from compensator_theory.forms._minimal_bases import MinimalBasis, minimal_basis
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
@@ -19,9 +18,10 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.forms._rings import Element, Grid, Ring, multiply
 from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._rings import Element, Grid, Ring, multiply
 from compensator_theory.polynomials._budget import shown
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of

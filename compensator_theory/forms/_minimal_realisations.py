@@ -23,7 +23,7 @@ from compensator_theory.matrices._linear_algebra import solve
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
-from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._transfer_matrices import TransferMatrix
@@ -102,7 +102,7 @@ def minimal_realisation(
     B = [[1, 2], [0, 1], [-1, -2]]
     C = [[1, 0, 0], [0, 1, 0]]
     """
-    if _is_state_space(G):
+    if has_states(G, variable):
         given = realisation(G, variable)
         parts = kalman_decomposition(given)
         source = given.transfer_matrix()
@@ -135,12 +135,6 @@ def minimal_realisation(
         sample_time=source.sample_time,
     )
     return _checked(found, source, exceptional_factors([rows.divided_by, columns.divided_by]))
-
-
-def _is_state_space(obj: object) -> bool:
-    if isinstance(obj, Realisation) or (isinstance(obj, tuple) and len(obj) in (3, 4)):
-        return True
-    return is_foreign(obj) and all(hasattr(obj, name) for name in "ABCD")
 
 
 def _checked(

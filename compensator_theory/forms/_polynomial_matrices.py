@@ -11,8 +11,8 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, table
 from compensator_theory.errors import InputError
-from compensator_theory.forms._rings import Grid, Ring, multiply, ring_of
 from compensator_theory.matrices._linear_algebra import determinant
+from compensator_theory.matrices._rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials._budget import ask, quoted
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined

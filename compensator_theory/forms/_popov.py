@@ -8,7 +8,6 @@ from sympy import Expr, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.forms._elimination import Elimination
 from compensator_theory.forms._equivalence import by_rows, elimination_of
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
@@ -16,6 +15,7 @@ from compensator_theory.forms._polynomial_matrices import (
     polynomial_matrix,
 )
 from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.polynomials._values import ExactValue
 
 IDENTITY = "U P = F, U U^-1 = I"

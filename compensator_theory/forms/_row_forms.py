@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
-from compensator_theory.forms._elimination import Elimination
 from compensator_theory.forms._equivalence import by_rows, elimination_of
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
     polynomial_matrix,
 )
-from compensator_theory.forms._rings import Element, Grid, Ring
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
+from compensator_theory.matrices._rings import Element, Grid, Ring
 from compensator_theory.polynomials._values import ExactValue
 
 IDENTITY = "U P = H, U U^-1 = I"

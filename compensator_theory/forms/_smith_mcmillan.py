@@ -15,7 +15,7 @@ from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import canonical, monic
+from compensator_theory.polynomials._poly import canonical, in_lowest_terms
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._certified import Root, certified_roots
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -138,12 +138,9 @@ def smith_mcmillan_form(
     smith = smith_form(PolynomialMatrix(source.numerators))
     numerators, denominators, divisors = [], [], []
     for invariant in smith.invariant_polynomials:
-        top, below = invariant.unify(bottom)
-        field = top.domain.get_field()
-        top, below = top.set_domain(field), below.set_domain(field)
-        common = top.gcd(below)
-        numerators.append(monic(canonical(top.exquo(common))))
-        denominators.append(monic(canonical(below.exquo(common))))
+        top, below = in_lowest_terms(invariant, bottom)
+        numerators.append(top)
+        denominators.append(below)
         divisors.append(sympy.sympify(numerators[-1].resultant(denominators[-1])))
     at_infinity, more = _at_infinity(source, smith.rank) if smith.rank else ((), [])
     return SmithMcMillanForm(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import sympy
 from sympy import QQ_I, Expr, ImmutableMatrix, Matrix, Poly
@@ -10,8 +11,9 @@ from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, listed, shown
+from compensator_theory.polynomials._budget import ask, listed, quoted, shown
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
@@ -73,6 +75,8 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
 def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
     """G(z0) over the Gaussian rationals."""
     point = QQ_I.from_sympy(z0)
+    if not all(map(is_rational, (G.denominator, *chain(*G.numerators)))):
+        raise InputError(f"{quoted(G)} has coefficients that are not rational; substitute numbers")
 
     def at(polynomial: Poly) -> DomainElement:
         value = QQ_I.zero

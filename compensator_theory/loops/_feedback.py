@@ -17,6 +17,7 @@ from compensator_theory.loops._siso import (
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import canonical, over_one_field
+from compensator_theory.systems._descriptions import shape_of
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import shared_sample_time
@@ -64,8 +65,8 @@ def feedback_connection(
     ----------
     plant, compensator : transfer function, or transfer matrix
         N/D and :math:`N_c/D_c` in one variable; anything :func:`transfer_function` reads, symbols
-        allowed. Where one of the two is a :class:`TransferMatrix` (or a matrix of SymPy), the
-        other is read as one.
+        allowed. Where one of the two is a :class:`TransferMatrix`, a matrix of SymPy, or has
+        several signals, in rows for instance, the other is read as a matrix too.
     feedback : {+1, -1}
         The sign f.
     variable : str or Symbol, optional
@@ -100,12 +101,16 @@ def feedback_connection(
     >>> print(found.denominator.as_expr().factor())
     s*(k + s + 1)*(k + s + 2)
     """
-    if any(isinstance(part, TransferMatrix | MatrixBase) for part in (plant, compensator)):
+    if any(_is_matrix(part, variable) for part in (plant, compensator)):
         return _of_matrices(plant, compensator, feedback, variable)
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     closed = well_posed_loop(G, G_c, feedback)
     N, D_c = over_one_field(G.numerator, G_c.denominator)
     return TransferFunction(canonical(N * D_c), closed, sample_time=shared_sample_time(G, G_c))
+
+
+def _is_matrix(part: LoopPart | TransferMatrixLike, variable: str | Symbol | None) -> bool:
+    return isinstance(part, SeveralSignals) or shape_of(part, variable) != (1, 1)
 
 
 def _of_matrices(

@@ -11,8 +11,7 @@ from compensator_theory.lqg._regulator_data import read_weights
 from compensator_theory.matrices._exact_matrices import MatrixLike
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.systems._canonical_forms import RealisationLike, timed_realisation
-from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
-from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._standard_problems import StandardProblem
 
 
@@ -82,7 +81,7 @@ def lqg_problem(
     >>> print(found.compensator)
     (-2*sqrt(2)*s - 1)/(s**2 + 2*sqrt(2)*s + 4)
     """
-    if not _has_states(plant, variable):
+    if not has_states(plant, variable):
         raise InputError(
             "Q weighs states, and a transfer function does not say which they are; give (A, B, C), "
             "or realisation(G), which has the states of the controllable canonical form"
@@ -98,12 +97,6 @@ def lqg_problem(
         A=A, B=B, C=found.C, D_0=found.D, D_1=D[:n, :], D_2=D[n:, :], E_1=E[:, :n], E_2=E[:, n:],
         E_0=None, variable=found.variable, sample_time=found.sample_time,
     )  # fmt: skip
-
-
-def _has_states(plant: RealisationLike, variable: str | Symbol | None) -> bool:
-    if isinstance(plant, Realisation | tuple | list):
-        return True
-    return is_foreign(plant) and isinstance(contents_of(plant, variable), Matrices)
 
 
 def _joined(first: Matrix, second: Matrix, cross: Matrix) -> Matrix:

@@ -92,6 +92,11 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
         return canonical(Poly(1, variable))
     if (raw := rational_in_flint(matrix)) is not None:
         return from_flint_polynomial(raw.charpoly(), variable)
+    if variable in matrix.free_symbols:
+        raise InputError(
+            f"the matrix contains {variable}, the variable of its characteristic polynomial; name "
+            "another one, as in variable='x'"
+        )
     if (symbolic := symbolic_characteristic_polynomial(matrix, variable)) is not None:
         return symbolic
     domain_matrix = DomainMatrix.from_Matrix(matrix)

@@ -25,6 +25,7 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
 from compensator_theory.roots._stability import decide_stability
 from compensator_theory.systems._canonical_forms import RealisationLike, timed_realisation
+from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
@@ -185,7 +186,7 @@ def read_plant(
     >>> read_plant("(s + 1)/((s + 1)*(s + 2))", None)[0].n
     1
     """
-    if isinstance(plant, Realisation) or (isinstance(plant, tuple) and len(plant) in (3, 4)):
+    if has_states(plant, variable):
         return timed_realisation(plant, variable, "a stable fraction"), ()
     found = minimal_realisation(plant, variable)
     return found.realisation, found.exceptional

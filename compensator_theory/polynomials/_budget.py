@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
+from collections.abc import (
+    Callable,
+    Iterable,
+    Iterator,
+    KeysView,
+    Mapping,
+    Sequence,
+    Set,
+    Sized,
+    ValuesView,
+)
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
 from itertools import islice
 from typing import TypeGuard, TypeVar
 
-from sympy import Poly
+from sympy import MatrixBase, Poly, Tuple
 
 from compensator_theory._printing import text
 from compensator_theory.errors import BudgetError, InputError
@@ -231,14 +241,50 @@ def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[
     """
     if hasattr(values, "toarray"):
         raise InputError(f"{what} is a sparse array; write it out with .toarray()")
-    letters = isinstance(values, str | bytes | Mapping)  # or keys; in a text there is another list
-    if letters or not isinstance(values, Iterable) or getattr(values, "shape", None) == ():
+    if not is_collection(values):
         raise InputError(f"{what} must be a list, not {shown(values)}")
     if isinstance(values, Sized):
         ask(name, len(values) - more, what)
     found = list(islice(values, limit_of(name) + more + 1))
     ask(name, len(found) - more, what)
     return found
+
+
+_COLLECTIONS = (Sequence, Set, Iterator, KeysView, ValuesView, Tuple, MatrixBase)
+_OF_ARRAYS = ("numpy", "pandas", "xarray")
+
+
+def is_collection(values: object) -> bool:
+    """Tell whether something holds values one by one, which not all does that can be iterated.
+
+    A polynomial can be, from either end; a text, bytes and a mapping hold letters and keys.
+
+    Examples
+    --------
+    >>> from numpy.polynomial import Polynomial
+    >>> from compensator_theory.polynomials._budget import is_collection
+    >>> is_collection([1, 2]), is_collection({1, 2}), is_collection(Polynomial([1, 2]))
+    (True, True, False)
+    """
+    if isinstance(values, str | bytes | bytearray | memoryview | Mapping):
+        return False
+    return isinstance(values, _COLLECTIONS) or is_array(values)
+
+
+def is_array(values: object, dimensions: int | None = None) -> bool:
+    """Tell whether something is an array of NumPy, pandas or xarray, of so many dimensions.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from compensator_theory.polynomials._budget import is_array
+    >>> is_array(np.zeros(2)), is_array(np.zeros(2), 2), is_array(np.float64(3)), is_array([1])
+    (True, False, False, False)
+    """
+    if (type(values).__module__ or "").split(".")[0] not in _OF_ARRAYS:
+        return False
+    found = len(getattr(values, "shape", ()))
+    return found > 0 if dimensions is None else found == dimensions
 
 
 def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import unicodedata
 from dataclasses import dataclass, field
 from typing import NamedTuple, NoReturn
 
@@ -31,12 +32,16 @@ from compensator_theory.polynomials._sympy_trees import (
 )
 
 _SMALL = "²³¹¼-¾⁰-₎⅐-↋①-⓿"  # not in names: s² is a square to who writes it
+_RAISED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
+_PASTED = str.maketrans("−·⋅×", "-***")  # as they come out of a printed page
 _TOKEN = re.compile(
     r"(?P<space>\s*)(?:"
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<imaginary>[iIjJ](?!\w))?"
-    rf"|(?P<name>[^\W\d{_SMALL}][^\W{_SMALL}]*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z))"
+    rf"|(?P<name>[^\W\d{_SMALL}][^\W{_SMALL}]*)|(?P<operator>\*\*|[-+*/^(),])"
+    r"|(?P<raised>[⁺⁻]?[⁰¹²³⁴-⁹]+)|(?P<end>\Z))"
 )
-_CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi}
+_KINDS = ("number", "name", "operator", "raised", "end")
+_CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi, "π": sympy.pi}
 _FUNCTIONS = ("sqrt", "CRootOf")
 _NOT_NUMBERS = frozenset({"nan", "inf", "infinity", "oo", "zoo"})
 _GRAMMAR = "numbers, names, + - * / ** ^, parentheses and sqrt(...)"
@@ -46,14 +51,15 @@ def parse_expression(text: str) -> Expr:
     r"""Read an arithmetic expression exactly: decimals become rationals.
 
     ``0.1`` :math:`= 1/10`, ``0.8j`` and ``0.8i`` :math:`= \tfrac{4}{5}\,\mathrm{j}`, and ``^``
-    means ``**``.
+    means ``**``. The signs of a printed page are read too: ``−``, ``·``, ``×``, ``s²``, ``π``.
 
     Parameters
     ----------
     text : str
         Numbers, names, ``+ - * / ** ^``, parentheses and ``sqrt``. ``j`` and ``I`` are the
-        imaginary unit, ``pi`` is the constant, every other name is a symbol. Two numbers with white
-        space between them are refused, also as ``-1 -2``, which may mean -3 or two numbers.
+        imaginary unit, ``pi`` and ``π`` are the constant, every other name is a symbol. Two numbers
+        with white space between them are refused, also as ``-1 -2``, which may mean -3 or two
+        numbers.
         Attribute access, indexing, other calls and names with a double underscore are refused, and
         so is what the :class:`~compensator_theory.Budget` does not allow.
 
@@ -96,7 +102,7 @@ def read_text(text: str) -> Quotient:
     ask("characters", len(text), "the expression")
     if not text.strip():
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")
-    quotient = multiplied_out(_Reader(text, _tokens(text)).whole())
+    quotient = multiplied_out(_Reader(text, _tokens(text.translate(_PASTED))).whole())
     if any(g.free_symbols and not g.is_Symbol for g in quotient.generators):  # sqrt(a)**1000
         return multiplied_out(Product(*((tree_of(side),) for side in quotient.sides())))
     return quotient
@@ -117,7 +123,7 @@ def _tokens(text: str) -> list[_Token]:
         if match is None:
             wrong = repr(text[place:].lstrip()[:1])
             raise InputError(f"cannot read {_short(text)}: no {wrong} there; write {_GRAMMAR}")
-        kind = next(k for k in ("number", "name", "operator", "end") if match[k] is not None)
+        kind = next(k for k in _KINDS if match[k] is not None)
         found.append(_Token(kind, match[kind], bool(match["space"]), bool(match["imaginary"])))
         place = match.end()
     return found
@@ -177,6 +183,8 @@ class _Reader:
 
     def power(self) -> Tree:
         base = self.atom()
+        if self.next.kind == "raised":
+            return Power(base, self.raised())
         if not self.take("**", "^"):
             return base
         self.deeper()
@@ -185,6 +193,12 @@ class _Reader:
         if exponent.is_Integer:
             return Power(base, int(exponent))
         return tree_of(real_power(multiplied_out(base).value(), exponent))
+
+    def raised(self) -> int:
+        digits = self.next.text.translate(_RAISED)
+        ask("digits", len(digits), "an exponent")
+        self.place += 1
+        return int(digits)
 
     def atom(self) -> Tree:
         token = self.next
@@ -264,6 +278,7 @@ def _number(token: _Token) -> Tree:
 
 
 def _named(name: str) -> Expr:
+    name = "π" if unicodedata.normalize("NFKC", name) == "π" else name  # in italics too
     if name in _CONSTANTS:
         return _CONSTANTS[name]
     if name.lower() in _NOT_NUMBERS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from typing import TypeAlias, cast
 
@@ -13,10 +13,10 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials._algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials._budget import ask, listed, quoted, shown
+from compensator_theory.polynomials._budget import ask, is_collection, listed, quoted, shown
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_expression
-from compensator_theory.polynomials._reading import PolynomialLike, is_list, polynomial
+from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import as_symbol
 
 SpectrumLike: TypeAlias = PolynomialLike | Iterable[NumberLike]
@@ -54,7 +54,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
         roots = re.split(r"\s*[,;]\s*", text) if SEPARATOR.search(text) else text.split()
         if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
-    elif isinstance(roots, Mapping | bytes | bytearray) or not isinstance(roots, Iterable):
+    elif not is_collection(roots):
         raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
     given = listed(roots, "degree", "the list of roots")
     return tuple(sympy.expand(exact_number(root)) for root in given)
@@ -202,7 +202,8 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     """Read what is to be placed: a polynomial, or its roots in any collection.
 
     A list, tuple, array, set or generator holds *roots*, and so does a text with commas, or with
-    one number, which are no polynomials to be placed; coefficients are written as a polynomial.
+    one number, which are no polynomials to be placed; coefficients are written as a polynomial,
+    one of NumPy or python-flint for instance.
 
     Examples
     --------
@@ -227,7 +228,7 @@ def lists_roots(value: object) -> bool:
     (True, True, True, False)
     """
     if not isinstance(value, str):
-        return is_list(value)
+        return is_collection(value)
     return bool(SEPARATOR.search(value)) or _is_number(value)
 
 

@@ -138,6 +138,8 @@ def _from_wrapped(value: Any, binary: bool) -> Expr:
         return _ratio(int(value), 1)
     if isinstance(value, flint.fmpq):
         return _ratio(int(value.p), int(value.q))
+    if type(value).__name__ == "MaskedConstant":  # whose item is 0
+        raise InputError("an entry of the array is masked, and so is no number; fill it in first")
     if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
         if hasattr(value, "filled") and value.mask:
             raise InputError("an entry is masked, and what is not known is no number; leave it out")

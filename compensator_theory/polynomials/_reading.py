@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence, Set
+from collections.abc import Container, Iterable, Sequence
 from numbers import Number
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, cast
 
 import sympy
-from sympy import Expr, Poly, Symbol
+from sympy import Poly, Symbol, Tuple
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
-from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._budget import is_array, is_collection, quoted
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number, read_coefficients
@@ -21,6 +21,7 @@ from compensator_theory.polynomials._poly import (
     from_expression,
     from_quotient,
 )
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._quotients import multiplied_out
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
@@ -46,7 +47,9 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     Parameters
     ----------
     obj : Poly, Expr, str, number or sequence
-        A sequence lists :math:`a_k, \ldots, a_0`; leading zeros are dropped.
+        A list, tuple or one-dimensional array lists :math:`a_k, \ldots, a_0`; leading zeros are
+        dropped. NumPy's `Polynomial` and the polynomials of python-flint, which list them from
+        :math:`a_0` on, are read in that order, its `poly1d` and SymPy's in theirs.
     variable : str or Symbol, optional
         Default: the only one of ``s``, ``z``, ``q`` that occurs, else the only symbol.
 
@@ -69,23 +72,27 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     >>> polynomial([1, "a", 0.25], "q")
     Poly(q**2 + a*q + 1/4, q, domain='QQ[a]')
     """
+    obj = in_our_order(obj)
     if isinstance(obj, Poly):
         return _from_poly(obj, variable)
     if isinstance(obj, str):
         quotient = read_text(obj)
         return from_quotient(quotient, shared_variable([quotient.value()], variable))
-    if isinstance(obj, Mapping | Set | bytes | bytearray):
+    if not is_list(obj) and (is_collection(obj) or hasattr(obj, "__iter__")):
         raise InputError(
-            f"a {type(obj).__name__} has no first and last coefficient; list the coefficients from "
-            "the highest power down, as in [1, 3, 2]"
+            f"a {type(obj).__name__} does not say which is its first and which its last "
+            "coefficient; list them from the highest power down, as in [1, 3, 2]"
         )
-    if not isinstance(obj, Iterable):
+    if not is_list(obj):
         expression = exact_number(obj)
         symbol = shared_variable([expression], variable)
         return from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
-    coefficients = read_coefficients(obj)
+    coefficients = read_coefficients(cast(Iterable[NumberLike], obj))
     if variable is None:
-        raise InputError(f"{len(coefficients)} coefficients need a variable, say variable='s'")
+        raise InputError(
+            f"the variable of a list of {len(coefficients)} coefficients is not evident; name it, "
+            "as in variable='s', polynomial(..., 's') or transfer_function(..., 's')"
+        )
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):
         raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
@@ -117,7 +124,8 @@ def polynomial_in_time(
     >>> polynomial_in_time([1, 2], "discrete"), polynomial_in_time("s + 2", None)[1]
     ((Poly(q + 2, q, domain='QQ'), 'discrete'), 'continuous')
     """
-    if (poles := getattr(obj, "characteristic_polynomial", None)) is not None:
+    system = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
+    if (poles := getattr(system, "characteristic_polynomial", None)) is not None:
         obj = poles
     elif hasattr(obj, "poles") or hasattr(obj, "to_control"):
         raise InputError(
@@ -129,6 +137,7 @@ def polynomial_in_time(
             f"{quoted(obj)} is no polynomial; of (A, B, C) give realisation((A, B, C), 's'), and "
             "of a square matrix sympy.Matrix(A).charpoly('s')"
         )
+    obj = in_our_order(obj)
     if variable is None and time is not None and is_list(obj):
         variable = variable_in(time, None, "the polynomial")
     poly = polynomial(obj, variable)
@@ -155,6 +164,7 @@ def in_one_variable(
     >>> in_one_variable("s + 1", [2, "a"])
     (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
     """
+    objects = tuple(map(in_our_order, objects))
     if variable is None:
         read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
         if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
@@ -168,15 +178,18 @@ def in_one_variable(
 
 
 def is_list(obj: object) -> bool:
-    """Tell whether something lists coefficients.
+    """Tell whether something lists coefficients from the highest power down.
+
+    Not everything that can be iterated does: polynomials of other packages begin with the constant.
 
     Examples
     --------
     >>> from compensator_theory.polynomials._reading import is_list
-    >>> is_list([1, 2]), is_list("s + 1")
-    (True, False)
+    >>> is_list([1, 2]), is_list({1, 2}), is_list("s + 1")
+    (True, False, False)
     """
-    return isinstance(obj, Iterable) and not isinstance(obj, str | Poly | Expr)
+    listed = isinstance(obj, Sequence | Tuple) and is_collection(obj)
+    return listed or is_array(obj, dimensions=1)
 
 
 def _holds_matrices(obj: object) -> bool:
@@ -191,7 +204,8 @@ def _shows_variable(poly: Poly) -> bool:
 def _shown(obj: PolynomialLike) -> Readable:
     if isinstance(obj, Poly):
         return canonical(obj) if len(obj.gens) == 1 else obj.as_expr()
-    return None if is_list(obj) else sympy.sympify(exact_number(obj))
+    is_listed = hasattr(obj, "__iter__") and not isinstance(obj, str)
+    return None if is_listed else sympy.sympify(exact_number(obj))
 
 
 def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:

@@ -235,28 +235,34 @@ def evident_variable(
     if len(candidates) != 1:
         names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
         raise InputError(
-            f"the variable of {what} is not evident (symbols: {names}); name it, for instance "
-            "variable='s'"
+            f"the variable of {what} is not evident (symbols: {names}); name it, as in "
+            "variable='s', polynomial(..., 's') or transfer_function(..., 's')"
         )
     (found,) = candidates
     return found
 
 
-def require_no_other_operator(poly: Poly) -> None:
-    """Refuse a polynomial in one of s, z, q whose coefficients contain another of them.
+def require_no_other_operator(*polys: Poly) -> None:
+    """Refuse what was read in one of s, z, q, does not contain it, and contains another of them.
+
+    1/s is no constant of a system in z; in (s + z)/(s + p), read in s, z is a parameter as p is.
 
     Examples
     --------
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.polynomials._variables import require_no_other_operator
-    >>> require_no_other_operator(polynomial("s + a"))
+    >>> require_no_other_operator(polynomial("s + a"), polynomial("s + z", "s"))
     """
-    others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
-    if is_operator(poly.gen) and others - {poly.gen}:
-        raise InputError(
-            f"{quoted(poly)} is to be read in the variable {poly.gen} and contains "
-            f"{', '.join(sorted(map(str, others)))}; use one variable"
-        )
+    own = polys[0].gen
+    if not is_operator(own) or any(poly.degree() > 0 for poly in polys):
+        return
+    for poly in polys:
+        others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
+        if others - {own}:
+            raise InputError(
+                f"{quoted(poly)} is to be read in the variable {own}, does not contain it, and "
+                f"contains {', '.join(sorted(map(str, others)))}; use one variable"
+            )
 
 
 def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:

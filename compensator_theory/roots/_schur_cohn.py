@@ -7,6 +7,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._reading import PolynomialLike, is_list, polynomial
 from compensator_theory.roots._counts import require_rational
 from compensator_theory.roots._regions import locate_roots
@@ -55,8 +56,9 @@ def reflection_coefficients(
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
     (2,)
     """
+    read = in_our_order(poly)
     poly = require_rational(
-        polynomial(poly, "q" if variable is None and is_list(poly) else variable)
+        polynomial(read, "q" if variable is None and is_list(read) else variable)
     )
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]

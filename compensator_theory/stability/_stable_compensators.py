@@ -15,9 +15,9 @@ from sympy import QQ, Expr, Integer, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.forms._rings import RationalRing
 from compensator_theory.loops._siso import closed_loop_of_pair, require_sign
 from compensator_theory.matrices._certificates import Certificate, evaluated
+from compensator_theory.matrices._rings import RationalRing
 from compensator_theory.polynomials._budget import ask, integer
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue

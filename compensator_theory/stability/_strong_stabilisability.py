@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import flint
-from sympy import MatrixBase, Poly, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory._latex import displayed, words
 from compensator_theory.errors import InputError
@@ -20,9 +20,8 @@ from compensator_theory.roots._certified import decided_balls
 from compensator_theory.roots._counts import count_roots, require_rational
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.systems._conversions import transfer_function
-from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._descriptions import has_states, shape_of
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
-from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._transfer_functions import TransferFunction
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
@@ -244,7 +243,10 @@ def interlacing(plant: TransferMatrixLike, variable: str | Symbol | None = None)
     if matrix.shape == (1, 1):
         poles, knows_states = reduced[0].denominator, True
     else:
-        poles, knows_states = smith_mcmillan_form(matrix).pole_polynomial, _has_states(plant)
+        poles, knows_states = (
+            smith_mcmillan_form(matrix).pole_polynomial,
+            has_states(plant, variable),
+        )
     return Interlacing(
         G,
         zeros,
@@ -257,22 +259,14 @@ def interlacing(plant: TransferMatrixLike, variable: str | Symbol | None = None)
 def _read(
     plant: TransferMatrixLike, variable: str | Symbol | None
 ) -> TransferFunction | TransferMatrix:
-    is_rows = isinstance(plant, list | tuple) and all(isinstance(r, list | tuple) for r in plant)
-    is_matrix = isinstance(plant, TransferMatrix | Realisation | MatrixBase)
-    if not (is_rows or is_matrix or is_foreign(plant) or hasattr(plant, "shape")):
+    if shape_of(plant, variable) == (1, 1):
         return transfer_function(plant, variable)
-    G = transfer_matrix(plant, variable)
-    return G[0, 0] if G.shape == (1, 1) else G
+    return transfer_matrix(plant, variable)
 
 
 def _entries(matrix: TransferMatrix) -> list[TransferFunction]:
     outputs, inputs = matrix.shape
     return [matrix[i, j] for i in range(outputs) for j in range(inputs)]
-
-
-def _has_states(plant: object) -> bool:
-    is_state_space = is_foreign(plant) and all(hasattr(plant, name) for name in "ABCD")
-    return isinstance(plant, Realisation) or is_state_space
 
 
 def _hidden(denominator: Poly, poles: Poly, knows_states: bool) -> Poly:

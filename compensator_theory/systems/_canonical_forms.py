@@ -16,9 +16,10 @@ from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._variables import as_symbol, time_of
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems._descriptions import States, described, shape_of
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
 from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
-from compensator_theory.systems._realisations import Realisation, of_bare_matrices
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every
 from compensator_theory.systems._state_space import controllable_canonical_form
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -42,6 +43,7 @@ def realisation(
     Parameters
     ----------
     obj : Realisation, (A, B, C), (A, B, C, D), python-control system or transfer function
+        Matrices as for :func:`transfer_function`.
         A transfer function, anything :func:`transfer_function` reads, is realised in canonical
         form with its common factors; a state-space system keeps its basis.
     variable : str or Symbol, optional
@@ -87,8 +89,11 @@ def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Rea
         return obj
     if isinstance(obj, DescriptorSystem):
         return _read(obj.realisation(), variable, form)
-    if isinstance(obj, tuple | list) and len(obj) in (3, 4):
-        return of_bare_matrices(obj, variable)
+    obj = described(obj, variable)
+    if isinstance(obj, Realisation | DescriptorSystem):
+        return _read(obj, variable, form)
+    if isinstance(obj, States):
+        return obj.realisation(variable)
     if is_foreign(obj):
         found = contents_of(obj, variable)
         if isinstance(found, Matrices):
@@ -109,18 +114,23 @@ def timed_realisation(
     >>> timed_realisation(([[0]], [[1]], [[1]]), "z", "a Gramian").variable
     z
     """
-    bare = isinstance(obj, tuple | list) and len(obj) in (3, 4)
-    if bare and variable is None:
+    found = described(obj, variable)
+    if variable is None and isinstance(found, States) and found.sample_time is None:
         raise InputError(
             f"{what} depends on the time domain, which matrices do not show; write variable='s' "
             "for continuous time, 'z' or 'q' for discrete time"
         )
-    found = realisation(obj, variable)
-    time_of(found.variable, what)
-    return found
+    read = realisation(obj, variable)
+    time_of(read.variable, what)
+    return read
 
 
 def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:
+    if (shape := shape_of(obj, variable)) != (1, 1):
+        raise InputError(
+            f"a transfer matrix of {shape[0]} outputs and {shape[1]} inputs has no canonical form "
+            "here; give minimal_realisation(G).realisation"
+        )
     G = transfer_function(obj, variable)
     A, B, C, D = controllable_canonical_form(G)
     if form == "observable":

@@ -14,15 +14,13 @@ from compensator_theory.polynomials._budget import unlimited
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import exact_number
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._quotients import Product, Quotient, multiplied_out
 from compensator_theory.polynomials._reading import is_list, polynomial
 from compensator_theory.polynomials._sympy_trees import tree_of
+from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems._descriptor_systems import DescriptorSystem
 from compensator_theory.systems._foreign import is_foreign
-from compensator_theory.systems._realisations import Realisation
-from compensator_theory.systems._transfer_functions import TransferFunction
-from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
 @roots_in_sympy()
@@ -75,8 +73,9 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
 
 def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
     """Write it once; and whether as it stands, since it is no system, or too large a one."""
-    systems = TransferFunction | TransferMatrix | Realisation | DescriptorSystem
-    if isinstance(obj, systems | tuple) or is_foreign(obj):
+    obj = in_our_order(obj)
+    is_nested = isinstance(obj, list) and isinstance(next(iter(obj), None), list | tuple)
+    if isinstance(obj, ExactValue | tuple) or is_nested or is_foreign(obj):
         return str(transfer_function(obj, variable)), False
     if isinstance(obj, Poly) or is_list(obj):
         return format_polynomial(polynomial(obj, variable)), False

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias
 
 from sympy import Poly, Symbol
 
@@ -20,7 +20,6 @@ from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._reading import (
     PolynomialLike,
     in_one_variable,
-    is_list,
     polynomial,
 )
 from compensator_theory.polynomials._sympy_trees import tree_of
@@ -29,6 +28,7 @@ from compensator_theory.polynomials._variables import (
     evident_variable,
     require_no_other_operator,
 )
+from compensator_theory.systems._descriptions import Pair, Rows, States, described
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
 from compensator_theory.systems._foreign import (
     Contents,
@@ -39,11 +39,7 @@ from compensator_theory.systems._foreign import (
     contents_of,
     is_foreign,
 )
-from compensator_theory.systems._realisations import (
-    Realisation,
-    are_bare_matrices,
-    of_bare_matrices,
-)
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every
 from compensator_theory.systems._transfer_functions import TransferFunction
 from compensator_theory.systems._transfer_matrices import TransferMatrix
@@ -81,14 +77,15 @@ def transfer_function(
     Parameters
     ----------
     obj : TransferFunction, Realisation, DescriptorSystem, text, Expr, pair, matrices, mapping, ...
-        A pair is (numerator, denominator), each of which :func:`polynomial` reads; matrices are
-        (A, B, C) or (A, B, C, D), and need the variable. A list of one row of one entry is that
-        entry. A mapping has
-        the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions, state
-        spaces and connections of python-control, SciPy and SymPy. Floats are read by their shortest
-        decimal.
+        A pair is a tuple (numerator, denominator), each of which :func:`polynomial` reads; matrices
+        are (A, B, C) or (A, B, C, D), in which B and C may be one-dimensional and D = 0, and need
+        the variable, or (A, B, C, D, dt). A list of one row of one entry is that entry. A mapping
+        has the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions,
+        state spaces and connections of python-control, SciPy and SymPy. Floats are read by their
+        shortest decimal.
     variable : str or Symbol, optional
         Default: evident from the symbols; for python-control ``s`` or ``z`` from its time base.
+        Where it is named, other letters are parameters, s, z and q too.
     zeros, poles : iterable, optional
         Exact roots, instead of `obj`; zeros default to none.
     gain : number, optional
@@ -144,8 +141,9 @@ def _read(
         return _from_roots(zeros, poles, gain, variable)
     if not (zeros is None and poles is None and gain is None):
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
-    if are_bare_matrices(obj):
-        obj = of_bare_matrices(cast("Sequence[Any]", obj), variable)
+    obj = described(obj, variable)
+    if isinstance(obj, States):
+        obj = obj.realisation(variable)
     if isinstance(obj, Realisation | DescriptorSystem):
         obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
     if isinstance(obj, TransferMatrix):
@@ -156,14 +154,25 @@ def _read(
         return _from_quotient(read_text(obj), variable)
     if isinstance(obj, Poly):
         return TransferFunction(polynomial(obj, variable), polynomial(1, obj.gen))
-    if isinstance(obj, tuple | list) and len(obj) == 1 and is_list(obj[0]) and len(obj[0]) == 1:
-        return transfer_function(obj[0][0], variable)  # a transfer matrix of one entry, by rows
-    if isinstance(obj, tuple | list) and len(obj) == 2:
-        return TransferFunction(*in_one_variable(obj[0], obj[1], variable=variable))
+    if isinstance(obj, Rows):
+        return transfer_function(_only_entry(obj), variable)
+    if isinstance(obj, Pair):
+        pair = in_one_variable(obj.numerator, obj.denominator, variable=variable)
+        return TransferFunction(*pair)
     if is_foreign(obj):
         return _from_foreign(contents_of(obj, variable))
     tree = tree_of(exact_number(obj))
     return _from_quotient(multiplied_out(tree, least_denominators=True), variable)
+
+
+def _only_entry(rows: Rows) -> Any:
+    if rows.shape != (1, 1):
+        outputs, inputs = rows.shape
+        raise InputError(
+            f"a transfer matrix of {outputs} outputs and {inputs} inputs is not scalar; give one "
+            "entry of it, and lists of coefficients as a tuple, ([1], [1, 2])"
+        )
+    return rows.entries[0][0]
 
 
 def _from_roots(
@@ -185,8 +194,7 @@ def _from_roots(
 def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> TransferFunction:
     if variable is not None:
         sides = sides_in(quotient, as_symbol(variable))
-        for side in sides:
-            require_no_other_operator(side)  # 1/s is no constant of a system in z
+        require_no_other_operator(*sides)
         return TransferFunction(*sides)
     top, bottom = quotient.sides()
     occurring = top.free_symbols | bottom.free_symbols

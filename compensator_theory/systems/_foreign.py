@@ -141,7 +141,7 @@ def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:
         numerator = system.num
         if getattr(numerator, "ndim", 1) > 1 and len(numerator) != 1:
             _refuse_several(system, len(numerator), 1)
-        return Fraction([float(c) for c in numerator.flat], [float(c) for c in system.den], symbol)
+        return Fraction([*numerator.flat], [*system.den], symbol)
     if (system.ninputs, system.noutputs) != (1, 1):
         _refuse_several(system, system.noutputs, system.ninputs)
     return Fraction(list(system.num[0][0]), list(system.den[0][0]), symbol)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import Any, TypeAlias
 
@@ -10,11 +10,11 @@ import sympy
 from sympy import MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, listed
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import common_divisor, exact_quotient, monic, product
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._reading import is_list
 from compensator_theory.polynomials._variables import (
     as_symbol,
@@ -22,13 +22,10 @@ from compensator_theory.polynomials._variables import (
     require_one_symbol_a_name,
 )
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems._descriptions import Pair, Rows, States, described
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
 from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign, joined_of
-from compensator_theory.systems._realisations import (
-    Realisation,
-    are_bare_matrices,
-    of_bare_matrices,
-)
+from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every, shared_sample_time
 from compensator_theory.systems._transfer_functions import TransferFunction
 from compensator_theory.systems._transfer_matrices import TransferMatrix
@@ -53,10 +50,12 @@ def transfer_matrix(
     Parameters
     ----------
     rows : nested sequences, sympy.Matrix, TransferMatrix, Realisation, DescriptorSystem, ...
-        Each entry is anything :func:`transfer_function` reads; p rows of m entries. A transfer
-        function alone, or a pair of two polynomials, makes a 1 x 1 matrix. Transfer functions and
-        state spaces with several signals are read from python-control and SymPy, and a tuple
-        (A, B, C) or (A, B, C, D) of matrices, which needs the variable.
+        Each entry is anything :func:`transfer_function` reads, a fraction as a tuple; p rows of m
+        entries. A transfer function alone, or a tuple of two polynomials, makes a 1 x 1 matrix; a
+        pair of nested lists of three levels holds the numerators and denominators of a matrix, as
+        the arguments of python-control's `tf` do. Transfer functions and state spaces with several
+        signals are read from python-control and SymPy, and matrices (A, B, C) or (A, B, C, D),
+        which need the variable.
     variable : str or Symbol, optional
         Default: the only one of ``s``, ``z``, ``q`` in all entries together, else the only symbol.
     sample_time : number, optional
@@ -84,8 +83,9 @@ def transfer_matrix(
 
 
 def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMatrix:
-    if isinstance(rows, tuple) and are_bare_matrices(rows):
-        rows = of_bare_matrices(rows, variable)
+    rows = described(rows, variable)
+    if isinstance(rows, States):
+        rows = rows.realisation(variable)
     if isinstance(rows, TransferMatrix | Realisation | DescriptorSystem):
         if variable is not None and as_symbol(variable) != rows.variable:
             raise InputError(f"the system is in {rows.variable}, not in {variable}")
@@ -93,13 +93,6 @@ def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMa
     entries = _entries(rows, variable)
     if isinstance(entries, TransferMatrix):
         return entries
-    ask("entries", sum(map(len, entries)), "the transfer matrix")
-    if not entries or not entries[0] or len({len(row) for row in entries}) != 1:
-        raise InputError(
-            "a transfer matrix needs rows of one and the same nonzero length, as in "
-            "[['1/s', 0], [0, '1/(s + 1)']]; give numerator and denominator as lists of "
-            "coefficients to transfer_function"
-        )
     symbol = _variable(entries, variable)
     read = [[transfer_function(entry, symbol) for entry in row] for row in entries]
     if any(G.variable != symbol for row in read for G in row):
@@ -142,23 +135,11 @@ def _least_common_multiple(a: Poly, b: Poly) -> Poly:
 
 
 def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
-    if isinstance(rows, MatrixBase):
-        return [list(row) for row in rows.tolist()]
+    if isinstance(rows, Rows):
+        return rows.entries
     if is_foreign(rows):
         return _foreign(rows, variable)
-    is_array = hasattr(rows, "shape") and hasattr(rows, "__iter__")
-    if isinstance(rows, str) or not (isinstance(rows, Sequence) or is_array):
-        return [[rows]]
-    if isinstance(rows, tuple) and len(rows) == 2 and not any(map(is_list, rows)):
-        return [[rows]]  # numerator and denominator
-    given = [] if getattr(rows, "shape", None) == () else listed(rows, "degree", "the rows")
-    if not given or any(isinstance(row, str) or not hasattr(row, "__len__") for row in given):
-        raise InputError(
-            "a transfer matrix is written by rows, each a list, as in [['1/s', 0]]; give a single "
-            "pair of lists of coefficients to transfer_function"
-        )
-    ask("entries", sum(len(row) for row in given), "the transfer matrix")
-    return [list(row) for row in given]
+    return [[rows]]
 
 
 def _foreign(system: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
@@ -186,7 +167,7 @@ def _variable(entries: list[list[Any]], variable: str | Symbol | None) -> Symbol
         return as_symbol(variable)
     fixed: set[Symbol] = set()
     occurring: set[Symbol] = set()
-    for entry in (entry for row in entries for entry in row):
+    for entry in (described(entry) for row in entries for entry in row):
         if isinstance(entry, TransferFunction | TransferMatrix | Realisation | DescriptorSystem):
             fixed.add(entry.variable)
         elif isinstance(entry, Poly):
@@ -196,13 +177,16 @@ def _variable(entries: list[list[Any]], variable: str | Symbol | None) -> Symbol
         elif isinstance(entry, str):
             top, bottom = read_text(entry).sides()
             occurring |= top.free_symbols | bottom.free_symbols
-        elif isinstance(entry, tuple | list):
-            parts = [part for part in entry if not isinstance(part, tuple | list)]
-            for part in parts:
+        elif isinstance(entry, Pair):
+            for part in map(in_our_order, (entry.numerator, entry.denominator)):
                 if isinstance(part, Poly):
                     fixed |= set(part.gens)
-                else:
+                elif not is_list(part):
                     occurring |= sympy.sympify(exact_number(part)).free_symbols
+        elif isinstance(entry, Mapping):
+            continue
+        elif isinstance(entry, States | Rows):
+            fixed.add(transfer_function(entry).variable)
         else:
             occurring |= sympy.sympify(exact_number(entry)).free_symbols
     return evident_variable(occurring | fixed, "the transfer matrix", fixed)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from numbers import Number
 from operator import matmul
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from sympy import Expr, ImmutableMatrix, MatrixBase, Poly, Rational, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, table
 from compensator_theory._printing import text
@@ -423,45 +422,3 @@ class Realisation(System):
 def _factor(obj: object) -> Expr | None:
     """Read a number or an expression; None of what has arithmetic of its own."""
     return exact_number(obj) if isinstance(obj, str | Expr | Number) else None
-
-
-def are_bare_matrices(obj: object) -> bool:
-    """Whether this is (A, B, C) or (A, B, C, D): matrices, and nothing that shows the time domain.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._realisations import are_bare_matrices
-    >>> are_bare_matrices(([[0]], [[1]], [["a"]])), are_bare_matrices(([1, 2], [1, 0]))
-    (True, False)
-    """
-    if not (isinstance(obj, tuple | list) and len(obj) in (3, 4)):
-        return False
-    *always, last = obj
-    return all(map(_is_matrix, always)) and (_is_matrix(last) or (len(obj) == 4 and last is None))
-
-
-def _is_matrix(obj: object) -> bool:
-    if isinstance(obj, list | tuple):
-        rows = [row for row in obj if isinstance(row, list | tuple)]
-        return bool(obj) and len(rows) == len(obj) and not any(
-            isinstance(entry, list | tuple) for row in rows for entry in row
-        )  # fmt: skip
-    return isinstance(obj, MatrixBase) or getattr(obj, "ndim", 0) == 2
-
-
-def of_bare_matrices(matrices: Sequence[Any], variable: str | Symbol | None) -> Realisation:
-    """Make the realisation of (A, B, C) or (A, B, C, D), whose time domain has to be given.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._realisations import of_bare_matrices
-    >>> print(of_bare_matrices(([[0]], [[1]], [[1]]), "z").transfer_function())
-    (1)/(z)
-    """
-    if variable is None:
-        raise InputError(
-            "matrices (A, B, C) do not show the time domain; write variable='s' for continuous "
-            "time, 'z' or 'q' for discrete time, or give Realisation(A, B, C, D, 's')"
-        )
-    A, B, C, *rest = matrices
-    return Realisation(A, B, C, rest[0] if rest else None, variable)

@@ -16,6 +16,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory._latex import displayed, fraction, table
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._diagonalisation import invariant_polynomials
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials._budget import ask, is_integer
 from compensator_theory.polynomials._formatting import format_polynomial
@@ -24,10 +25,12 @@ from compensator_theory.polynomials._poly import (
     common_divisor,
     exact_quotient,
     from_expression,
+    in_lowest_terms,
     product,
     total,
 )
 from compensator_theory.polynomials._reading import polynomial
+from compensator_theory.roots._certified import Root, certified_roots
 from compensator_theory.systems._adjugates import adjugate_and_determinant
 from compensator_theory.systems._sample_times import (
     System,
@@ -97,6 +100,9 @@ class TransferMatrix(System):
     [[2, 4*s + 4]]/(s + 1), [[a, 2*a*s + 2*a]]/(s + 1)
     >>> print(G @ [[1], ["b"]], G - [[0, 2]], sep=", ")
     [[2*b*s + (2*b + 1)]]/(s + 1), [[1, 0]]/(s + 1)
+    >>> G = transfer_matrix([["1/s", 0], [0, "(s + 2)/s"]])
+    >>> [(root.value, root.multiplicity) for root in (*G.poles(), *G.zeros())]
+    [(0j, 2), ((-2+0j), 1)]
     """
 
     numerators: Rows
@@ -260,6 +266,32 @@ class TransferMatrix(System):
             return self
         rows = tuple(tuple(exact_quotient(e, common) for e in row) for row in self.numerators)
         return self._with(rows, exact_quotient(self.denominator, common))
+
+    def poles(self) -> tuple[Root, ...]:
+        """Return the certified finite poles by McMillan's definition, with multiplicity.
+
+        Those of 1/s times the 2 x 2 identity are 0, twice; what all entries of the common
+        denominator cancel is none. :func:`smith_mcmillan_form` has those at infinity too.
+        """
+        return certified_roots(self._smith_mcmillan_products()[1])
+
+    def zeros(self) -> tuple[Root, ...]:
+        """Return the certified finite transmission zeros, with multiplicity.
+
+        At one of them the rank of the matrix falls, or would but for a pole in another direction.
+        """
+        return certified_roots(self._smith_mcmillan_products()[0])
+
+    def _smith_mcmillan_products(self) -> tuple[Poly, Poly]:
+        """The products of the epsilon_i and of the psi_i of the Smith-McMillan form."""
+        one = constant_one(self.denominator)
+        fractions = [
+            in_lowest_terms(invariant, self.denominator)
+            for invariant in invariant_polynomials(self.numerators)
+        ]
+        return reduce(product, (e for e, _ in fractions), one), reduce(
+            product, (psi for _, psi in fractions), one
+        )
 
     def inverse(self) -> TransferMatrix:
         """Return the inverse of a square matrix, reduced; InputError if it is singular."""

@@ -23,6 +23,7 @@ from rcac_numeric.checks._hypotheses import Decision, decide_problem
 from rcac_numeric.checks._logs import ROLES, TIMES, ControllerLog, read_log
 from rcac_numeric.controllers._compensator import compensator_of
 from rcac_numeric.engine._runs import Run, load_run
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import MATRICES, Plant
 from rcac_numeric.plants._problems import servo_plant, standard_plant
 from rcac_numeric.reports._check import check_sheet
@@ -300,7 +301,31 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
                 f"{shortened(', '.join(variables))}."
             )
         return found_plant, {}
-    return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}
+    G = written_system(plant)
+    if problem == "servo":
+        return servo_plant(G), {}
+    return standard_plant(G) if isinstance(G, str) else linear_plant(G), {}
+
+
+def written_system(text: str) -> str | list[list[str]]:
+    """A transfer function as it is written, or the rows of a matrix of them.
+
+    Examples
+    --------
+    >>> from rcac_experiments.cli._check import written_system
+    >>> written_system("1/q"), written_system("1/q, 0; 0, 2/q")
+    ('1/q', [['1/q', '0'], ['0', '2/q']])
+    """
+    return written_rows(text) if set(text) & set(",;[") else text
+
+
+def written_rows(text: str) -> list[list[str]]:
+    """Entries between commas, rows between semicolons, or in brackets."""
+    inside = text.strip()
+    if inside.startswith("["):
+        inside = inside[1:-1] if inside.replace(" ", "").startswith("[[") else inside
+        inside = inside.replace("],", ";").replace("[", "").replace("]", "")
+    return [[one.strip() for one in row.split(",")] for row in inside.split(";")]
 
 
 def is_transfer_function(plant: str | None) -> bool:

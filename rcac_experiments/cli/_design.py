@@ -10,7 +10,12 @@ from typing import Any
 import click
 
 from compensator_theory.errors import InputError
-from rcac_experiments.cli._check import is_transfer_function, read_case
+from rcac_experiments.cli._check import (
+    is_transfer_function,
+    read_case,
+    written_rows,
+    written_system,
+)
 from rcac_experiments.cli._output import as_json_option, picture_option, show
 from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
@@ -140,7 +145,7 @@ def _known(
     known["structure"] = None if structure is None else _structure(structure)
     known["uncertainty"] = _uncertainty(**uncertain)
     if is_transfer_function(plant):
-        known["plant"] = _entries(plant) if set(plant) & set(",;[") else plant
+        known["plant"] = written_system(plant)
     elif Path(plant).suffix.lower() == ".toml":
         read = design_arguments(plant)
         known |= {name: value for name, value in read.items() if value is not None}
@@ -172,21 +177,12 @@ def _known(
 def _dead_time(text: str) -> float | list[list[float]]:
     """Of the plant, or of each of its entries."""
     try:
-        rows = [[float(one) for one in row] for row in _entries(text)]
+        rows = [[float(one) for one in row] for row in written_rows(text)]
     except ValueError:
         raise InputError(
             f'--dead-time {text}: write seconds, or rows of them, "1, 3; 7, 3".'
         ) from None
     return rows if len(rows) > 1 or len(rows[0]) > 1 else rows[0][0]
-
-
-def _entries(text: str) -> list[list[str]]:
-    """A transfer matrix: entries between commas, rows between semicolons, or in brackets."""
-    inside = text.strip()
-    if inside.startswith("["):
-        inside = inside[1:-1] if inside.replace(" ", "").startswith("[[") else inside
-        inside = inside.replace("],", ";").replace("[", "").replace("]", "")
-    return [[one.strip() for one in row.split(",")] for row in inside.split(";")]
 
 
 def _structure(text: str) -> Structure:

@@ -39,7 +39,8 @@ AT_THE_SHELL = {
     r"Sample it first: servo_plant\(.*?\)\), or write it in q": (
         "Sample it first, by the c2d of MATLAB, Octave or python-control, and write it in q"
     ),
-    r"name (it|the variable), for instance variable='(\w+)'": (
+    r"name (it|the variable), (?:for instance|as in) variable='(\w+)'"
+    r"(?:, polynomial\(\.\.\., '\w+'\) or transfer_function\(\.\.\., '\w+'\))?": (
         r"name \1 by --variable \2 (rcac place, rcac observer); a plant of RCAC is written in q"
     ),
     r" or reduce the plant with \.reduced\(\)": ", or cancel the factor in the plant",

@@ -174,9 +174,11 @@ def stability_margins(
 
     Parameters
     ----------
-    loop : Run, ClosedLoop, pair of a plant and a Compensator, or python-control system
-        Of a run it is the loop of its last controller. A TransferFunction or StateSpace of
-        python-control is the scalar loop transfer function L in discrete time.
+    loop : Run, ClosedLoop, pair of a plant and a Compensator, or transfer function
+        Of a run it is the loop of its last controller. A text, a system of python-control or SciPy,
+        or whatever else `compensator_theory.transfer_function` reads, is the scalar loop transfer
+        function L in discrete time. (`compensator_theory.stability_margins` has those of a loop in
+        s.)
     at : {"u", "y"}, channel : int
         Where a closed loop is opened; its other channels stay closed.
     feedback : {+1, -1}

@@ -11,9 +11,10 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis._closed_loop import ClosedLoop, linear_states
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
-from rcac_numeric.arrays._validation import integer, signal_array
+from rcac_numeric.arrays._validation import instance_of, integer, signal_array
 from rcac_numeric.arrays._values import Result
-from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._compensator import Compensator, compensator_of
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 
@@ -80,6 +81,7 @@ def intercalated_match(
     >>> intercalated_match(loop, fir_target(plant)).worst < 1e-12  # both poles at zero: 1/q
     True
     """
+    instance_of(loop, "loop", ClosedLoop)
     integer(points, "points", at_least=1)
     omega = (np.arange(points) + 0.5) * np.pi / points
     return IntercalatedMatch(
@@ -198,6 +200,8 @@ def split_residual(
     >>> split.identity_error < 1e-12
     True
     """
+    plant, compensator = linear_plant(plant), compensator_of(compensator)
+    instance_of(target, "target", TargetModel)
     w = signal_array(w, "w", plant.l_w)
     steps = len(w)
     u = signal_array(u, "u", plant.l_u, steps)

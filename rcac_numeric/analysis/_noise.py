@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight, square_root_columns
-from rcac_numeric.arrays._validation import instance_of, number
+from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Value
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 
 NoiseIntensities = Mapping[str, ArrayLike]
@@ -98,7 +99,8 @@ def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) ->
     >>> with_bias(standard_plant("1/(q - 0.5)"), "w", pole=0.99, mean_square=4.0).blocks
     {'w': 1, 'w_bias': 1}
     """
-    if channel not in instance_of(plant, "plant", Plant).channels:
+    plant = linear_plant(plant)
+    if channel not in plant.channels:
         raise InputError(f"w has no channel {channel!r}; it has {', '.join(plant.channels)}.")
     if f"{channel}_bias" in plant.blocks:
         raise InputError(
@@ -152,7 +154,8 @@ def with_oscillation(
     ...     standard_plant("1/(q - 0.5)"), "w", omega=0.3, radius=0.99, mean_square=1.0)
     Plant(n=3, l_u=1, l_w=3, l_y=1, l_z=1)
     """
-    if channel not in instance_of(plant, "plant", Plant).channels:
+    plant = linear_plant(plant)
+    if channel not in plant.channels:
         raise InputError(f"w has no channel {channel!r}; it has {', '.join(plant.channels)}.")
     omega, radius = number(omega, "omega"), number(radius, "radius")
     if not 0 < radius < 1 or mean_square < 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, closed_loop
@@ -20,6 +22,7 @@ from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, one_of, real_array
 from rcac_numeric.arrays._values import Value
+from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.engine._runs import Run
 
 
@@ -117,9 +120,9 @@ def broken_loop(
 
     Parameters
     ----------
-    loop : what `closed_loop` reads, or a python-control system
-        Of a closed loop the other components stay closed. A python-control system is the whole
-        loop transfer function: scalar, in discrete time.
+    loop : what `closed_loop` reads, or a transfer function
+        Of a closed loop the other components stay closed. A transfer function in any form that
+        `compensator_theory.transfer_function` reads is the whole loop: scalar, in discrete time.
     at : {"u", "y"}
         Where a ClosedLoop is opened: between controller and plant input, or between plant output
         and controller.
@@ -129,7 +132,8 @@ def broken_loop(
         -1 where the loop is closed by 1 + L = 0, +1 where it is closed by 1 - L = 0. A ClosedLoop
         knows its own sign (+1 everywhere in this package).
     """
-    if isinstance(loop, ClosedLoop | LoopAnalysis | Run | tuple):
+    is_pair = isinstance(loop, tuple) and len(loop) == 2 and feedback is None
+    if is_pair or isinstance(loop, ClosedLoop | LoopAnalysis | Run):
         if feedback is not None:
             raise InputError("a closed loop knows its sign of feedback; leave feedback out.")
         return _opened(closed_loop(loop), one_of(at, "at", ("u", "y")), channel)
@@ -166,14 +170,16 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
             "finds exactly; or discretise it with control.c2d(system, sample_time)."
         )
     if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
+        if not is_description(system) or any(isinstance(p, Compensator) for p in _parts(system)):
+            raise InputError(
+                f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
+                "Compensator (whose sign of feedback is known), or a transfer function in q."
+            )
+        return _matrices(_in_discrete_time(exact.transfer_function(system)))
+    if system.dt is None:
         raise InputError(
-            f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
-            "Compensator, or a python-control TransferFunction or StateSpace."
-        )
-    if system.dt is None or not system.isdtime(strict=True):
-        raise InputError(
-            f"the {kind} is not in discrete time; discretise it with control.c2d, or give dt=True "
-            "where it is already a function of q."
+            f"the {kind} does not say its time; give dt=True where it is a function of q, or ask "
+            "compensator_theory.stability_margins, which has the margins of a loop in s."
         )
     if (system.ninputs, system.noutputs) != (1, 1):
         raise InputError(
@@ -186,8 +192,6 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
             real_array(part, f"{n} of the loop") for part, n in zip(parts, "ABCD", strict=True)
         )
         return A, B, C, D
-    if not hasattr(system, "num"):
-        raise InputError(f"a {kind} has no poles; give a TransferFunction or a StateSpace.")
     from scipy.signal import tf2ss
 
     numerator = np.trim_zeros(real_array(system.num[0][0], "the numerator"), "f")
@@ -206,6 +210,21 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
         return A, np.zeros((n, 1)), np.zeros((1, n)), np.array([[direct]])
     A, B, C, D = tf2ss(numerator, denominator)
     return A, B, C, D
+
+
+def _parts(system: Any) -> Sequence[Any]:
+    return system if isinstance(system, list | tuple) else ()
+
+
+def _in_discrete_time(G: exact.TransferFunction) -> Any:
+    """The system of python-control of a loop in q or z; one in s has its margins elsewhere."""
+    if G.time != "discrete":
+        raise InputError(
+            f"the loop is in the variable {G.variable}, and these margins are those of a loop in "
+            "discrete time: write it in q or z, discretise it, or ask "
+            "compensator_theory.stability_margins, which has those of a loop in s."
+        )
+    return G.to_control()
 
 
 def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:

@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.plants._any_plant import block_start
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 
 LONGEST, MOST_NUMBERS = 5_000, 1_000_000  # steps that are compared; entries of their windows
@@ -133,6 +135,13 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     >>> plant_residual(ControllerLog(u, y), standard_plant("1/(q + 0.5)")).is_doubtful
     True
     """
+    plant = linear_plant(plant)
+    widths = log.u.shape[1], log.y.shape[1]
+    if (plant.l_u, plant.l_y) != widths:
+        raise InputError(
+            f"the plant has {plant.l_u} inputs and {plant.l_y} outputs, and the log {widths[0]} "
+            f"and {widths[1]}; give the plant of this log."
+        )
     B, D, known = inputs(log, plant)
     window = max(plant.n, 1)
     width = (window + 1) * (plant.l_y + B.shape[1])

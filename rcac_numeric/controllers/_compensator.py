@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._frames import StateSpace, control_state_space
@@ -167,7 +167,7 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
     """The compensator u = G_c y of a transfer function in q; a Compensator as it is."""
     if isinstance(system, Compensator):
         return system
-    if not (isinstance(system, str | exact.TransferFunction) or is_foreign(system)):
+    if not is_description(system):
         raise InputError(f"{name} = {system!r} is not a Compensator.")
     variable = "q" if isinstance(system, str) and as_number(system) is not None else None
     G_c = exact.transfer_function(system, variable)

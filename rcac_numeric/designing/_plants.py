@@ -13,6 +13,7 @@ from scipy.linalg import block_diag, logm, matrix_balance
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -26,7 +27,7 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.plants._foreign import agreed_time, plant_of
+from rcac_numeric.plants._foreign import plant_of
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -330,8 +331,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
         )
     continuous = _continuous(plant)
     if continuous is None:
-        is_list = isinstance(plant, list)
-        read = _listed(plant, sample_time) if is_list else plant_of(plant, sample_time=sample_time)
+        read = plant_of(plant, sample_time=sample_time)
         return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
     h = _period(sample_time)
     A, B, C = balanced(continuous[0] * h, continuous[1] * h, continuous[2])
@@ -421,7 +421,7 @@ def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
 
 
 def _realised(plant: Any) -> exact.Realisation | None:
-    if isinstance(plant, exact.Realisation) or (is_foreign(plant) and hasattr(plant, "A")):
+    if has_states(plant):
         return exact.realisation(plant)
     if is_foreign(plant) and hasattr(plant, "dynamics"):
         return None  # nonlinear; plant_of says what to do
@@ -439,14 +439,6 @@ def _floats(made: exact.Realisation) -> StateSpace:
         for m in (made.A, made.B, made.C, made.D)
     )
     return A, B, C, D
-
-
-def _listed(entries: list[Any], sample_time: float | None) -> Plant:
-    """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
-    G = exact.transfer_matrix(entries)
-    A, B, C, D = _floats(exact.minimal_realisation(G).realisation)
-    period = agreed_time(G, sample_time)
-    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
 
 
 def _of_plant(plant: Plant) -> DesignPlant:

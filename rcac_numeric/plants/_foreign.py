@@ -9,6 +9,7 @@ import numpy as np
 
 import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
+from compensator_theory.systems._descriptions import has_states, is_description
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -34,8 +35,9 @@ def plant_of(
 
     Parameters
     ----------
-    system : python-control, SciPy or SymPy system, str or TransferFunction
-        One signal or several: StateSpace, TransferFunction, what `interconnect` gives, a discrete
+    system : python-control, SciPy or SymPy system, or anything `compensator_theory` reads as one
+        One signal or several: a text, a pair (num, den), matrices (A, B, C, D), rows of transfer
+        functions; StateSpace, TransferFunction, what `interconnect` gives, a discrete
         `nlsys`; `lti` and `dlti`; StateSpace, TransferFunction, Series, Feedback and their
         matrices of sympy.physics.control. A plant of ours is handed back as it is.
     sample_time : float, optional
@@ -43,8 +45,9 @@ def plant_of(
     method : {"zoh", "bilinear"}
         How: with a zero-order hold on its inputs, or by Tustin's substitution.
     variable : {"s", "z"}, optional
-        Of a system that does not say whether its time is discrete: a StateSpace of SymPy, which
-        counts as continuous, or a system of python-control with dt = None.
+        Of a system that does not say whether its time is discrete: lists of coefficients, matrices,
+        a StateSpace of SymPy, which counts as continuous, or a system of python-control with
+        dt = None.
 
     Returns
     -------
@@ -83,16 +86,17 @@ def plant_of(
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
     found = _realisation(system, variable)
-    own_period = sample_time_of(system)
+    own_period = sample_time_of(found)
     if str(found.variable) == "s":
         sampled = _sampled(system, found, sample_time, method)
         return _verified(sampled, system, found, method)
     agreed_time(system, sample_time)
     period = own_period if own_period is not None else sample_time
-    if not is_foreign(system):
-        return replaced(standard_plant(system), sample_time=period)
+    if not is_foreign(system) and found.is_siso:
+        return replaced(standard_plant(found), sample_time=period)
     A, B, C, D = (_float(found, name) for name in "ABCD")
-    return _verified(_matched(A, B, C, D, period), system, found, "")
+    plant = _matched(A, B, C, D, period)
+    return _verified(plant, system, found, "") if is_foreign(system) else plant
 
 
 def as_plant(system: Any) -> Any:
@@ -100,8 +104,8 @@ def as_plant(system: Any) -> Any:
 
     What is neither is handed back, for the caller to refuse by its own name.
     """
-    ours = str, exact.TransferFunction, exact.TransferMatrix, exact.Realisation
-    return plant_of(system) if isinstance(system, ours) or is_foreign(system) else system
+    is_own = isinstance(system, exact.StandardProblem) or _is_own(system)
+    return system if is_own or not is_description(system) else plant_of(system)
 
 
 def agreed_time(system: Any, sample_time: float | None) -> float | None:
@@ -160,7 +164,7 @@ def _is_own(system: Any) -> bool:
 
 def _realisation(system: Any, variable: str | None) -> exact.Realisation:
     """The exact realisation, in the system's own basis where it has one."""
-    if isinstance(system, exact.Realisation) or (is_foreign(system) and hasattr(system, "A")):
+    if has_states(system, variable):
         return exact.realisation(system, variable)
     matrix = exact.transfer_matrix(system, variable)
     if matrix.shape == (1, 1):

@@ -7,6 +7,7 @@ from typing import Any
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.systems._descriptions import has_states, shape_of
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._foreign import sample_time_of as exact_sample_time
 from compensator_theory.systems._sample_times import shared_sample_time
@@ -25,13 +26,15 @@ def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | Non
     return Plant(**matrices, blocks=dict(blocks or {}), exact=problem, sample_time=period)
 
 
-def standard_plant(G: Any) -> Plant:
+def standard_plant(G: Any, *, variable: str | None = None) -> Plant:
     """The standard problem of a transfer function: y = z and w matched with u, (2.15).
 
     Parameters
     ----------
     G : anything `compensator_theory.transfer_function` accepts
         Strictly proper or exactly proper, in q or z.
+    variable : {"q", "z"}, optional
+        Of lists of coefficients and matrices, which do not show it.
 
     Examples
     --------
@@ -39,7 +42,7 @@ def standard_plant(G: Any) -> Plant:
     >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
-    return from_problem(_discrete(exact.standard_problem(G)))
+    return from_problem(_discrete(exact.standard_problem(G, variable)))
 
 
 def servo_plant(G: Any = None, **matrices: Any) -> Plant:
@@ -54,7 +57,8 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
         disturbance d of its own; or a Plant, whose map from u to y it is: `plant_of` samples what
         is in continuous time.
     **matrices
-        A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; and
+        A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; variable="q" or "z" of a G that does
+        not show it; and
         performance="measured" (z = e_n, the default) or "true" (z = e_0).
 
     Returns
@@ -76,16 +80,19 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     >>> servo_plant([["1/(q - 0.8)", "(q - 2)/((q - 0.8)*(q - 0.9))"]])
     Plant(n=2, l_u=2, l_w=4, l_y=1, l_z=1)
     """
-    if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list):
+    if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list) and len(G[0]) > 1:
         matrices, G = {**matrices, **realised_row(G[0])}, None
     if isinstance(G, Plant):
         p, G = G.problem, None
         own = {"A": p.A, "B": p.B, "D_1": p.B, "C": p.C, "D_0": p.D_0}
         matrices = {**own, "variable": p.variable, "sample_time": p.sample_time, **matrices}
-    if is_foreign(G) and _signals(G) != (1, 1):
+    variable = matrices.get("variable")
+    if G is not None and shape_of(G, variable) != (1, 1):
         # Inputs and disturbances are matched, in the system's own basis or a minimal one.
-        found = exact.minimal_realisation(exact.transfer_matrix(G)).realisation
-        found = exact.realisation(G) if hasattr(G, "A") else found
+        if has_states(G, variable):
+            found = exact.realisation(G, variable)
+        else:
+            found = exact.minimal_realisation(exact.transfer_matrix(G, variable)).realisation
         own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
         own |= {"variable": found.variable, "sample_time": found.sample_time}
         matrices, G = {**own, **matrices}, None
@@ -156,14 +163,6 @@ def sample_time_of(system: Any) -> float | None:
         own = getattr(system, "sample_time", None)
         period = exact_sample_time(system) if is_foreign(system) else own
     return None if period is None else float(period)
-
-
-def _signals(system: Any) -> tuple[int, int]:
-    """Numbers of inputs and outputs."""
-    for names in (("ninputs", "noutputs"), ("inputs", "outputs"), ("num_inputs", "num_outputs")):
-        if all(isinstance(getattr(system, name, None), int) for name in names):
-            return getattr(system, names[0]), getattr(system, names[1])
-    return 1, 1
 
 
 def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:

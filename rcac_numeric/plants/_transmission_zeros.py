@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def transmission_zero_polynomial(plant: Plant) -> Poly:
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, or a system that `plant_of` reads
         Any numbers of signals; its entries mean their shortest decimals.
 
     Returns
@@ -49,7 +50,7 @@ def transmission_zero_polynomial(plant: Plant) -> Poly:
     from sympy.polys.matrices import DomainMatrix
     from sympy.polys.matrices.normalforms import invariant_factors
 
-    q = symbols("q")
+    plant, q = linear_plant(plant), symbols("q")
     pencil = DomainMatrix.from_Matrix(rosenbrock_matrix(plant)).convert_to(QQ[q])
     product = Poly(1, q, domain=QQ)
     for factor in invariant_factors(pencil):

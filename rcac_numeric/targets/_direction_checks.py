@@ -11,6 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import instance_of, number
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 from rcac_numeric.targets._zero_directions import (
@@ -114,8 +115,9 @@ def check_directions(
     ('not a zero',)
     """
     instance_of(target, "target", TargetModel)
+    if not isinstance(source, DirectionInformation):
+        source = linear_plant(source, "source")
     known = direction_information(source) if isinstance(source, Plant) else source
-    instance_of(known, "source", DirectionInformation)
     rows, columns = known.H.shape
     if rows != columns or (target.l_z, target.l_u) != (rows, columns):
         raise InputError(

@@ -11,6 +11,7 @@ from sympy import Matrix, Symbol
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 from rcac_numeric.arrays._validation import real_array, rounded
 from rcac_numeric.targets._model import TargetModel, from_transfer_function, require_causal
@@ -62,7 +63,8 @@ def target_model(filter: Any) -> TargetModel:
 
 def _is_expression(part: Any) -> bool:
     """Whether it stands for a polynomial by itself, such as a string or a SymPy object."""
-    return isinstance(part, str) or hasattr(part, "free_symbols")
+    is_polynomial = in_our_order(part) is not part  # of NumPy or flint, which are in q
+    return isinstance(part, str) or hasattr(part, "free_symbols") or is_polynomial
 
 
 def _from_coefficients(parts: Sequence[Any]) -> TargetModel:

@@ -9,7 +9,7 @@ from sympy.polys.matrices import DomainMatrix
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
-from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._descriptions import is_description
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer, real_array, rounded
 from rcac_numeric.plants._foreign import linear_plant
@@ -94,7 +94,7 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     >>> float(abs(zeros).max().round(6))
     2.0
     """
-    if is_foreign(source):
+    if is_description(source) and not isinstance(source, list | tuple | np.ndarray):
         source = linear_plant(source)
     if isinstance(source, Plant):
         if n_bar is None:

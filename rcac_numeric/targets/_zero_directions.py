@@ -15,7 +15,6 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.loops._directions import rational_matrix
 from compensator_theory.matrices._linear_algebra import determinant, rank
-from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import complex_number, integer, real_array
 from rcac_numeric.arrays._values import Value
@@ -128,8 +127,8 @@ def zero_direction_target(
     array([[-0.75,  1.5 ],
            [ 0.75, -1.5 ]])
     """
-    if is_foreign(source):
-        source = linear_plant(source)
+    if not isinstance(source, DirectionInformation):
+        source = linear_plant(source, "source")
     plant = source if isinstance(source, Plant) else None
     if isinstance(source, Plant):
         source = direction_information(source, squaring)

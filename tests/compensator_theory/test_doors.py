@@ -279,8 +279,15 @@ def test_roots_inside_roots_are_refused_at_once(depth):
 @pytest.mark.parametrize("values", [Long(10**9), Endless()], ids=["a length", "no end"])
 def test_no_more_is_drawn_than_a_limit_allows(values):
     with pytest.raises(BudgetError), exact.budget(degree=20):
+        exact.read_roots(values)
+    assert values.drawn <= 22  # one more than the degree, and one too many
+
+
+def test_of_what_has_no_order_nothing_is_drawn_as_coefficients():
+    values = Endless()
+    with pytest.raises(InputError, match="first and which its last"):
         exact.polynomial(values, "s")
-    assert values.drawn <= 22  # one more coefficient than the degree, and one too many
+    assert values.drawn == 0
 
 
 def test_a_refusal_says_what_to_do_and_a_limit_can_be_raised():
@@ -514,6 +521,12 @@ def test_settings_stand_in_one_place(name):
 
 
 def test_rows_of_a_transfer_matrix_are_no_matrices():
-    pairs = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
+    pairs = [[(1, 2), (3, 4)], [(5, 6), (7, 8)], [(1, 2), (1, "s + 3")]]
     assert exact.transfer_matrix(pairs, "s").shape == (3, 2)
+    assert exact.transfer_matrix(pairs[:2], "s").shape == (2, 2)
+    pairs[2][1] = (1, 3)  # may be A, B and C
+    with pytest.raises(InputError, match="may be the matrices"):
+        exact.transfer_matrix(pairs, "s")
+    matrices = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
+    assert exact.transfer_matrix(matrices, "s") == exact.transfer_matrix(tuple(matrices), "s")
     assert exact.transfer_matrix([["1/s"], ["2/s"], ["3/s"]]).shape == (3, 1)

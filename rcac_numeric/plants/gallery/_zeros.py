@@ -15,6 +15,7 @@ from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer
 from rcac_numeric.arrays._values import Result
+from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 from rcac_numeric.plants._transmission_zeros import transmission_zero_polynomial
@@ -54,7 +55,7 @@ def plant_zeros(plant: Plant) -> ComplexArray:
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, or a system that `plant_of` reads
 
     Returns
     -------
@@ -68,6 +69,7 @@ def plant_zeros(plant: Plant) -> ComplexArray:
     >>> plant_zeros(standard_plant("(q - 1.5)*(q - 0.2)/(q - 0.5)**3"))
     array([1.5+0.j, 0.2+0.j])
     """
+    plant = linear_plant(plant)
     scalar = plant.l_u == plant.l_z == 1
     # The numerator over det(qI - A), unreduced, is the same polynomial and found sooner.
     polynomial = plant.scalar_map("zu")[0] if scalar else transmission_zero_polynomial(plant)

@@ -22,7 +22,7 @@ from compensator_theory.errors import BudgetError
 from compensator_theory.forms import smith_form, smith_mcmillan_form
 from compensator_theory.forms._equivalence import elimination_of
 from compensator_theory.forms._polynomial_matrices import written
-from compensator_theory.forms._smith import by_euclid
+from compensator_theory.matrices._diagonalisation import by_euclid
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,

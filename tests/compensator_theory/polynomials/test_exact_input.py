@@ -205,7 +205,7 @@ def test_lists_are_matrices_everywhere():
     assert is_controllable([[0, 1], [0, 0]], [[0], [1]]) is True
 
 
-@pytest.mark.parametrize("text", ["s² + 1", "s₁ + 1", "1/(s⁻¹)", "½*s", "2²"])
+@pytest.mark.parametrize("text", ["s₁ + 1", "½*s", "s ₂", "②*s"])
 def test_small_figures_are_no_part_of_a_name(text):
     with pytest.raises(exact.InputError, match="there; write numbers"):
         exact.transfer_function(text)

@@ -50,7 +50,7 @@ def test_the_advice_about_variables_works(function, options):
     text = "4*q**2 - q + 2"
     assert function([4, -1, 2], variable="q", **options) == function(text, **options)
     if not options and function is not exact.roots.reflection_coefficients:
-        with pytest.raises(InputError, match="say variable='s'"):
+        with pytest.raises(InputError, match="as in variable='s'"):
             function([4, -1, 2])
     else:
         function([4, -1, 2], **options)

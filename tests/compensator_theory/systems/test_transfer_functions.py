@@ -108,9 +108,19 @@ def test_latex_and_matrices():
         TransferMatrix(((p, p),), p).scalar()
 
 
-@pytest.mark.parametrize("text", ["1/s", "(z + s)/z**2", "z/(z + q)"])
-def test_another_operator_is_no_parameter(text):
+@pytest.mark.parametrize("text", ["1/s", "q", "2*s/q"])
+def test_another_operator_alone_is_no_parameter(text):
     """1/s read in z was a static gain, and a placement around it fed nothing back."""
     with pytest.raises(InputError, match="use one variable"):
         transfer_function(text, "z")
+
+
+@pytest.mark.parametrize("text", ["(z + s)/z**2", "z/(z + q)", "q*z"])
+def test_beside_a_variable_that_was_named_another_letter_is_a_parameter(text):
+    with pytest.raises(InputError, match="not evident"):
+        transfer_function(text)
+    renamed = transfer_function(text.replace("s", "a").replace("q", "b"), "z")
+    assert transfer_function(text, "z") == renamed.subs(
+        {name: {"a": "s", "b": "q"}[name] for name in "ab" if name in str(renamed)}
+    )
     assert transfer_function(text.replace("s", "a").replace("q", "b"), "z").variable.name == "z"

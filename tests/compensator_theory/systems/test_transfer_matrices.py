@@ -10,7 +10,14 @@ from sympy import Matrix
 from sympy.physics.control import MIMOSeries, StateSpace, TransferFunctionMatrix
 from sympy.physics.control import TransferFunction as Sympys
 
-from compensator_theory import InputError, Realisation, transfer_function, transfer_matrix
+from compensator_theory import (
+    InputError,
+    Realisation,
+    minimal_realisation,
+    transfer_function,
+    transfer_matrix,
+)
+from compensator_theory.forms import smith_mcmillan_form
 from compensator_theory.strategies import rationals
 from tests.support.structure_cases import nonzero_point, transfer_matrices
 
@@ -73,6 +80,36 @@ def test_every_description_is_read_alike(G):
     for read in (rows, texts, pairs, G.as_matrix(), sympys):
         assert at(transfer_matrix(read, "s"), point) == at(G, point)
     assert transfer_matrix(rows) == G == transfer_matrix(G)
+
+
+@given(transfer_matrices(max_size=2))
+def test_poles_and_zeros_are_those_of_the_smith_mcmillan_form(G):
+    form = smith_mcmillan_form(G)
+    assert G.poles() == form.poles and G.zeros() == form.zeros
+    of_pencil = minimal_realisation(G).realisation if is_proper(G) else None
+    if of_pencil is not None:  # another way to the poles, by the order of a realisation
+        assert sum(root.multiplicity for root in G.poles()) == of_pencil.n
+
+
+def is_proper(G):
+    return all(G[i, j].is_proper for i in range(G.shape[0]) for j in range(G.shape[1]))
+
+
+def test_poles_and_zeros_of_known_matrices():
+    def of(rows):
+        G = transfer_matrix(rows, "s")
+        return [[(int(r.value.real), r.multiplicity) for r in f()] for f in (G.poles, G.zeros)]
+
+    assert of([["1/s", 0], [0, "1/s"]]) == [[(0, 2)], []]  # two, and not the one of 1/s
+    assert of([["1/s", "1/s"], ["1/s", "1/s"]]) == [[(0, 1)], []]
+    assert of([["1/(s + 1)", 0], [0, "(s + 1)/(s + 2)"]]) == [[(-2, 1), (-1, 1)], [(-1, 1)]]
+    assert of([["(s - 1)/(s + 2)", "4/(s + 2)"], ["9/(2*(s + 2))", "2*(s - 1)/(s + 2)"]]) == [
+        [(-2, 1)],
+        [(4, 1)],
+    ]  # Skogestad and Postlethwaite, example 4.11
+    assert of([["1/(s + 1)", "1/(s + 2)", "1/(s + 3)"]])[1] == []  # a row has no common zero
+    with pytest.raises(InputError):
+        transfer_matrix([["1/(s + a)"]], "s").poles()
 
 
 def test_systems_of_python_control():

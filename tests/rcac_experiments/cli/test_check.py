@@ -10,8 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
+from rcac_experiments.cli._check import read_case
 from rcac_experiments.cli._main import main
-from rcac_numeric import FixedController, Step, exogenous, read_log, simulate
+from rcac_numeric import (
+    FixedController,
+    Step,
+    exogenous,
+    plant_of,
+    read_log,
+    servo_plant,
+    simulate,
+)
 
 OCTAVE = "examples/octave/rcac_loop.mat"
 CASE = "examples/octave/example_4_7.toml"
@@ -121,6 +130,17 @@ def test_a_plant_by_its_matrices_inside_the_log_or_in_a_file(tmp_path, signals):
     assert inside["loop"] == beside["loop"]
     assert np.isclose(inside["h2"]["cost"], formula["h2"]["cost"])
     assert run(OCTAVE, "--plant", OCTAVE).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1/(q - 0.5), 0; 0.2/(q - 0.1), 2/(q - 0.3)",
+     "[[1/(q - 0.5), 0], [0.2/(q - 0.1), 2/(q - 0.3)]]"],
+)  # fmt: skip
+def test_a_plant_is_written_as_for_rcac_design(text):
+    rows = [["1/(q - 0.5)", "0"], ["0.2/(q - 0.1)", "2/(q - 0.3)"]]
+    assert read_case(text, "standard")[0] == plant_of(rows)
+    assert read_case(text, "servo")[0] == servo_plant(rows)
 
 
 @pytest.mark.parametrize(

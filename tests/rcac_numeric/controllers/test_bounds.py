@@ -111,9 +111,9 @@ def test_bounds_that_are_never_met_change_nothing(method):
 def test_where_bounds_hold_theta_they_and_no_failure_say_where_the_poles_are():
     target = TargetModel([0.0, 1.0], [1.0, -1.2, 0.4])
     held, free = (
-        loop_health(simulate(
-            PLANT, settings_of(target=target, update=UD(5.0), **bounds), noise(2, 200, 1)
-        ))
+        loop_health(
+            simulate(PLANT, settings_of(target=target, update=UD(5.0), **bounds), noise(2, 200, 1))
+        )
         for bounds in ({"bounds": CoefficientBounds(-0.01, 0.01)}, {})
     )
     assert held.is_held and not free.is_held and min(held.missed_by, free.missed_by) > 0.01

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from sympy import QQ, Poly, Rational
 from sympy.abc import a, b, s
 
-from compensator_theory.forms._function_rings import FunctionRing
+from compensator_theory.matrices._function_rings import FunctionRing
 from compensator_theory.matrices._rational_functions import in_symbols
 from compensator_theory.polynomials._poly import from_coefficients
 

@@ -65,7 +65,7 @@ class FunctionRing:
     >>> from sympy import QQ
     >>> from sympy.abc import a, s
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._function_rings import FunctionRing
+    >>> from compensator_theory.matrices._function_rings import FunctionRing
     >>> ring = FunctionRing(s, QQ[a])
     >>> p, q = (ring.read(polynomial(text, "s")) for text in ("s**2/a", "a*s + 1"))
     >>> [ring.write(part).as_expr() for part in ring.divide(p, q)]

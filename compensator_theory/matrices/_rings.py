@@ -12,11 +12,11 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
 from compensator_theory.errors import InputError
-from compensator_theory.forms._function_rings import FunctionRing
 from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
+from compensator_theory.matrices._function_rings import FunctionRing
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._poly import canonical
 
@@ -32,7 +32,7 @@ class RationalRing:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._rings import ring_of
+    >>> from compensator_theory.matrices._rings import ring_of
     >>> ring = ring_of([polynomial("s + 1")])
     >>> ring.write(ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + 1")))[0])
     Poly(s - 1, s, domain='QQ')
@@ -88,7 +88,7 @@ class SymbolicRing:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._rings import ring_of
+    >>> from compensator_theory.matrices._rings import ring_of
     >>> ring = ring_of([polynomial("s + sqrt(2)")])
     >>> rest = ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + sqrt(2)")))[1]
     >>> ring.write(rest)
@@ -151,7 +151,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._rings import ring_of
+    >>> from compensator_theory.matrices._rings import ring_of
     >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
     'FunctionRing'
     """
@@ -174,7 +174,7 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._rings import multiply, ring_of
+    >>> from compensator_theory.matrices._rings import multiply, ring_of
     >>> ring = ring_of([polynomial("s")])
     >>> s = ring.read(polynomial("s"))
     >>> ring.write(multiply(ring, [[s, ring.one]], [[s], [s]])[0][0])
@@ -202,7 +202,7 @@ def identity(ring: Ring, size: int) -> Grid:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._rings import identity, ring_of
+    >>> from compensator_theory.matrices._rings import identity, ring_of
     >>> len(identity(ring_of([polynomial("s")]), 2))
     2
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compensator_theory.forms._rings import (
+from compensator_theory.matrices._rings import (
     Element,
     Grid,
     Ring,
@@ -28,16 +28,15 @@ class Elimination:
 
     Examples
     --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._elimination import Elimination
-    >>> from compensator_theory.forms._polynomial_matrices import joint_ring
-    >>> from compensator_theory.forms._polynomial_matrices import read_into, written
-    >>> P = polynomial_matrix([["s"], ["s**2 + 1"]])
-    >>> ring = joint_ring(P)
-    >>> work = Elimination(ring, read_into(ring, P))
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices._elimination import Elimination
+    >>> from compensator_theory.matrices._rings import ring_of
+    >>> column = [polynomial("s"), polynomial("s**2 + 1")]
+    >>> ring = ring_of(column)
+    >>> work = Elimination(ring, [[ring.read(entry)] for entry in column])
     >>> work.triangulate_column(0, 0)
-    >>> print(written(ring, work.matrix), written(ring, work.U))
-    [[1], [0]] [[-s, 1], [s**2 + 1, -s]]
+    >>> [[ring.write(entry).as_expr() for entry in row] for row in work.U]
+    [[-s, 1], [s**2 + 1, -s]]
     """
 
     def __init__(self, ring: Ring, matrix: Grid) -> None:

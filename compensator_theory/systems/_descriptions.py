@@ -1,0 +1,354 @@
+"""What lists, tuples and arrays describe: a fraction, a matrix of them, or a state space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from sympy import Expr, MatrixBase, Poly, Rational, Symbol, Tuple
+
+from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.polynomials._budget import ask, is_array, shown
+from compensator_theory.polynomials._numbers import exact_number
+from compensator_theory.polynomials._polynomial_objects import in_our_order
+from compensator_theory.polynomials._reading import is_list
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.polynomials._variables import as_symbol, is_operator
+from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
+from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._sample_times import System
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Numerator and denominator, each a polynomial in any form."""
+
+    numerator: Any
+    denominator: Any
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A matrix by rows; an entry is a transfer function in any form."""
+
+    entries: list[list[Any]]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of outputs and inputs."""
+        return len(self.entries), len(self.entries[0])
+
+
+@dataclass(frozen=True)
+class States:
+    """Matrices of a state space; where a sample time stands beside them, they are of its time."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any = None
+    sample_time: Rational | None = None
+
+    def realisation(self, variable: str | Symbol | None) -> Realisation:
+        """The realisation, whose time domain has to be known."""
+        if variable is None and self.sample_time is None:
+            raise InputError(
+                "matrices (A, B, C) do not show the time domain; write variable='s' for "
+                "continuous time, 'z' or 'q' for discrete time, or give Realisation(A, B, C, D, "
+                "'s')"
+            )
+        symbol = "z" if variable is None else variable
+        return Realisation(self.A, self.B, self.C, self.D, symbol, sample_time=self.sample_time)
+
+
+FORMS = (
+    "give a text, a pair (num, den), matrices (A, B, C, D), rows of transfer functions such as "
+    "[['1/s', 0]], or a system"
+)
+
+
+def described(obj: Any, variable: str | Symbol | None = None) -> Any:
+    """Return what an object of several parts describes; anything else, or its system, as it is.
+
+    There is one reading, whichever function asks. A tuple of two is (num, den); a list of lists of
+    equal length is a matrix by rows, in which a tuple is the fraction of an entry; two nested lists
+    of three levels are the numerators and denominators of a matrix, as python-control has them;
+    matrices are (A, B, C) or (A, B, C, D), and beside (A, B, C, D) a sample time may stand.
+
+    Parameters
+    ----------
+    obj : object
+    variable : str or Symbol, optional
+        By which two lists of coefficients are told from two rows of transfer functions.
+
+    Raises
+    ------
+    InputError
+        Where several readings are possible, or none.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._descriptions import described
+    >>> described(([1], [1, 2])), described([["1/s", 0]]).shape
+    (Pair(numerator=[1], denominator=[1, 2]), (1, 2))
+    """
+    if isinstance(obj, ExactValue) and not isinstance(obj, System):
+        held = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
+        return held if isinstance(held, Realisation) else obj
+    if isinstance(obj, MatrixBase):
+        return _rows(obj.tolist())
+    if isinstance(obj, list | tuple | Tuple):
+        return _of_parts(obj, variable)
+    if is_array(obj):
+        if not is_array(obj, dimensions=2) or not hasattr(obj, "tolist"):
+            _refuse(obj)
+        ask("entries", obj.size, "the transfer matrix")
+        return _rows([[obj[i, j] for j in range(obj.shape[1])] for i in range(obj.shape[0])])
+    read = in_our_order(obj)
+    return Pair(read, 1) if isinstance(read, list) else read
+
+
+def is_description(obj: object) -> bool:
+    """Tell whether something is of a kind that describes systems; its reader says whether it does.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._descriptions import is_description
+    >>> is_description("1/s"), is_description(([1], [1, 2])), is_description(None)
+    (True, True, False)
+    """
+    kinds = (str, list, tuple, Tuple, Mapping, Expr, Poly, MatrixBase, ExactValue)
+    if isinstance(obj, kinds) or is_foreign(obj) or is_array(obj):
+        return True
+    return in_our_order(obj) is not obj
+
+
+def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
+    """Tell whether something is in state space, with states of its own.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._descriptions import has_states
+    >>> has_states(([[0]], [[1]], [["a"]])), has_states(([1, 2], [1, 0]))
+    (True, False)
+    """
+    found = described(obj, variable)
+    if not is_foreign(found):
+        return isinstance(found, States | Realisation)
+    if all(hasattr(found, name) for name in "ABCD"):
+        return True
+    joined = type(found).__module__.startswith("sympy") and shape_of(found) == (1, 1)
+    return joined and isinstance(contents_of(found, variable), Matrices)
+
+
+def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
+    """Numbers of outputs and inputs, as far as they show; (1, 1) of whatever is scalar.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems._descriptions import shape_of
+    >>> shape_of([["1/s", 0]]), shape_of("1/s")
+    ((1, 2), (1, 1))
+    """
+    found = described(obj, variable)
+    if isinstance(found, States):
+        found = found.realisation("s" if variable is None else variable)
+    if is_foreign(found):
+        counts: tuple[Any, Any] = (None, None)
+        if hasattr(found, "noutputs"):  # of python-control, SymPy and SciPy
+            counts = found.noutputs, found.ninputs
+        elif hasattr(found, "num_outputs"):
+            counts = found.num_outputs, found.num_inputs
+        elif hasattr(found, "outputs") and hasattr(found, "inputs"):
+            counts = found.outputs, found.inputs
+        if all(isinstance(count, int) for count in counts):
+            return counts
+    own = getattr(found, "D", found)  # of a realisation, a descriptor system
+    if isinstance(own, Rows | System | MatrixBase) and hasattr(own, "shape"):
+        outputs, inputs = own.shape
+        return int(outputs), int(inputs)
+    return 1, 1
+
+
+def _of_parts(parts: Sequence[Any], variable: str | Symbol | None) -> Pair | Rows | States:
+    ask("entries", len(parts), "the system")
+    ask("entries", sum(len(p) for p in parts if isinstance(p, list | tuple)), "the transfer matrix")
+    if (states := _states(parts, variable)) is not None:
+        return states
+    levels = [*map(_level, parts)]
+    is_tuple = not isinstance(parts, list)
+    if len(parts) == 2:
+        first, second = parts
+        if _is_nested(first) and (_is_nested(second) or levels[1] == 1):
+            if not any(isinstance(row, tuple) for part in parts for row in part):
+                return _of_nested_lists(first, second)
+            if is_tuple or levels[1] == 1:
+                _refuse(parts)
+        if levels[0] == 2 and levels[1] < 2:
+            _refuse_rows_of_numerators()
+        if is_tuple and max(levels) <= 1 and not (levels == [1, 1] and _shows(parts, variable)):
+            return Pair(first, second)
+    if len(parts) in (3, 4) and 0 not in levels[:2] and not any(levels[2:]):
+        if max(levels) == 1:
+            raise InputError(
+                f"{shown(parts)} may be zeros, poles and a gain, or numerator, denominator and a "
+                "sample time; write transfer_function(zeros=z, poles=p, gain=k, variable='s'), or "
+                "transfer_function((num, den), 'z', sample_time=dt)"
+            )
+        if levels[:2] == [2, 1]:
+            _refuse_rows_of_numerators()
+        if levels[0] == 3:
+            raise InputError(
+                f"{shown(parts)} ends in a number; give (num, den), and the sample time as "
+                "transfer_matrix((num, den), 'z', sample_time=dt)"
+            )
+    if not parts or not all(is_list(row) for row in parts):
+        _refuse(parts)
+    return _rows([[*row] for row in parts])
+
+
+def _rows(rows: list[list[Any]]) -> Rows:
+    lengths = {len(row) for row in rows}
+    if len(lengths) != 1 or 0 in lengths:
+        raise InputError(
+            "a transfer matrix needs rows of one and the same nonzero length, as in "
+            "[['1/s', 0], [0, '1/(s + 1)']]; numerator and denominator as lists of coefficients "
+            "are one tuple, as in ([1], [1, 2])"
+        )
+    ask("entries", len(rows) * len(rows[0]), "the transfer matrix")
+    for entry in (entry for row in rows for entry in row):
+        if isinstance(entry, list) or is_array(entry):
+            raise InputError(
+                f"the entry {shown(entry)} of a matrix by rows is a list, and it is not evident "
+                "what it lists; write the fraction of an entry as a tuple, as in [[([1], [1, 2])]]"
+            )
+    return Rows(rows)
+
+
+def _level(part: Any) -> int:
+    """How many levels of lists: 0 of a text, a number, a system; 2 of a matrix; -1 of none."""
+    if isinstance(part, MatrixBase):
+        return 2
+    if is_array(part):
+        return len(part.shape)
+    if not isinstance(part, list | tuple | Tuple):
+        return 0
+    inner = {_level(entry) for entry in part[:1000]} or {0}
+    return 1 + inner.pop() if len(inner) == 1 else 1 + max(inner)
+
+
+def _is_nested(part: Any) -> bool:
+    """Whether this is a matrix of lists of coefficients, by rows."""
+    return _is_list_of(part, lambda row: _is_list_of(row, lambda entry: _level(entry) == 1)) or (
+        is_array(part, dimensions=3)
+    )
+
+
+def _is_list_of(given: Any, is_right: Callable[[Any], bool]) -> bool:
+    return isinstance(given, list | tuple) and bool(given) and all(map(is_right, given))
+
+
+def _of_nested_lists(numerators: Any, denominators: Any) -> Rows:
+    """The matrix whose numerators, and denominators, stand in nested lists by rows."""
+    tops = [[*row] for row in numerators]
+    if _level(denominators) == 1:
+        bottoms = [[denominators] * len(row) for row in tops]
+    else:
+        bottoms = [[*row] for row in denominators]
+    sizes = [[len(row) for row in rows] for rows in (tops, bottoms)]
+    if sizes[0] != sizes[1]:
+        raise InputError(
+            f"the numerators stand in rows of {shown(sizes[0])} lists and the denominators in rows "
+            f"of {shown(sizes[1])}; each entry needs both"
+        )
+    return _rows([
+        [*zip(top, bottom, strict=True)] for top, bottom in zip(tops, bottoms, strict=True)
+    ])  # fmt: skip
+
+
+def _states(parts: Sequence[Any], variable: str | Symbol | None) -> States | None:
+    """(A, B, C), (A, B, C, D) or (A, B, C, D, dt); one-dimensional B and C by the order of A."""
+    if len(parts) not in (3, 4, 5):
+        return None
+    A, B, C, *rest = parts
+    D = rest[0] if rest else None
+    if not _is_matrix(A) or not (_is_matrix(D) or D is None or _is_zero(D) or _level(D) == 1):
+        return None
+    n = _size(A)
+    B = [[entry] for entry in B] if is_list(B) and not _is_matrix(B) and len(B) == n else B
+    C = [[*C]] if is_list(C) and not _is_matrix(C) and len(C) == n else C
+    if not (_is_matrix(B) and _is_matrix(C)):
+        return None
+    if isinstance(parts, list) and len(rest) < 2 and all(map(_holds_pairs, parts)):
+        entries = [[*pair] for row in parts for pair in row]
+        if {len(A), len(B)} != {2} or _shows(entries, variable):
+            return None
+        raise InputError(
+            f"{shown(parts)} may be the matrices A, B and C or three rows of fractions; give the "
+            "tuple (A, B, C), or transfer_function(...) in the entries of the rows"
+        )
+    if D is not None and not _is_matrix(D):
+        D = None if _is_zero(D) else [[*D]]
+    period = None if len(rest) < 2 else exact_number(rest[1])
+    if period is not None and not (isinstance(period, Rational) and period > 0):
+        raise InputError(
+            f"the sample time {shown(rest[1])} beside (A, B, C, D) is no positive number of "
+            "seconds; leave it out, and name the variable"
+        )
+    return States(A, B, C, D, period)
+
+
+def _is_matrix(obj: object) -> bool:
+    if isinstance(obj, list | tuple):
+        rows = [row for row in obj if isinstance(row, list | tuple)]
+        return bool(obj) and len(rows) == len(obj) and not any(
+            isinstance(entry, list | tuple) for row in rows for entry in row
+        )  # fmt: skip
+    return isinstance(obj, MatrixBase) or getattr(obj, "ndim", 0) == 2
+
+
+def _size(A: Any) -> int:
+    return int(A.shape[0]) if hasattr(A, "shape") else len(A)
+
+
+def _is_zero(D: object) -> bool:
+    return isinstance(D, int | float | Expr) and not isinstance(D, bool) and D == 0
+
+
+def _holds_pairs(matrix: Any) -> bool:
+    """Whether every row is a list of tuples of two, which are fractions among rows."""
+    return isinstance(matrix, list) and all(isinstance(r, tuple) and len(r) == 2 for r in matrix)
+
+
+def _shows(lists: Sequence[Any], variable: str | Symbol | None) -> bool:
+    """Whether two lists are rows: an entry contains the variable, or is a system."""
+    sought: Callable[[Symbol], bool] = is_operator
+    if variable is not None:
+        symbol = as_symbol(variable)
+        sought = lambda found: found == symbol  # noqa: E731
+    for entry in (entry for one in lists for entry in one):
+        if isinstance(entry, System | tuple) or is_foreign(entry):
+            return True
+        if isinstance(entry, Poly) and any(map(sought, entry.gens)):
+            return True
+        if isinstance(entry, str | Expr):
+            try:
+                read = exact_number(entry)
+            except CompensatorError:  # whoever reads it says why
+                continue
+            if any(map(sought, read.free_symbols)):
+                return True
+    return False
+
+
+def _refuse_rows_of_numerators() -> NoReturn:
+    raise InputError(
+        "the numerator has rows, as scipy.signal.ss2tf gives one for each output, while "
+        "python-control reads one entry for each input; give (num[0], den) for one output, and "
+        "for several [[(num[0], den)], [(num[1], den)]]"
+    )
+
+
+def _refuse(parts: object) -> NoReturn:
+    raise InputError(f"{shown(parts)} describes no system in a form that is read here; {FORMS}")
