@@ -258,7 +258,11 @@ def estimate(
     made = estimated_record(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
     if isinstance(made, StateEstimates) and made.observability.unseen:
         warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
-    if isinstance(made, AdaptedEstimates) and made.information and made.information.unidentified:
+    if (
+        isinstance(made, AdaptedEstimates)
+        and made.information is not None
+        and made.information.unidentified
+    ):
         warnings.warn(str(made.information), UnidentifiableWarning, stacklevel=2)
     return made
 
