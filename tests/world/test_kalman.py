@@ -150,12 +150,8 @@ MASKS = [
     case(
         "pykalman-94-smoother", lambda: _never(smooth(EKF(LEVEL, Q=0.1, R=1, P_0=1), MASKED), 1e3)
     ),
-    case(
-        "sentinel-log",
-        lambda: _no_sentinel(ControllerLog(np.ones(5), SENTINEL)),
-        open_because="the mask is dropped",
-    ),
-    case("sentinel-step", step_with_a_mask, open_because="the mask is dropped"),
+    case("sentinel-log", lambda: _no_sentinel(ControllerLog(np.ones(5), SENTINEL))),
+    case("sentinel-step", step_with_a_mask),
 ]
 
 

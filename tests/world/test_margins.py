@@ -98,7 +98,6 @@ REFUSED = [
     case(
         "another-sample-time",
         lambda: stability_margins(TF([0.5], [1, -0.5], 0.3), feedback=-1, sample_time=0.7),
-        open_because="0.7 s is taken without a word for a loop sampled every 0.3 s",
     ),
 ]
 
