@@ -9,7 +9,7 @@ from flint import arb, arb_mat, fmpq
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import at_growing_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import matrix, number, real_array
 
@@ -71,15 +71,17 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
 def _exponential(generator: Array, h: float, precision: int) -> Array:
     period = _decimal(h)
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
-    while True:
-        with ball_precision(precision):
-            found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
-            entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
-            tiny = arb(2) ** -1100  # below float64 nothing is left to decide
-            if all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
-                values = [float(x.mid()) for x in entries]
-                return np.reshape(np.array(values, dtype=np.float64), generator.shape)
-        precision *= 2
+
+    def attempt(_: int) -> Array | None:
+        found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
+        entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
+        tiny = arb(2) ** -1100  # below float64 nothing is left to decide
+        if not all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
+            return None
+        values = [float(x.mid()) for x in entries]
+        return np.reshape(np.array(values, dtype=np.float64), generator.shape)
+
+    return at_growing_precision(attempt, precision, "the exponential of h A")
 
 
 def _decimal(value: float) -> fmpq:
