@@ -1,10 +1,10 @@
 """Ten thousand loops at the corners of stability: how long each question takes, what contradicts.
 
-``python benchmarks/boundary_loops.py [LOOPS]`` draws loops with factors on the boundary, common
-factors, constants and ill-posed pairs, half of them in s and half in z, asks margins, gains, locus,
-delays, norms and connections of each, and prints the counts, the slowest answer of each question,
-and what two answers contradict. The exit status is 1 where there is a contradiction, or an answer
-that took more than 10 s. Ten thousand take about an hour.
+``python benchmarks/boundary_loops.py [LOOPS [SEED]]`` draws loops with factors on the boundary,
+common factors, constants and ill-posed pairs, half of them in s and half in z, asks margins, gains,
+locus, delays, norms and connections of each, and prints the counts, the slowest answer of each
+question, and what two answers contradict. The exit status is 1 where there is a contradiction, or
+an answer that took more than 10 s. Ten thousand take about an hour.
 """
 
 import sys
@@ -47,12 +47,11 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
     return len(drawn)
 
 
-def main(loops: int) -> int:
+def main(loops: int = 10_000, batch: int = 0) -> int:
     """Ask, print, and return the exit status."""
     worst: dict[str, tuple[float, str]] = {}
     found: Counter[str] = Counter()
     counts: Counter[str] = Counter()
-    batch = 0
     while sum(counts.values()) < loops:
         for variable in ("s", "z"):
             counts[variable] += asked_of(variable, batch, min(BATCH, loops), worst, found)
@@ -64,4 +63,4 @@ def main(loops: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000))
+    sys.exit(main(*map(int, sys.argv[1:])))

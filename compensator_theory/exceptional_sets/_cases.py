@@ -13,6 +13,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets._equations import irreducible_factors
 from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol
@@ -72,6 +73,7 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
             If a symbol of the conditions has no value.
         """
         given = {as_symbol(name).name: exact_number(value) for name, value in values.items()}
+        require_decidable(given.values())
 
         def vanishes(expression: Expr) -> bool:
             missing = sorted(s.name for s in expression.free_symbols if s.name not in given)

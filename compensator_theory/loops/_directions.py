@@ -12,6 +12,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, listed, shown
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
@@ -72,6 +73,8 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
 
 def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
     """G(z0) over the Gaussian rationals."""
+    if not all(map(is_rational, (G.denominator, *(e for row in G.numerators for e in row)))):
+        raise InputError(f"a direction at {z0} needs rational coefficients; substitute numbers")
     point = QQ_I.from_sympy(z0)
 
     def at(polynomial: Poly) -> DomainElement:

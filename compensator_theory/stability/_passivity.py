@@ -13,6 +13,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, solve
+from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount
 from compensator_theory.stability._critical_values import number_between, real_roots
@@ -140,7 +141,8 @@ def decide_positive_real(
     if source.shape != (m, m):
         raise InputError(f"the transfer matrix is {m} x {source.shape[1]}; it must be square")
     N, d = source.numerator_matrix(), source.denominator.as_expr()
-    if source.denominator.free_symbols_in_domain or N.free_symbols - {source.variable}:
+    entries = (entry for row in source.numerators for entry in row)
+    if not all(map(is_rational, (source.denominator, *entries))):
         raise InputError("positive realness needs rational coefficients; substitute numbers")
     plus = N + d * identity_matrix(m)
     if sympy.expand(plus.det(method="berkowitz")) == 0:

@@ -192,7 +192,7 @@ class RootLocus(Certified, ExactValue):
 
     @property
     def stable(self) -> StabilityIntervals:
-        """The gains for which every root, the hidden ones and one at infinity counted, is stable."""
+        """The gains for which every root is stable, hidden ones and those at infinity counted."""
         s = self.denominator.gen
         both = self.denominator.as_expr() + GAIN * self.numerator.as_expr()
         whole = sympy.expand(both * self.hidden.as_expr())

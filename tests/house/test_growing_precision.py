@@ -31,9 +31,9 @@ def called(node):
 def doubles(node):
     """Whether a number is multiplied by a constant, or shifted, and kept under its name."""
     for part in ast.walk(node):
-        if isinstance(part, ast.AugAssign) and isinstance(part.op, ast.Mult | ast.LShift | ast.Pow):
-            if isinstance(part.value, ast.Constant):
-                return True
+        grows = isinstance(getattr(part, "op", None), ast.Mult | ast.LShift | ast.Pow)
+        if isinstance(part, ast.AugAssign) and grows and isinstance(part.value, ast.Constant):
+            return True
         if isinstance(part, ast.Assign) and isinstance(part.value, ast.BinOp):
             names = {t.id for t in part.targets if isinstance(t, ast.Name)}
             sides = part.value.left, part.value.right

@@ -74,15 +74,19 @@ def contradictions(G, G_c, asked=None):
             require(turn < 1e-6, "the phase margin")
     if not refused(locus):
         require(locus.stable.intervals == gains.intervals, "the gains of the locus")
+        require((1 in locus.stable) == is_stable, "the locus at 1")
         crossings = {} if locus.crossings is None else {c.gain for c in locus.crossings}
         if not refused(margins):
             require((locus.crossings is None) == margins.is_real, "real on the boundary")
             phase = {c.gain for c in margins.phase_crossovers}
             require(phase == {k for k in crossings if k.is_positive}, "phase crossovers")
         ends = {e for cell in gains.intervals for e in (cell.lower, cell.upper) if e.is_finite}
-        posed_ends = {e for e in ends if not _is_drop(e, L)}
-        require(locus.crossings is None or posed_ends <= crossings, "ends of the gains")
-    elif not L.reduced().denominator.degree() == 0 and not N.is_zero:
+        reached = [float(c.gain_enclosure) for c in locus.crossings or ()]
+        for end in ends:  # the same number may have two exact forms
+            at = float(sympy.N(end))
+            near = any(abs(at - k) <= CLOSE * max(1, abs(k)) for k in reached)
+            require(locus.crossings is None or near or _is_drop(end, L), "ends of the gains")
+    elif L.reduced().denominator.degree() != 0 and not N.is_zero:
         found.append("the refusal of the locus")
     if G.variable.name == "s":
         _delays(asked, require, N, D, closed, margins, is_stable, gains)

@@ -58,7 +58,7 @@ def test_a_crossover_where_the_loop_is_one_or_minus_one():
     one = stability_margins("((s + 1)**3 - (s**2 + 1))/(s + 1)**3", feedback=-1)
     assert [abs(float(c.degrees)) for c in one.gain_crossovers if c.square == 1] == [180]
     other = stability_margins("((s**2 + 1)*(s + 3) - (s + 1)**3)/(s + 1)**3", feedback=-1)
-    assert [c.delay for c in other.gain_crossovers if c.square == 1][0].centre == 0
+    assert next(c.delay for c in other.gain_crossovers if c.square == 1).centre == 0
     assert other.closed_loop.boundary == 2
 
 
