@@ -21,6 +21,7 @@ from compensator_theory.matrices._linear_algebra import solve, solve_affine
 from compensator_theory.polynomials._algebraic import algebraic
 from compensator_theory.polynomials._budget import listed, shown
 from compensator_theory.polynomials._generic_answers import generic_answer_of
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
@@ -225,6 +226,7 @@ def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatri
 def _eigenvalue(given: NumberLike) -> Expr:
     """Read one; a real algebraic number in the form that equal ones share."""
     value = sympy.expand(exact_number(given))
+    require_decidable([value])
     if value.is_number and not value.is_Rational:
         found = algebraic(value)
         if found is not None and found.is_real:
