@@ -20,8 +20,8 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, zero_ma
 from compensator_theory.matrices._linear_algebra import solve, solve_affine
 from compensator_theory.polynomials._algebraic import algebraic
 from compensator_theory.polynomials._budget import listed, shown
-from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._decidable import require_decidable
+from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
