@@ -406,7 +406,7 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
 
         def attempt(
             bits: int, factor: Poly = factor, index: int = index
-        ) -> tuple[Enclosure, Enclosure] | None:
+        ) -> tuple[Enclosure, ...] | None:
             square = real_root_ball(factor, index, bits)
             above, under = (
                 flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
