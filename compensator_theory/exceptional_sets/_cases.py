@@ -12,6 +12,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets._equations import irreducible_factors
 from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._letters import names_in_all, reserved
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._substitution import Substitutions, read_values
@@ -74,6 +75,7 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
             If a symbol of the conditions has no value.
         """
         given = {symbol.name: number for symbol, number in read_values(values, value).items()}
+        require_decidable(given.values())
 
         def vanishes(expression: Expr) -> bool:
             missing = sorted(s.name for s in expression.free_symbols if s.name not in given)

@@ -74,6 +74,8 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
 
 def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
     """G(z0) over the Gaussian rationals."""
+    if not all(map(is_rational, (G.denominator, *(e for row in G.numerators for e in row)))):
+        raise InputError(f"a direction at {z0} needs rational coefficients; substitute numbers")
     point = QQ_I.from_sympy(z0)
     if not all(map(is_rational, (G.denominator, *chain(*G.numerators)))):
         raise InputError(f"{quoted(G)} has coefficients that are not rational; substitute numbers")

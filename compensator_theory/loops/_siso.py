@@ -87,6 +87,23 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
     return canonical(D * D_c - N * N_c * feedback)
 
 
+def is_well_posed(closed: Poly, *parts: TransferFunction) -> bool:
+    r"""Tell whether a loop has all its poles: :math:`D D_c - f N N_c` keeps the degree.
+
+    Where :math:`G G_c` tends to f at infinity the degree drops: a root went to infinity, and no
+    other root is reason to call such a loop stable.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed
+    >>> G, G_c = transfer_function("-(s + 1)/(s + 2)"), transfer_function("1", "s")
+    >>> is_well_posed(closed_loop_of_pair(G, G_c, -1), G, G_c)
+    False
+    """
+    return not closed.is_zero and bool(closed.degree() >= sum(part.order for part in parts))
+
+
 def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
     r"""Return :math:`D D_c - f N N_c` of a loop that has all its poles.
 
@@ -98,7 +115,7 @@ def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -
     s + 2
     """
     Dtilde = closed_loop_of_pair(G, G_c, feedback)
-    if Dtilde.is_zero or Dtilde.degree() < G.order + G_c.order:
+    if not is_well_posed(Dtilde, G, G_c):
         raise ImproperError(
             f"the loop of {G} and {G_c} is not well posed: G G_c tends to {feedback} at infinity, "
             f"so that the direct terms cancel and the closed loop {format_polynomial(Dtilde)} has "

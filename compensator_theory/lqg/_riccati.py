@@ -686,10 +686,11 @@ class _Work:
 
     def balls(self, digits: int) -> tuple[EnclosedMatrix, EnclosedMatrix]:
         """Return enclosures of K and P."""
-        n, precision = self.n, digits
+        n = self.n
         spectrum = from_flint_polynomial(self.H.charpoly(), HALF_PLANE)
         powers = _powers(-self.H, n)
-        while True:
+        for precision in (digits * 2**k for k in range(7)):
+            working_bits(precision)
             left = factor_spectrum(spectrum, n, "continuous", precision).enclosure.coefficients
             with ball_precision(4 * working_bits(precision)):
                 near = _combined(powers, [ball_of_enclosure(c) for c in left[::-1]])
@@ -710,10 +711,7 @@ class _Work:
                     radii = [c.radius for rows in (K_rows, P_rows) for row in rows for c in row]
                     if max(radii) <= Rational(1, 10**digits):
                         return K_rows, P_rows
-            precision *= 2
-            if precision > 64 * digits:  # the subspace is no graph
-                raise NoSolutionError(NO_GRAPH)
-            working_bits(precision)
+        raise NoSolutionError(NO_GRAPH)  # the subspace is no graph
 
 
 def _gain(data: Sequence[flint.fmpq_mat], P: Grid, work: Arithmetic, time: Time) -> Grid:

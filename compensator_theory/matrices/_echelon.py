@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
-from sympy.polys.matrices import DomainMatrix
 
+from compensator_theory.matrices._domain_matrices import divided_by, domain_matrices
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
     identity_matrix,
@@ -67,12 +67,11 @@ def echelon(matrix: Matrix) -> Echelon:
         found_pivots = symbolic.reduce(columns, shortest=False)
         form = symbolic.quotients(range(len(found_pivots)), range(columns))
         return Echelon(form, tuple(found_pivots), symbolic.minor())
-    # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
-    over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
+    (over_ring,) = domain_matrices(matrix)
+    if over_ring.domain.has_assoc_Ring:
+        over_ring = over_ring.clear_denoms_rowwise(convert=True)[1]
     numerator, minor, pivots = over_ring.rref_den(method="FF")
-    field = numerator.domain.get_field()
-    inverse = 1 / field.convert_from(minor, numerator.domain)
-    form = (numerator.convert_to(field) * inverse).to_Matrix()[: len(pivots), :]
+    form = divided_by(numerator, minor).to_Matrix()[: len(pivots), :]
     return Echelon(ImmutableMatrix(form), tuple(pivots), numerator.domain.to_sympy(minor))
 
 

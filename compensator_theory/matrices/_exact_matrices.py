@@ -22,6 +22,7 @@ from compensator_theory.matrices._flint_matrices import (
 from compensator_theory.matrices._kept_matrices import KeptMatrix
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 from compensator_theory.polynomials._budget import ask, decimal_digits, listed, shown
+from compensator_theory.polynomials._decidable import require_rational_functions
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
@@ -135,11 +136,7 @@ def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
 
 
 def _rational_or_symbolic(value: NumberLike, name: str) -> Expr:
-    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
+    """Read an entry, which must be in the rings that the algorithms work in."""
     entry = sympy.sympify(exact_number(value))
-    if entry.is_number and not entry.is_rational:
-        raise InputError(
-            f"{name} contains the irrational number {entry}; write a rational number close to it, "
-            "or, where the function takes symbols, a symbol in its place"
-        )
+    require_rational_functions([entry], name)
     return entry

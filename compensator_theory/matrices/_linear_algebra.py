@@ -13,6 +13,7 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices._domain_matrices import divided_by, domain_matrices
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
@@ -67,7 +68,7 @@ def determinant(matrix: Matrix) -> Expr:
     if (symbolic := SymbolicRows.of(matrix)) is not None:
         full = len(symbolic.reduce(matrix.cols)) == matrix.rows
         return symbolic.determinant() if full else sympy.Integer(0)
-    domain_matrix = DomainMatrix.from_Matrix(matrix)
+    (domain_matrix,) = domain_matrices(matrix)
     constant_term = domain_matrix.charpoly()[-1]  # division-free
     sign = -1 if matrix.rows % 2 else 1
     return domain_matrix.domain.to_sympy(sign * constant_term)
@@ -81,8 +82,7 @@ def rank(matrix: Matrix) -> int:
         return int(raw.rref()[1])
     if (symbolic := SymbolicRows.of(matrix)) is not None:
         return len(symbolic.reduce(matrix.cols))
-    # SymPy keeps an entry such as (1 - b)/b + (b - 1)/b as a nonzero one in sparse form.
-    return len(DomainMatrix.from_Matrix(matrix).to_dense().rref_den()[2])
+    return len(domain_matrices(matrix)[0].rref_den()[2])
 
 
 def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
@@ -99,7 +99,7 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
         )
     if (symbolic := symbolic_characteristic_polynomial(matrix, variable)) is not None:
         return symbolic
-    domain_matrix = DomainMatrix.from_Matrix(matrix)
+    (domain_matrix,) = domain_matrices(matrix)
     domain = domain_matrix.domain
     return canonical(Poly([domain.to_sympy(c) for c in domain_matrix.charpoly()], variable))
 
@@ -128,7 +128,7 @@ def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
             raise NoSolutionError(singular)
         columns = range(matrix.cols, matrix.cols + right_side.cols)
         return symbolic.quotients(range(matrix.rows), columns)
-    left, right = _unified(matrix, right_side)
+    left, right = domain_matrices(matrix, right_side)
     try:
         numerator, denominator = left.solve_den(right)
     except DMNonInvertibleMatrixError as error:
@@ -192,19 +192,12 @@ def multiplied(*factors: Matrix) -> ImmutableMatrix:
         return from_flint(reduce(mul, raw))
     if (product := product_with_symbols(*factors)) is not None:
         return product
-    fields = [factor.to_field() for factor in _unified(*factors)]
+    fields = [factor.to_field() for factor in domain_matrices(*factors)]
     return ImmutableMatrix(reduce(mul, fields).to_Matrix())
 
 
 def _quotient(numerator: DomainMatrix, denominator: DomainElement) -> ImmutableMatrix:
-    field = numerator.domain.get_field()
-    inverse = 1 / field.convert_from(denominator, numerator.domain)
-    return ImmutableMatrix((numerator.convert_to(field) * inverse).to_Matrix())
-
-
-def _unified(*matrices: Matrix) -> list[DomainMatrix]:
-    converted = [DomainMatrix.from_Matrix(matrix) for matrix in matrices]
-    return list(converted[0].unify(*converted[1:], fmt="dense"))
+    return ImmutableMatrix(divided_by(numerator, denominator).to_Matrix())
 
 
 def _require_square(matrix: Matrix) -> None:

@@ -12,6 +12,7 @@ from compensator_theory.errors import (
     NotControllableError,
     NotObservableError,
 )
+from compensator_theory.matrices._domain_matrices import domain_matrices
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import from_flint, zero_matrix
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
@@ -119,9 +120,7 @@ def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> Immuta
         controllability_matrix(a, b)  # which says what does not fit
         return zero_matrix(1, 0)
     wanted = ImmutableMatrix([goal.all_coeffs()[1:]])
-    A, v, target = DomainMatrix.from_Matrix(a).unify(
-        DomainMatrix.from_Matrix(b), DomainMatrix.from_Matrix(wanted), fmt="dense"
-    )
+    A, v, target = domain_matrices(a, b, wanted)
     p = A.charpoly()
     columns = [v]
     for coefficient in p[1:-1]:

@@ -18,7 +18,9 @@ from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices._linear_algebra import solve, solve_affine
+from compensator_theory.polynomials._algebraic import algebraic
 from compensator_theory.polynomials._budget import listed, shown
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._substitution import denominators_in
@@ -178,7 +180,7 @@ def assign_eigenstructure(
     columns: list[ImmutableMatrix] = []
     blocks: list[Matrix] = []
     given = [
-        (sympy.expand(exact_number(value)), _chain(vectors, n))
+        (_eigenvalue(value), _chain(vectors, n))
         for value, vectors in zip(eigenvalues, eigenvectors, strict=True)
     ]
     for value, chain in _one_of_each_pair(given):
@@ -219,6 +221,17 @@ def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatri
             "as many rows"
         )
     return a, b
+
+
+def _eigenvalue(given: NumberLike) -> Expr:
+    """Read one; a real algebraic number in the form that equal ones share."""
+    value = sympy.expand(exact_number(given))
+    require_decidable([value])
+    if value.is_number and not value.is_Rational:
+        found = algebraic(value)
+        if found is not None and found.is_real:
+            return found.expression()
+    return value
 
 
 def _chain(given: object, n: int) -> Chain:

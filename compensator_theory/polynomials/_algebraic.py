@@ -12,7 +12,10 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.polys.polyerrors import CoercionFailed, NotInvertible, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._budget import ask, limit_of
 from compensator_theory.polynomials._sympy_trees import irrational_parts, square_root
 
@@ -232,18 +235,20 @@ def _eliminated(poly: flint.fmpz_poly, image: flint.fmpz_mpoly) -> flint.fmpz_po
 def _of(poly: flint.fmpz_poly, ball: Callable[[int], flint.acb]) -> Algebraic:
     """Find the irreducible factor and the root of it that a ball, as small as wanted, holds."""
     factors = [factor for factor, _ in poly.factor()[1]]
-    precision = 128
-    while True:
-        with ball_precision(precision):
-            value = ball(precision)
-            left = [f for f in factors if flint.acb_poly(f)(value).contains(0)]
-            if len(left) == 1:
-                roots = [r for r, _ in left[0].complex_roots() if r.overlaps(value)]
-                if len(roots) == 1:
-                    ask("field_degree", int(left[0].degree()), "an irrational number")
-                    sign = 1 if left[0].coeffs()[-1] > 0 else -1
-                    return Algebraic(left[0] * sign, roots[0])
-        precision *= 2
+
+    def attempt(bits: int) -> Algebraic | None:
+        value = ball(bits)
+        left = [f for f in factors if flint.acb_poly(f)(value).contains(0)]
+        if len(left) != 1:
+            return None
+        roots = [r for r, _ in left[0].complex_roots() if r.overlaps(value)]
+        if len(roots) != 1:
+            return None
+        ask("field_degree", int(left[0].degree()), "an irrational number")
+        sign = 1 if left[0].coeffs()[-1] > 0 else -1
+        return Algebraic(left[0] * sign, roots[0])
+
+    return at_growing_precision(attempt, 128, "an irrational number")  # the factors are coprime
 
 
 def _principal_root(ball: flint.acb, index: int, is_real: bool) -> flint.acb:

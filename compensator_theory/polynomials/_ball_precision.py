@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 import flint
 
-from compensator_theory.errors import InputError, PrecisionError
+from compensator_theory.errors import BudgetError, InputError, PrecisionError
 from compensator_theory.polynomials._budget import is_integer, shown
 
 
@@ -92,3 +93,57 @@ def _require_unchanged(bits: int) -> None:
             "for all threads. Repeat the computation, and set the precision with "
             "compensator_theory.ball_precision, which waits for its turn"
         )
+
+
+Found = TypeVar("Found")
+MOST_BITS = 2**18
+"""Of a ball that is to decide a question, or 64 times as many as it begins with."""
+
+
+def at_growing_precision(
+    attempt: Callable[[int], Found | None], bits: int, what: str, most: int | None = None
+) -> Found:
+    """Ask a question of balls at twice the precision again and again, until they answer it.
+
+    The only loop of this project that doubles a precision. Who calls it has a proof that small
+    enough balls answer: the number whose sign is asked is not zero, as it is the value of a
+    polynomial at a root of an irreducible one that does not divide it, or two roots are distinct,
+    as they are those of coprime polynomials.
+
+    Parameters
+    ----------
+    attempt : callable
+        Of the bits, called inside a block of that precision; None where the balls are too large.
+    bits : int
+        To begin with.
+    what : str
+        What is asked, for the message.
+    most : int, optional
+        The most bits that are tried, by default 2**18, or 64 times those to begin with.
+
+    Raises
+    ------
+    BudgetError
+        Above this many bits.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.polynomials._ball_precision import at_growing_precision
+    >>> def sign(bits):
+    ...     gap = flint.arb(2).sqrt() - flint.arb(1414213562373095048) / 10**18
+    ...     return 1 if gap > 0 else -1 if gap < 0 else None
+    >>> at_growing_precision(sign, 16, "a sign")
+    1
+    """
+    most = max(MOST_BITS, 64 * bits) if most is None else most
+    while bits <= most:
+        with ball_precision(bits):
+            found = attempt(bits)
+        if found is not None:
+            return found
+        bits *= 2
+    raise BudgetError(
+        f"{what} takes balls of more than {most} bits: two numbers lie closer together than that; "
+        "give numbers of fewer digits"
+    )

@@ -17,6 +17,7 @@ from sympy import Expr, Rational
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials._budget import ask, ask_for_number, listed, shown
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._expressions import parse_expression
 from compensator_theory.polynomials._sympy_trees import rational_floats, require_readable
 
@@ -100,6 +101,7 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     found = [sympy.sympify(exact_number(v)) for v in given]
     if not found:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+    require_decidable(found)
     return found
 
 

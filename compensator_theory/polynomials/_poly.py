@@ -13,6 +13,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._algebraic import rationalised
 from compensator_theory.polynomials._budget import ask, quoted, shown, unlimited
+from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._formatting import in_least_domain, require_real
 from compensator_theory.polynomials._multivariate import common_divisor_by_flint
 from compensator_theory.polynomials._numbers import exact_number
@@ -81,6 +82,7 @@ def canonical(poly: Poly) -> Poly:
     if domain.is_ZZ or (domain.is_Algebraic and all(c.is_Rational for c in small.all_coeffs())):
         return small.set_domain(QQ)
     if domain.is_Composite and not all(symbol.is_Symbol for symbol in domain.symbols):
+        require_decidable(poly.all_coeffs())
         return Poly(poly.as_expr(), poly.gen, extension=True)  # sqrt(2) is no free generator
     return small
 
@@ -100,7 +102,10 @@ def over_one_field(*polys: Poly) -> tuple[Poly, ...]:
     >>> a.domain == b.domain, (a * b).degree()
     (True, 2)
     """
-    if sum(domain.is_Algebraic for domain in {poly.domain for poly in polys}) < 2:
+    domains = {poly.domain for poly in polys}
+    if any(domain.is_EX for domain in domains):
+        require_decidable(c for poly in polys for c in poly.all_coeffs())
+    if sum(domain.is_Algebraic for domain in domains) < 2:
         return polys
     coefficients = [poly.all_coeffs() for poly in polys]
     numbers = [number for row in coefficients for number in row]
@@ -307,6 +312,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
         values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items() if c}
         return Poly.new(DMP.from_dict(values, 0, QQ), variable)
     require_one_symbol_a_name(set().union({variable}, *(c.free_symbols for c in powers.values())))
+    require_decidable(powers.values())
     require_small_field(list(powers.values()))
     powers = {k: c if c.free_symbols else rationalised(c) for k, c in powers.items()}
     try:

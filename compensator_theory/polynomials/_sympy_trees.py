@@ -313,18 +313,3 @@ def irrational_parts(number: Expr) -> set[Expr]:
                 continue
         waiting += part.args
     return found
-
-
-def irrational_numbers(expression: Expr) -> set[Expr]:
-    """Return what `irrational_parts` does, and numbers such as pi and log(2) beside it.
-
-    Examples
-    --------
-    >>> from sympy import pi, sqrt
-    >>> from sympy.abc import a
-    >>> from compensator_theory.polynomials._sympy_trees import irrational_numbers
-    >>> irrational_numbers(a * pi + 2) == {pi}, irrational_numbers(a + 2)
-    (True, set())
-    """
-    values = expression.atoms(sympy.NumberSymbol, sympy.Function)
-    return irrational_parts(expression) | {value for value in values if value.is_number}

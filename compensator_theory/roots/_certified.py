@@ -12,7 +12,10 @@ from sympy import Poly, Symbol
 
 from compensator_theory._latex import displayed, words
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._budget import quoted
 from compensator_theory.polynomials._poly import canonical, is_rational
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
@@ -162,12 +165,16 @@ def decided_balls(
     list of (flint.acb, int, decision)
         Balls, multiplicities and answers.
     """
-    while True:
-        with ball_precision(precision):
-            answered = [(ball, m, decide(ball)) for ball, m in root_balls(poly, precision)]
-        if all(answer is not None for _, _, answer in answered):
-            return answered  # type: ignore[return-value]
-        precision *= 2
+
+    def attempt(bits: int) -> list[tuple[flint.acb, int, Decision]] | None:
+        answered = []
+        for ball, multiplicity in root_balls(poly, bits):
+            if (answer := decide(ball)) is None:
+                return None
+            answered.append((ball, multiplicity, answer))
+        return answered
+
+    return at_growing_precision(attempt, precision, "a question about each root")
 
 
 def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:

@@ -15,7 +15,10 @@ from compensator_theory._latex import displayed, latex, table, words
 from compensator_theory._printing import text
 from compensator_theory.matrices._flint_matrices import rational
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._budget import limit_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._values import ExactValue
@@ -139,17 +142,17 @@ class FieldMatrix(ExactValue):
 
     def enclosures(self, digits: int = 30) -> tuple[tuple[Enclosure, ...], ...]:
         r"""Return balls around the entries, of radii of at most :math:`10^{-\mathrm{digits}}`."""
-        bits, goal = 64 + 4 * digits, Rational(1, 10**digits)
-        while True:
+        goal = Rational(1, 10**digits)
+
+        def attempt(bits: int) -> tuple[tuple[Enclosure, ...], ...] | None:
             place = self.field.ball(bits)
-            with ball_precision(bits):
-                found = tuple(
-                    tuple(enclosure_of_ball(flint.arb_poly(list(e))(place)) for e in row)
-                    for row in self.entries
-                )
-            if all(entry.radius <= goal for row in found for entry in row):
-                return found
-            bits *= 2
+            found = tuple(
+                tuple(enclosure_of_ball(flint.arb_poly(list(e))(place)) for e in row)
+                for row in self.entries
+            )
+            return found if all(e.radius <= goal for row in found for e in row) else None
+
+        return at_growing_precision(attempt, 64 + 4 * digits, f"entries with {digits} digits")
 
     def __str__(self) -> str:
         if self.field.degree <= 4:
@@ -273,14 +276,9 @@ class Arithmetic:
 
     def _solve_at_conjugates(self, matrix: Grid, right: Grid, scale: flint.fmpz) -> Grid:
         """Round det X and det X times the solution, integers at all conjugates, from balls."""
-        bits = 1024
-        while True:
-            with ball_precision(bits):
-                rounded = self._rounded(matrix, right, scale)
-            if rounded is not None:
-                break
-            bits *= 2
-        determinant, entries = rounded
+        determinant, entries = at_growing_precision(
+            lambda _: self._rounded(matrix, right, scale), 1024, "integers of a number field"
+        )
         if not determinant:
             raise ZeroDivisionError
         reciprocal = inverse(determinant, self.minimal)
@@ -461,19 +459,16 @@ def stable_factors(*spectra: flint.fmpq_poly, most: int = LARGEST_FIELD) -> Stab
     bits = 128 + 2**half * (8 + 2 * int(scale).bit_length())
     if half > (2 * most).bit_length() - 1 or bits > MOST_BITS:
         return None
-    while True:
-        with ball_precision(bits):
-            found = _generated(parts, distinct, scale, most)
-        if found is not None:
-            minimal, factors = found
-            if minimal.degree() > most:
-                return None
-            field = NumberField(from_flint_polynomial(flint.fmpq_poly(minimal), SIGMA))
-            result = StableFactors(field, factors, flint.fmpq_poly(whole), scale)
-            for p, factor in zip(spectra, factors, strict=True):
-                _require_factor(p, factor, flint.fmpq_poly(minimal))
-            return result
-        bits *= 2
+    minimal, factors = at_growing_precision(
+        lambda _: _generated(parts, distinct, scale, most), bits, "the field of the stable roots"
+    )
+    if minimal.degree() > most:
+        return None
+    field = NumberField(from_flint_polynomial(flint.fmpq_poly(minimal), SIGMA))
+    result = StableFactors(field, factors, flint.fmpq_poly(whole), scale)
+    for p, factor in zip(spectra, factors, strict=True):
+        _require_factor(p, factor, flint.fmpq_poly(minimal))
+    return result
 
 
 Pairs: TypeAlias = list[tuple[flint.fmpz_poly, int]]
@@ -499,13 +494,11 @@ def _parts(p: flint.fmpq_poly) -> tuple[flint.fmpq_poly, Pairs]:
 
 
 def _number_left(factor: flint.fmpz_poly) -> int:
-    bits = 64
-    while True:
-        with ball_precision(bits):
-            sides = [(r.real < 0, r.real > 0) for r, _ in factor.complex_roots()]
-        if all(any(side) for side in sides):
-            return sum(bool(left) for left, _ in sides)
-        bits *= 2
+    def attempt(_: int) -> int | None:
+        sides = [(r.real < 0, r.real > 0) for r, _ in factor.complex_roots()]
+        return sum(bool(left) for left, _ in sides) if all(map(any, sides)) else None
+
+    return at_growing_precision(attempt, 64, "the side of a root")  # one on the axis: is even
 
 
 def _left_roots(factor: flint.fmpz_poly) -> list[flint.acb] | None:

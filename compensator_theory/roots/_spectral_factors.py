@@ -10,7 +10,10 @@ from sympy import Integer, Poly, Rational, Symbol
 from compensator_theory._latex import displayed, latex
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._certificates import Certificate, evaluated
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, monic
 from compensator_theory.polynomials._reading import PolynomialLike
@@ -236,13 +239,14 @@ def _factor_even(spectrum: Poly, digits: int, bits: int) -> SpectralFactor:
     chi = _rational_hurwitz_factor(spectrum, half)
     if chi is not None:
         return SpectralFactor(spectrum, half, "continuous", chi, exact_enclosure(chi), constant)
-    while True:
-        balls = decided_balls(spectrum, is_left, bits)
-        with ball_precision(bits):
-            left = product_of_roots(((b, m) for b, m, inside in balls if inside), spectrum.gen)
-        if left.radius <= Rational(1, 10**digits):
-            return SpectralFactor(spectrum, half, "continuous", None, left, constant)
-        bits *= 2
+
+    def attempt(bits: int) -> PolynomialEnclosure | None:
+        balls = decided_balls(spectrum, is_left, bits)  # none is on the axis
+        left = product_of_roots(((b, m) for b, m, inside in balls if inside), spectrum.gen)
+        return left if left.radius <= Rational(1, 10**digits) else None
+
+    left = at_growing_precision(attempt, bits, f"a factor with {digits} digits")
+    return SpectralFactor(spectrum, half, "continuous", None, left, constant)
 
 
 def _rational_hurwitz_factor(spectrum: Poly, half: int) -> Poly | None:

@@ -10,7 +10,10 @@ import flint
 from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._budget import integer
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import decided_balls
@@ -80,18 +83,17 @@ def enclose_split_at_unit_circle(
     except NoSolutionError:
         pass
     require_none_on_circle(poly)
-    while True:
-        balls = decided_balls(poly, is_inside, bits)
-        with ball_precision(bits):
-            factors = [
-                product_of_roots(
-                    ((ball, m) for ball, m, inside in balls if inside is side), poly.gen
-                )
-                for side in (True, False)
-            ]
-        if all(factor.radius <= Rational(1, 10**digits) for factor in factors):
-            return factors[0], factors[1]
-        bits *= 2
+
+    def attempt(bits: int) -> tuple[PolynomialEnclosure, PolynomialEnclosure] | None:
+        balls = decided_balls(poly, is_inside, bits)  # none is on the circle
+        inner, outer = (
+            product_of_roots(((ball, m) for ball, m, inside in balls if inside is side), poly.gen)
+            for side in (True, False)
+        )
+        small = max(inner.radius, outer.radius) <= Rational(1, 10**digits)
+        return (inner, outer) if small else None
+
+    return at_growing_precision(attempt, bits, f"a factor with {digits} digits")
 
 
 def product_of_roots(

@@ -10,6 +10,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.polynomials._ball_precision import at_growing_precision
 from compensator_theory.roots._certified import decided_balls
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stability._half_plane import half_plane_polynomial
@@ -103,13 +104,14 @@ def real_roots(polys: list[Poly]) -> list[CriticalValue]:
     factors = {
         factor.monic() for poly in polys if not poly.is_zero for factor, _ in poly.factor_list()[1]
     }
-    precision = 64
-    while True:
-        found = [root for factor in factors for root in _roots_of_factor(factor, precision)]
+
+    def attempt(bits: int) -> list[CriticalValue] | None:
+        found = [root for factor in factors for root in _roots_of_factor(factor, bits)]
         found.sort(key=lambda root: root.enclosure.lower)
-        if all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(found)):
-            return found
-        precision *= 2
+        apart = all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(found))
+        return found if apart else None
+
+    return at_growing_precision(attempt, 64, "the order of real roots")  # distinct: irreducible
 
 
 def signs_at_real_roots(poly: Poly, factor: Poly) -> list[int]:

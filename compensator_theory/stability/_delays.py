@@ -28,6 +28,7 @@ from compensator_theory.stability._critical_values import (
     real_roots,
     signs_at_real_roots,
 )
+from compensator_theory.stability._margins import vanishes_at
 
 SQUARE = Symbol("x")
 BITS = (160, 320, 640, 1280, 2560, 5120)
@@ -219,6 +220,11 @@ def stability_delays(
     ask("degree", int(polys[0].degree()) * 2 * (len(polys) - 1), "the resultant")
     if whole.eval(0) == 0:
         raise NoSolutionError("s = 0 is a root for every delay, so that none makes it stable")
+    if polys[-1].is_zero:  # of two: nothing is delayed
+        counted = count_roots(polys[0], time="continuous")
+        if counted.boundary:
+            raise NoSolutionError("a root is on the imaginary axis for every delay: a_1 is zero")
+        return StabilityDelays(polys, counted.unstable, (), _windows(counted.unstable, ()))
     crossings, at_once = [], 0
     H = _resultant(polys)
     if H.is_zero:
@@ -287,7 +293,7 @@ def _crossing(
             f"several roots meet at the frequency sqrt({value}); with several multiples of the "
             "delay this is not decided here"
         )
-    if one and _vanishes(polys[1], factor):
+    if one and vanishes_at(polys[1], factor):
         raise NoSolutionError("a_0 and a_1 share roots on the imaginary axis; divide them out")
     tendency = 0
     if one and multiplicity % 2:  # H is |a_0|^2 - |a_1|^2, up to a sign, and a_0 is the larger
@@ -295,7 +301,7 @@ def _crossing(
         for _ in range(multiplicity):
             derivative = derivative.diff()
         tendency = signs_at_real_roots(derivative, factor)[index]
-    at_zero = _vanishes(whole, factor)
+    at_zero = vanishes_at(whole, factor)
     for bits in BITS:
         with ball_precision(bits):
             real = [ball.real for ball, _ in root_balls(factor, bits) if ball.imag == 0]
@@ -330,15 +336,6 @@ def _crossing(
     raise BudgetError(
         f"what happens at the frequency sqrt({value}) takes more than {BITS[-1]} bits"
     )
-
-
-def _vanishes(poly: Poly, factor: Poly) -> bool:
-    """Tell whether a polynomial in s vanishes at +-j sqrt(x) for the roots x of a factor."""
-    for part in even_and_odd(poly):
-        terms = {k: c * (-1) ** int(k[0]) for k, c in part.terms()}
-        if not Poly(terms, SQUARE, domain=QQ).rem(factor).is_zero:
-            return False
-    return True
 
 
 def _values(polys: Sequence[Poly], s: flint.acb) -> list[flint.acb]:

@@ -15,8 +15,12 @@ from compensator_theory._showing import picture_of
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops._siso import LoopPart, closed_loop_of_pair, read_loop
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
-from compensator_theory.polynomials._ball_precision import ball_precision
-from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
+from compensator_theory.polynomials._formatting import format_polynomial
+from compensator_theory.polynomials._poly import common_divisor, exact_quotient, is_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import root_balls
@@ -109,11 +113,13 @@ class StabilityMargins(ExactValue):
     Attributes
     ----------
     numerator, denominator : sympy.Poly
-        Of :math:`L = -f\,G G_c`.
+        N and D of :math:`L = -f\,G G_c`, without common factors.
+    hidden : sympy.Poly
+        The common factor: roots that L does not show and no gain moves.
     time : {"continuous", "discrete"}
     open_loop, closed_loop : RootCount
-        Roots of D, and of D + N. Nyquist's count of encirclements of -1, clockwise, is the
-        difference of the unstable ones.
+        Roots of D, and of D + N, the hidden ones counted in both. Nyquist's count of encirclements
+        of -1, clockwise, is the difference of the unstable ones.
     gain_crossovers : tuple of GainCrossover
         By ascending frequency.
     phase_crossovers : tuple of PhaseCrossover
@@ -124,6 +130,7 @@ class StabilityMargins(ExactValue):
 
     numerator: Poly
     denominator: Poly
+    hidden: Poly
     time: Time
     open_loop: RootCount
     closed_loop: RootCount
@@ -132,9 +139,14 @@ class StabilityMargins(ExactValue):
     gains: StabilityCell | None
 
     @property
+    def is_well_posed(self) -> bool:
+        """Whether :math:`1 + L` is not zero at infinity, so that no closed-loop root is there."""
+        return self.closed_loop.total == self.open_loop.total
+
+    @property
     def is_stable(self) -> bool:
-        """Whether every closed-loop root is stable."""
-        return self.closed_loop.stable == self.closed_loop.total
+        """Whether the loop is well posed and every closed-loop root, hidden or not, is stable."""
+        return self.is_well_posed and self.closed_loop.stable == self.closed_loop.total
 
     @property
     def is_real(self) -> bool:
@@ -202,11 +214,18 @@ class StabilityMargins(ExactValue):
 
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"
+        if not self.is_well_posed:
+            verdict = f"not well posed: 1 + L = 0 at infinity ({self.closed_loop})"
         lines = [f"the loop is {verdict}"]
-        if self.is_real:
+        if self.hidden.degree() > 0:
+            lines.append(f"hidden in L, moved by no gain: {format_polynomial(self.hidden)}")
+        if self.denominator.degree() == 0:
+            lines.append(f"L is the constant {self.numerator.LC() / self.denominator.LC()}")
+        elif self.is_real:
             pairs = "a pole s comes with -s" if self.time == "continuous" else "a pole z with 1/z"
-            poles = f", and {pairs}" if self.closed_loop.total else ""
-            lines.append(f"L is real at all frequencies{poles}")
+            shown = " that is not hidden" if self.hidden.degree() > 0 else ""
+            pairs = pairs.replace("a pole", f"a pole{shown},", 1) if shown else pairs
+            lines.append(f"L is real at all frequencies, and {pairs}")
         if self.gains is not None:
             lines.append(f"stable for gain factors in {self.gains}")
         return "\n".join(
@@ -249,15 +268,16 @@ def stability_margins(
     ------
     InputError, ImproperError
         If a coefficient is symbolic, the variable says nothing about time, :math:`|L|` is 1 at all
-        frequencies, or L is improper.
+        frequencies, L is improper, or :math:`1 + L` is zero identically.
 
     Notes
     -----
     A margin says how far a *stable* loop is from the boundary; the crossovers of an unstable one
     are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
     way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
-    itself: `phase_crossovers` is empty and `is_real` true, and a root s comes with -s, in discrete
-    time with 1/s, so that no gain makes a loop with poles stable.
+    itself: `phase_crossovers` is empty and `is_real` true, and a root s that is not hidden comes
+    with -s, in discrete time with 1/s, so that no gain makes a loop stable whose L has poles. Where
+    :math:`1 + L` is zero at infinity the loop is not well posed, and so not stable.
 
     Examples
     --------
@@ -278,9 +298,15 @@ def stability_margins(
     time = time_of(G.variable, "a margin")
     if N.degree() > D.degree():
         raise ImproperError(f"the loop {N.as_expr()} over {D.as_expr()} is improper")
+    whole = closed_loop_of_pair(G, G_c, feedback)
+    if whole.is_zero:
+        raise ImproperError(
+            "L = -1 at all frequencies, so that 1 + L is zero: the loop is not well posed"
+        )
+    closed, opened = count_roots(whole, time=time), count_roots(D, time=time)
+    hidden = common_divisor(N, D)
+    N, D = exact_quotient(N, hidden), exact_quotient(D, hidden)
     size = int(D.degree())
-    closed = count_roots(closed_loop_of_pair(G, G_c, feedback), time=time)
-    opened = count_roots(D, time=time)
     top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
     through = squared(top, top)[0], squared(bottom, bottom)[0]
     real, imaginary = squared(top, bottom)
@@ -296,7 +322,7 @@ def stability_margins(
     cells = intervals_of_gains(G, G_c, feedback=feedback).intervals
     around = next((cell for cell in cells if 1 in cell), None)
     return StabilityMargins(
-        N, D, time, opened, closed, tuple(gain_crossovers), tuple(phase_crossovers), around
+        N, D, hidden, time, opened, closed, tuple(gain_crossovers), tuple(phase_crossovers), around
     )
 
 
@@ -376,30 +402,63 @@ def frequency_of(square: flint.arb, time: Time) -> flint.arb:
 GOAL = Rational(1, 10**30)
 
 
+def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
+    """Return balls of 30 digits as enclosures; None where one of them is larger.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.stability._margins import narrow
+    >>> narrow(flint.arb(2)), narrow(flint.arb(2, 1))
+    ((2 ± 0,), None)
+    """
+    if not all(ball.is_finite() for ball in balls):
+        return None
+    found = tuple(map(enclosure_of_ball, balls))
+    return found if all(x.radius <= GOAL for x in found) else None
+
+
+def vanishes_at(poly: Poly, factor: Poly) -> bool:
+    """Tell whether a polynomial in s vanishes at +-j sqrt(x) for the positive roots x of a factor.
+
+    Examples
+    --------
+    >>> from sympy.abc import x
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._margins import vanishes_at
+    >>> vanishes_at(polynomial("(s + 1)*(s**2 + 3)"), polynomial(x - 3))
+    True
+    """
+    for part in even_and_odd(poly):
+        terms = {k: c * (-1) ** int(k[0]) for k, c in part.terms()}
+        if not Poly(terms, factor.gen, domain=QQ).rem(factor).is_zero:
+            return False
+    return True
+
+
 def _gain_crossover(
     factor: Poly, index: int, value: Expr, top: Poly, bottom: Poly, time: Time
 ) -> GainCrossover:
-    bits = 160
-    while True:
-        with ball_precision(bits):
-            square = real_root_ball(factor, index, bits)
+    """N and D are coprime, so that neither is zero where their moduli are equal."""
+    is_minus_one, is_one = vanishes_at(top + bottom, factor), vanishes_at(top - bottom, factor)
+
+    def attempt(bits: int) -> tuple[Enclosure, ...] | None:
+        square = real_root_ball(factor, index, bits)
+        omega = frequency_of(square, time)
+        if is_minus_one:  # a root on the boundary
+            return narrow(omega, flint.arb(0), flint.arb(0))
+        margin = flint.arb.pi()
+        if not is_one:  # so that -L is not real
             s = flint.acb(0, square.sqrt())
-            turned = -_value_at(top, s) / _value_at(bottom, s)
-            # the ball of an angle on the branch cut, where L = 1, would be the whole circle
-            margin = turned.arg() if turned.real > 0 or not turned.imag.contains(0) else None
-            if margin is None and turned.real < 0 and bits > 2000:
-                margin = flint.arb.pi()
-            if margin is not None and not margin.contains(0):
-                omega = frequency_of(square, time)
-                lag = margin if margin > 0 else margin + 2 * flint.arb.pi()
-                found = [enclosure_of_ball(x) for x in (omega, margin, lag / omega)]
-                if all(x.radius <= GOAL for x in found):
-                    return GainCrossover(value, *found)
-            elif margin is not None and bits > 2000:  # L = -1: a root on the boundary
-                omega = frequency_of(square, time)
-                zero = Enclosure(Rational(0), Rational(0))
-                return GainCrossover(value, enclosure_of_ball(omega), zero, zero)
-        bits *= 2
+            below = _value_at(bottom, s)
+            turned = -_value_at(top, s) / below
+            if below.contains(0) or turned.imag.contains(0):
+                return None
+            margin = turned.arg()
+        lag = margin if margin > 0 else margin + 2 * flint.arb.pi()
+        return narrow(omega, margin, lag / omega)
+
+    return GainCrossover(value, *at_growing_precision(attempt, 160, "a phase margin"))
 
 
 def _phase_crossovers(
@@ -431,23 +490,21 @@ def _phase_crossovers(
 def _phase_crossover(
     factor: Poly, index: int, value: Expr, real: Poly, below: Poly, time: Time
 ) -> PhaseCrossover | None:
-    bits = 160
-    while True:
-        with ball_precision(bits):
-            square = real_root_ball(factor, index, bits)
-            above, under = (
-                flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
-            )
-            if above > 0:
-                return None
-            if above < 0:
-                gain = -under / above
-                found = [enclosure_of_ball(x) for x in (frequency_of(square, time), gain)]
-                if all(x.radius <= GOAL for x in found):
-                    return PhaseCrossover(
-                        value, found[0], -real_root_quotient(factor, value, below, real), found[1]
-                    )
-        bits *= 2
+    if signs_at_real_roots(real, factor)[index] > 0:
+        return None
+
+    def attempt(bits: int) -> tuple[Enclosure, ...] | None:
+        square = real_root_ball(factor, index, bits)
+        above, under = (
+            flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
+        )
+        if above.contains(0):  # it is not zero: the factor does not divide it
+            return None
+        return narrow(frequency_of(square, time), -under / above)
+
+    frequency, enclosure = at_growing_precision(attempt, 160, "a gain margin")
+    gain = -real_root_quotient(factor, value, below, real)
+    return PhaseCrossover(value, frequency, gain, enclosure)
 
 
 def real_root_quotient(factor: Poly, value: Expr, top: Poly, bottom: Poly) -> Expr:

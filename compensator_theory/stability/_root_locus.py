@@ -17,7 +17,10 @@ from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.matrices._certificates import Certified
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import (
+    at_growing_precision,
+    ball_precision,
+)
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
@@ -30,15 +33,14 @@ from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stability._critical_values import real_roots
 from compensator_theory.stability._margins import (
     frequency_of,
+    narrow,
     positive_roots,
     real_root_ball,
     real_root_quotient,
     squared,
 )
-from compensator_theory.stability._stability_intervals import (
-    StabilityIntervals,
-    stability_intervals,
-)
+from compensator_theory.stability._stabilising_gains import intervals_of_loop
+from compensator_theory.stability._stability_intervals import StabilityIntervals
 
 GAIN = Symbol("k")
 BITS = (128, 256, 512, 1024, 2048, 4096)
@@ -190,11 +192,11 @@ class RootLocus(Certified, ExactValue):
 
     @property
     def stable(self) -> StabilityIntervals:
-        """The gains for which every root, the hidden ones counted, is stable."""
+        """The gains for which every root is stable, hidden ones and those at infinity counted."""
         s = self.denominator.gen
         both = self.denominator.as_expr() + GAIN * self.numerator.as_expr()
         whole = sympy.expand(both * self.hidden.as_expr())
-        return stability_intervals(Poly(whole, s, domain=QQ[GAIN]), GAIN)
+        return intervals_of_loop(Poly(whole, s, domain=QQ[GAIN]), GAIN)
 
     def plot(self, **options: Any) -> figures.Figure:
         """Draw the branches for k > 0, the breaks and crossings with their gains, the asymptotes.
@@ -401,23 +403,21 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
     for factor, index, value in positive_roots(imaginary):
         if below.rem(factor).is_zero:
             continue  # a zero of the loop: an infinite gain
-        bits = 160
-        while True:
-            with ball_precision(bits):
-                square = real_root_ball(factor, index, bits)
-                above, under = (
-                    flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square)
-                    for p in (real, below)
-                )
-                if not under.contains(0):
-                    balls = [
-                        enclosure_of_ball(x) for x in (frequency_of(square, time), -above / under)
-                    ]
-                    if all(x.radius <= Rational(1, 10**30) for x in balls):
-                        break
-            bits *= 2
+
+        def attempt(
+            bits: int, factor: Poly = factor, index: int = index
+        ) -> tuple[Enclosure, ...] | None:
+            square = real_root_ball(factor, index, bits)
+            above, under = (
+                flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
+            )
+            if under.contains(0):  # it is not zero: the factor does not divide it
+                return None
+            return narrow(frequency_of(square, time), -above / under)
+
+        frequency, enclosure = at_growing_precision(attempt, 160, "the gain of a crossing")
         gain = -real_root_quotient(factor, value, real, below)
-        found.append(LocusCrossing(value, balls[0], gain, balls[1]))
+        found.append(LocusCrossing(value, frequency, gain, enclosure))
     last, least = (p.coeff_monomial(p.gen**size) for p in (real, below))
     if least != 0:
         gain, edge = -last / least, None

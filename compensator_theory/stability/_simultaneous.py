@@ -8,7 +8,7 @@ from sympy import QQ, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.loops._siso import closed_loop_of_pair, require_sign
+from compensator_theory.loops._siso import require_sign, well_posed_loop
 from compensator_theory.matrices._certificates import Certificate, evaluated
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -195,7 +195,7 @@ def _result(
     C = TransferFunction(
         canonical(-feedback * top), canonical(bottom), feedback=feedback, sample_time=period
     ).reduced()
-    loops = tuple(closed_loop_of_pair(plant, C, feedback) for plant in plants)
+    loops = tuple(well_posed_loop(plant, C, feedback) for plant in plants)
     found = SimultaneousStabilisability(plants, answer, auxiliary, decision, C, loops)
     if not C.is_proper or found.certificate is None or not found.certificate.holds:
         raise NoSolutionError(f"{C} does not stabilise both plants; please report it")

@@ -83,17 +83,18 @@ def stabilising_gains(
     others = sorted(polynomial.free_symbols_in_domain - {k}, key=str)
     if others:
         return region_of_gains(polynomial.clear_denoms(convert=True)[1], (*others, k))
-    return _intervals(polynomial, k)
+    return intervals_of_loop(polynomial, k)
 
 
 def intervals_of_gains(
     plant: LoopPart, compensator: LoopPart = 1, *, feedback: int
 ) -> StabilityIntervals:
     """`stabilising_gains` of rational coefficients; InputError where there are symbols."""
-    return _intervals(*_polynomial(plant, compensator, feedback, None, None))
+    return intervals_of_loop(*_polynomial(plant, compensator, feedback, None, None))
 
 
-def _intervals(polynomial: Poly, k: Symbol) -> StabilityIntervals:
+def intervals_of_loop(polynomial: Poly, k: Symbol) -> StabilityIntervals:
+    """The stable values of a gain in D + k N, where a degree that drops is a root at infinity."""
     return replace(stability_intervals(polynomial, k), points=())
 
 

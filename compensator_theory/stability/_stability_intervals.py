@@ -12,12 +12,12 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import from_coefficients, scaled
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
-from compensator_theory.polynomials._sympy_trees import irrational_numbers
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, as_symbol, time_of
 from compensator_theory.roots._counts import RootCount, count_roots
@@ -189,7 +189,7 @@ def stability_intervals(
             if others
             else f"{k} is the variable of {format_polynomial(p)} and cannot be the parameter"
         )
-    if irrational := set().union(*(irrational_numbers(c) for c in p.all_coeffs())):
+    if irrational := irrational_constants(p.all_coeffs()):
         raise InputError(
             f"{format_polynomial(p)} has the irrational number {shown(min(irrational, key=str))}, "
             "and intervals are found over rational numbers; give a rational number close to it"

@@ -14,11 +14,11 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
-from compensator_theory.polynomials._sympy_trees import irrational_numbers
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
 from compensator_theory.stability._critical_values import cells_between, even_and_odd, real_roots
@@ -219,7 +219,7 @@ def region_of_gains(poly: Poly, parameters: tuple[Symbol, ...]) -> StabilityRegi
 def _region(p: Poly, parameters: tuple[Symbol, ...], *, of_a_loop: bool = False) -> StabilityRegion:
     if p.domain.is_FractionField:
         raise InputError("a coefficient is a fraction; multiply by its denominator first")
-    if irrational := set().union(*(irrational_numbers(c) for c in p.all_coeffs())):
+    if irrational := irrational_constants(p.all_coeffs()):
         raise InputError(
             f"{format_polynomial(p)} has the irrational number {shown(min(irrational, key=str))}, "
             "and cells are found over rational numbers; give a rational number close to it"

@@ -15,7 +15,7 @@ from sympy import QQ, Expr, Integer, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.loops._siso import closed_loop_of_pair, require_sign
+from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed, require_sign
 from compensator_theory.matrices._certificates import Certificate, evaluated
 from compensator_theory.matrices._rings import RationalRing
 from compensator_theory.polynomials._budget import ask, integer
@@ -263,6 +263,8 @@ def _found(
         location = count_roots(canonical(poly), time=time)
         if location.stable != location.total:
             raise NoSolutionError(f"{compensator} leaves {location}; please report it")
+    if not is_well_posed(whole, G, compensator):
+        raise NoSolutionError(f"the loop of {compensator} is not well posed; please report it")
     return StableCompensator(G, compensator, canonical(whole), decision, order, "")
 
 

@@ -14,6 +14,8 @@ from compensator_theory.libraries import require_library
 try:
     from compensator_theory.strategies.compensators import compensators
     from compensator_theory.strategies.corners import (
+        boundary_loops,
+        boundary_polynomials,
         derogatory_loops,
         exactly_proper_plants,
         irrational_polynomials,
@@ -53,6 +55,8 @@ except ModuleNotFoundError as error:
 
 
 __all__ = [
+    "boundary_loops",
+    "boundary_polynomials",
     "compensators",
     "coprime_pairs",
     "derogatory_loops",

@@ -332,3 +332,111 @@ def plants_with_common_factor(
         x += 1
     root = Poly([1, -x], Symbol(variable), domain=QQ)
     return TransferFunction(b, canonical(a * root)), TransferFunction(d, canonical(c * root))
+
+
+# Irreducible over the rationals, all of whose roots are on the boundary of stability, at rational
+# and irrational frequencies; the last of z has two on the circle, one inside and one outside.
+_ON_THE_AXIS = ([1, 0], [1, 0, 1], [1, 0, 2], [1, 0, Rational(9, 4)], [1, 0, 3, 0, 1])
+_ON_THE_CIRCLE = (
+    [1, -1], [1, 1], [1, 0, 1], [1, Rational(-6, 5), 1], [1, Rational(1, 2), 1],
+    [1, -1, -1, -1, 1],
+)  # fmt: skip
+
+
+def boundary_polynomials(variable: str = "s") -> st.SearchStrategy[Poly]:
+    """Draw monic polynomials with roots on the boundary of stability, one in five a square.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory import count_roots
+    >>> from compensator_theory.strategies import boundary_polynomials
+    >>> @given(boundary_polynomials("z"))
+    ... def check(p):
+    ...     assert count_roots(p, time="discrete").boundary > 0
+    >>> check()
+    """
+    kinds = _ON_THE_AXIS if variable == "s" else _ON_THE_CIRCLE
+    powers = st.sampled_from([1, 1, 1, 1, 2])
+    return st.builds(
+        lambda power, kind: canonical(Poly(kind, Symbol(variable), domain=QQ) ** power),
+        powers,
+        st.sampled_from(kinds),
+    )
+
+
+@st.composite
+def boundary_loops(
+    draw: st.DrawFn, variable: str = "s", max_order: int = 2
+) -> tuple[TransferFunction, TransferFunction]:
+    r"""Draw a plant and a compensator, both proper, whose loop is a corner of stability.
+
+    Of nine: three hide a factor with roots on the boundary (a notch on a mode without damping, an
+    integrator that a zero cancels, or both within the plant), one hides another factor, one has
+    poles and zeros on the boundary, one is a constant, two are exactly proper with
+    :math:`G G_c = -1` at infinity, so that 1 + L vanishes there, and one is real on the boundary.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import boundary_loops
+    >>> @given(boundary_loops())
+    ... def check(drawn):
+    ...     assert all(part.is_proper for part in drawn)
+    >>> check()
+    """
+    kind = draw(
+        st.sampled_from(
+            ["notch", "reset", "plant", "elsewhere", "shown", "constant", "at infinity",
+             "at infinity, hidden", "real"]
+        )
+    )  # fmt: skip
+    s = Symbol(variable)
+    a, b = draw(coprime_pairs(variable, max_order))
+    gain = Poly(draw(nonzero_rationals()), s, domain=QQ)
+    one = Poly(1, s, domain=QQ)
+    g, h = draw(boundary_polynomials(variable)), draw(boundary_polynomials(variable))
+    off = draw(polynomials(variable, 1, 2, is_monic=True))
+
+    def lag(size: int) -> Poly:
+        pole = Rational(draw(st.integers(1, 4)), 5) if variable != "s" else draw(st.integers(1, 5))
+        return Poly([1, pole], s, domain=QQ) ** size
+
+    match kind:
+        case "notch":
+            sides = (b, a * g), (gain * g, lag(g.degree()))
+        case "reset":
+            sides = (b * g, a * lag(g.degree())), (gain, g)
+        case "plant":
+            sides = (b * g, a * g), (gain, one)
+        case "elsewhere":
+            sides = (b * off, a * off), (gain, one)
+        case "shown":
+            sides = (b, a * g), (gain * h, lag(h.degree()))
+        case "constant":
+            sides = (gain * off, off), (g, g)
+        case "at infinity":
+            sides = (b - a, a), (one, one)
+        case "at infinity, hidden":
+            sides = ((b - a) * g, a * g), (h, h)
+        case _:  # L of s**2, or of z + 1/z
+            x = Poly([1, 0, 0], s, domain=QQ)
+            size = int(a.degree())
+            if variable == "s":
+                sides = (gain * b.compose(x), a.compose(x)), (one, one)
+            else:
+                sides = (gain * _reciprocal(b, size), _reciprocal(a, size)), (one, one)
+    plant, compensator = sides
+    return (
+        TransferFunction(*map(canonical, plant)),
+        TransferFunction(*map(canonical, compensator)),
+    )
+
+
+def _reciprocal(p: Poly, size: int) -> Poly:
+    """z**size p(z + 1/z)."""
+    z = p.gen
+    both = Poly([1, 0, 1], z, domain=QQ)
+    shifts = (Poly(z ** (size - k), z, domain=QQ) for k in range(size + 1))
+    terms = (both**k * shift * p.nth(k) for k, shift in enumerate(shifts))
+    return sum(terms, Poly(0, z, domain=QQ))

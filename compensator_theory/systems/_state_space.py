@@ -7,9 +7,9 @@ from typing import TypeAlias
 import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
-from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices._certificates import Certificate, proven
+from compensator_theory.matrices._domain_matrices import domain_matrices
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
     of_rows,
@@ -124,14 +124,11 @@ def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> F
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]
-    a, b, c = DomainMatrix.from_Matrix(A).unify(
-        DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
-    )
-    scalars = [b.domain.from_sympy(sympy.sympify(k)) for k in descending]
+    a, b, c, scalars = domain_matrices(A, B, C, ImmutableMatrix([descending]))
     v = b
     for power in range(1, A.rows + 1):
         coefficients[power] += (c * v).to_Matrix()
-        v = a * v + b * scalars[power]
+        v = a * v + b * scalars[0, power].element
     residual = ImmutableMatrix(v.to_Matrix()) if A.rows else zero_matrix(0, B.cols)
     rows = tuple(
         tuple(

@@ -8,8 +8,8 @@ import numpy as np
 from flint import arb, arb_mat, fmpq
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import InputError
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.polynomials._ball_precision import at_growing_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import matrix, number, real_array
 
@@ -81,17 +81,20 @@ def _exponential(generator: Array, h: float) -> Array | None:
     """exp(h generator), each entry rounded once; None where the balls stay too wide."""
     period = _decimal(h)
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
-    precision = FEWEST_BITS
-    while precision <= MOST_BITS:
-        with ball_precision(precision):
-            found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
-            entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
-            tiny = arb(2) ** -1100  # below float64 nothing is left to decide
-            if all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
-                values = [float(x.mid()) for x in entries]
-                return np.reshape(np.array(values, dtype=np.float64), generator.shape)
-        precision *= 2
-    return None
+
+    def attempt(_: int) -> Array | None:
+        found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
+        entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
+        tiny = arb(2) ** -1100  # below float64 nothing is left to decide
+        if not all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
+            return None
+        values = [float(x.mid()) for x in entries]
+        return np.reshape(np.array(values, dtype=np.float64), generator.shape)
+
+    try:
+        return at_growing_precision(attempt, FEWEST_BITS, "the exponential of h A", MOST_BITS)
+    except BudgetError:
+        return None
 
 
 def _decimal(value: float) -> fmpq:

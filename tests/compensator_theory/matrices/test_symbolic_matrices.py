@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from sympy import ImmutableMatrix, Rational
 from sympy.abc import a, b, c, x
 
+from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices._flint_matrices import RationalMatrix, is_rational_matrix
@@ -97,10 +98,10 @@ def test_operations_stay_in_flint_and_are_those_of_sympy(first, second):
     assert hash(p + c * q - c * q) == hash(p)
 
 
-def test_what_is_no_rational_function_is_left_to_sympy():
-    for entry in (sympy.sqrt(a), sympy.exp(a)):
-        assert not isinstance(exact_matrix([[entry]], "A"), KeptMatrix)
-    for entry in (sympy.sqrt(2) * a, a**b):
+def test_what_is_no_rational_function_is_refused_at_the_door():
+    for entry in (sympy.sqrt(a), sympy.exp(a), sympy.sqrt(2) * a, a**b):
+        with pytest.raises(InputError, match="A"):
+            exact_matrix([[entry]], "A")
         assert symbolic_matrix(ImmutableMatrix([[entry]])) is None
 
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.statistics import collector
 from sympy import ImmutableMatrix
 
-from compensator_theory import InputError, decide_stability, polynomial_from_roots
+from compensator_theory import InputError, count_roots, decide_stability, polynomial_from_roots
 from compensator_theory import strategies as ours
+from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed
 from compensator_theory.matrices._linear_algebra import rank
 
 ALL = {
@@ -42,6 +43,8 @@ ALL = {
     "plants_with_gain": ours.plants_with_gain(),
     "plants_and_compensators": ours.plants_and_compensators(),
     "plants_with_common_factor": ours.plants_with_common_factor(),
+    "boundary_loops": ours.boundary_loops("z"),
+    "boundary_polynomials": ours.boundary_polynomials(),
 }
 
 
@@ -185,14 +188,23 @@ def observability(A, C):
              c[0].denominator * c[1].denominator).degree() > 0, 0.25, 0.75),
         (ours.plants_with_common_factor(),
          lambda c: c[0].denominator.gcd(c[1].denominator).degree() > 0, 0.25, 0.85),
+        (ours.boundary_loops(),
+         lambda c: _hidden_on_the_axis(*c), 0.25, 0.75),
+        (ours.boundary_loops("z"), lambda c: not is_well_posed(
+            closed_loop_of_pair(*c, -1), *c), 0.12, 0.45),
         (ours.semidefinite_matrices(2), lambda M: rank(M) < 2, 0.25, 0.85),
         (ours.schur_matrices(2), lambda A: A[0, 0] * sympy.eye(2) == A, 0.01, 0.4),
     ],
     ids=["constant numerator", "multiple pole", "hidden by the gain", "cancellation", "common pole",
-         "singular", "scalar"],
+         "hidden on the boundary", "ill-posed", "singular", "scalar"],
 )  # fmt: skip
 def test_corners_occur_as_often_as_they_should(strategy, condition, least, most):
     assert least <= share(strategy, condition) <= most
+
+
+def _hidden_on_the_axis(G, G_c):
+    N, D = G.numerator * G_c.numerator, G.denominator * G_c.denominator
+    return count_roots(N.gcd(D), time="continuous").boundary > 0
 
 
 @pytest.mark.costly

@@ -1,0 +1,170 @@
+"""What the domains of coefficients decide; the rest is refused where it enters them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy
+from sympy import Expr
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials._budget import shown
+
+_FACTORED = 2**30  # SymPy writes roots of smaller numbers in one form: its trial division ends
+_PAIRS = (sympy.sin, sympy.cos, sympy.tan)
+_TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
+_ALGEBRAIC_NAMES = (sympy.GoldenRatio, sympy.TribonacciConstant)
+
+
+def require_decidable(coefficients: Iterable[Expr]) -> None:
+    r"""Refuse coefficients of which the domains here cannot tell whether they are zero.
+
+    Decided are rational functions of symbols; algebraic numbers; pi, E and SymPy's other named
+    constants, of which no relation is known; and these with symbols or roots of rational numbers,
+    which SymPy writes in one form. Refused are functions of symbols, as sin(t) and cos(t) are no
+    two unknowns, nor are :math:`\sqrt a \sqrt b` and :math:`\sqrt{ab}`; other transcendental
+    numbers, as log(2), log(3) and log(6); and symbols beside other algebraic numbers.
+
+    Raises
+    ------
+    InputError
+        It names the part, and the symbols to write in its place.
+
+    Examples
+    --------
+    >>> from sympy import cos, pi, sqrt
+    >>> from sympy.abc import a, t
+    >>> from compensator_theory.polynomials._decidable import require_decidable
+    >>> require_decidable([1 / (a + sqrt(2)), pi * a])
+    >>> require_decidable([cos(t)])
+    Traceback (most recent call last):
+    ...
+    compensator_theory.errors.InputError: cos(t) is no rational function of its symbols, and ...
+    """
+    nested: set[Expr] = set()
+    unknowns: set[Expr] = set()
+    waiting = list(coefficients)
+    while waiting:
+        part = waiting.pop()
+        if part.is_Rational or part.is_Float or part is sympy.I:
+            continue
+        if part.is_Symbol:
+            unknowns.add(part)
+        elif isinstance(part, sympy.Add | sympy.Mul):
+            waiting += part.args
+        elif isinstance(part, sympy.Pow) and part.exp.is_Integer:
+            waiting.append(part.base)
+        elif part.free_symbols:
+            raise InputError(_of_symbols(part))
+        elif isinstance(part, sympy.NumberSymbol) and part not in _ALGEBRAIC_NAMES:
+            unknowns.add(part)
+        elif isinstance(part, sympy.exp) and part.exp.is_Integer:
+            unknowns.add(sympy.E)
+        elif _is_plain_root(part):
+            continue
+        elif _is_algebraic(part):
+            nested.add(part)
+        else:
+            raise InputError(_of_numbers(part))
+    if nested and unknowns:
+        first, other = (min(parts, key=str) for parts in (nested, unknowns))
+        raise InputError(
+            f"{shown(first)} stands beside the unknown {other}, and whether an expression of both "
+            f"is zero is not decided here; write a symbol for {shown(first)}, or the number as "
+            "roots of rational numbers"
+        )
+
+
+def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
+    """Refuse entries of a matrix that are no rational functions of symbols over the rationals.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.polynomials._decidable import require_rational_functions
+    >>> require_rational_functions([a / (a + 1)], "A")
+    """
+    for part in sorted(irrational_constants(entries), key=str):
+        if part.free_symbols:
+            raise InputError(f"in {name}, {_of_symbols(part)}")
+        raise InputError(
+            f"{name} contains the irrational number {shown(part)}; write a rational number close "
+            "to it, or, where the function takes symbols, a symbol in its place"
+        )
+
+
+def irrational_constants(expressions: Iterable[Expr]) -> set[Expr]:
+    """Return the parts that are neither rational numbers nor symbols, nor made of them.
+
+    Examples
+    --------
+    >>> from sympy import pi, sqrt
+    >>> from sympy.abc import a
+    >>> from compensator_theory.polynomials._decidable import irrational_constants
+    >>> sorted(irrational_constants([pi * a + sqrt(2), a / 2]), key=str)
+    [pi, sqrt(2)]
+    """
+    found: set[Expr] = set()
+    waiting = list(expressions)
+    while waiting:
+        part = waiting.pop()
+        if part.is_Rational or part.is_Symbol:
+            continue
+        if isinstance(part, sympy.Add | sympy.Mul):
+            waiting += part.args
+        elif isinstance(part, sympy.Pow) and part.exp.is_Integer:
+            waiting.append(part.base)
+        else:
+            found.add(part)
+    return found
+
+
+def _is_plain_root(part: Expr) -> bool:
+    """Whether it is a root of a rational number that SymPy factors."""
+    if not (isinstance(part, sympy.Pow) and part.exp.is_Rational and part.base.is_Rational):
+        return False
+    return max(abs(int(part.base.p)), int(part.base.q)) < _FACTORED
+
+
+def _is_algebraic(part: Expr) -> bool:
+    """Whether it is built from roots, and from values of sine and cosine at rational angles."""
+    if part.is_Rational or part is sympy.I or part in _ALGEBRAIC_NAMES:
+        return True
+    if isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
+        return True
+    if isinstance(part, sympy.Add | sympy.Mul):
+        return all(map(_is_algebraic, part.args))
+    if isinstance(part, sympy.Pow):
+        return bool(part.exp.is_Rational) and _is_algebraic(part.base)
+    if isinstance(part, _PAIRS):
+        return bool((part.args[0] / sympy.pi).is_Rational)
+    if isinstance(part, sympy.exp):
+        return bool((part.args[0] / (sympy.I * sympy.pi)).is_Rational)
+    return False
+
+
+def _of_symbols(part: Expr) -> str:
+    what = f"{shown(part)} is no rational function of its symbols, and"
+    if isinstance(part, _TRIGONOMETRIC):
+        angle = shown(part.args[0])
+        return (
+            f"{what} sin({angle}) and cos({angle}) are no two unknowns; write c and s_1 for cos "
+            f"and sin (with c**2 + s_1**2 = 1), or (1 - y**2)/(1 + y**2) and 2*y/(1 + y**2), where "
+            f"y is tan({angle}/2)"
+        )
+    if isinstance(part, sympy.Pow) and part.exp.is_Rational:
+        base, index = shown(part.base), int(part.exp.q)
+        root = f"sqrt({base})" if index == 2 else f"({base})**(1/{index})"
+        power = f"r**{index} for {base}" if part.base.is_Symbol else f"keep in mind r**{index}"
+        return f"{what} relations between roots are not decided; write r for {root}, and {power}"
+    return f"{what} relations between such functions are not decided; write a symbol in its place"
+
+
+def _of_numbers(part: Expr) -> str:
+    if isinstance(part, _TRIGONOMETRIC) and (part.args[0] / sympy.pi).is_Rational:
+        angle = shown(part.args[0])
+        return f"{shown(part)} is not read here; write it through sin({angle}) and cos({angle})"
+    return (
+        f"whether expressions with the number {shown(part)} are zero is not decided here; write a "
+        "symbol in its place, or a rational number close to it"
+    )

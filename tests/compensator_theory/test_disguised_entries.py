@@ -1,0 +1,197 @@
+"""Equal entries in disguise, at every public function: the same answer, or a refusal of ours.
+
+Each identity is an expression of the value 1. What multiplies a number of an argument by it must
+not change the answer: the coefficient domains decide that it is 1, or refuse it at the door.
+"""
+
+import random
+
+import pytest
+import sympy
+from sympy import E, GoldenRatio, Poly, Rational, S, cos, cot, exp, log, pi, sin, sqrt, tan
+
+import compensator_theory as exact
+from tests.support.bad_inputs import GOOD, NOT_DOORS
+from tests.support.public import public_objects
+
+a, b, t, theta = sympy.symbols("a b t theta")
+GOLDEN = (1 + sqrt(5)) / 2
+REFUSED = {
+    "sin^2 + cos^2": sin(theta) ** 2 + cos(theta) ** 2,
+    "tan cos / sin": tan(theta) * cos(theta) / sin(theta),
+    "double angle of 1": 2 * sin(1) * cos(1) / sin(2),
+    "log 2 + log 3 = log 6": (log(2) + log(3)) / log(6),
+    "log of a quotient": (log(3) - log(2)) / log(Rational(3, 2)),
+    "exponentials": (exp(t) + 1) * (exp(t) - 1) - exp(2 * t) + 2,
+    "powers of sqrt(e)": (exp(S.Half) + 1) * (exp(S.Half) - 1) - E + 2,
+    "exp(sqrt(2))": (exp(sqrt(2)) + 1) * (exp(sqrt(2)) - 1) - exp(2 * sqrt(2)) + 2,
+    "square of sqrt(a)": (sqrt(a) + 1) * (sqrt(a) - 1) - a + 2,
+    "sqrt(a) sqrt(b)": sqrt(a) * sqrt(b) / sqrt(a * b),
+    "square of sqrt(pi)": (sqrt(pi) + 1) * (sqrt(pi) - 1) - pi + 2,
+    "powers with symbols": 4**a / 2 ** (2 * a),
+    "a conjugate": sympy.conjugate(a) / a,
+    "cot tan": cot(pi / 7) * tan(pi / 7),
+    "golden ratio and a": (a * GoldenRatio + 1) / (a * GOLDEN + 1),
+    "golden ratio and pi": (pi * GoldenRatio + 1) / (pi * GOLDEN + 1),
+    "nested roots and a": (a * sqrt(5 + 2 * sqrt(6)) + 1) / (a * (sqrt(2) + sqrt(3)) + 1),
+}
+DECIDED = {
+    "symbols": (a + 1) ** 2 - a**2 - 2 * a,
+    "pi": (pi + 1) ** 2 - pi**2 - 2 * pi,
+    "pi and e": (pi + E) * (pi - E) - pi**2 + E**2 + 1,
+    "a and sqrt(2)": (a + sqrt(2)) * (a - sqrt(2)) - a**2 + 3,
+    "pi and sqrt(2)": (pi + sqrt(2)) * (pi - sqrt(2)) - pi**2 + 3,
+    "nested roots": sqrt(5 + 2 * sqrt(6)) / (sqrt(2) + sqrt(3)),
+    "golden ratio": GoldenRatio**2 - GoldenRatio,
+    "golden ratio and a cosine": 2 * cos(pi / 5) / GoldenRatio,
+}
+IDENTITIES = REFUSED | DECIDED
+NUMBERS = [
+    sqrt(2), sqrt(2 + sqrt(3)), GoldenRatio, cos(pi / 7), cot(pi / 7), pi, E, exp(S.Half), log(2),
+    sin(1), sqrt(a), exp(t), sin(theta), a**b, sqrt(2) * a, sympy.Abs(a), sympy.I,
+]  # fmt: skip
+"""What a number of an argument is multiplied by: any answer, or a refusal, and no foreign error."""
+PUBLIC = public_objects("compensator_theory")
+CLASSES = {
+    "Realisation": ([[[0, 1], [-2, -3]], [[0], [1]], [[5, 1]]], {}),
+    "DescriptorSystem": ([[[1]], [[-1]], [[1]], [[1]]], {}),
+    "exact_number": (["1/2"], {}),
+    "StandardProblem": (
+        [], {"A": [[0]], "B": [[1]], "C": [[1]], "D_1": [[1, 0]], "D_0": None, "D_2": [[0, 1]],
+             "E_1": [[2], [0]], "E_2": [[0], [1]], "E_0": None, "variable": "s"},
+    ),
+}  # fmt: skip
+DOORS = {name: case for name, case in GOOD.items() if name not in NOT_DOORS} | CLASSES
+DRAWN = 3
+# What writes an expression and decides nothing of it.
+WRITERS = {"canonical", "exact_number", "parse_expression"}
+
+
+def disguised(value, one):
+    """The value with one number in it multiplied by an expression of the value 1, in each way."""
+    if isinstance(value, str):
+        try:
+            expression = sympy.sympify(value, {"q": sympy.Symbol("q"), "S": sympy.Symbol("S")})
+        except (sympy.SympifyError, SyntaxError, TypeError):
+            return
+        if isinstance(expression, sympy.Expr) and not expression.is_Symbol:
+            yield expression * one
+            yield from inside(expression, one)
+    elif isinstance(value, Poly):
+        yield Poly(value.as_expr() * one, value.gen)
+    elif isinstance(value, int | Rational) and not isinstance(value, bool):
+        yield value * one
+    elif isinstance(value, list | tuple):
+        for place in {0, len(value) - 1} if value else ():
+            for changed in disguised(value[place], one):
+                yield type(value)([*value[:place], changed, *value[place + 1 :]])
+
+
+def inside(expression, one):
+    """A term of the first sum in it, times one."""
+    for part in sympy.preorder_traversal(expression):
+        if part.is_Add:
+            first, *rest = part.args
+            yield expression.xreplace({part: sympy.Add(first * one, *rest)})
+            return
+
+
+def same(found, wanted):
+    if isinstance(found, tuple | list) and isinstance(wanted, tuple | list):
+        return len(found) == len(wanted) and all(map(same, found, wanted))
+    if isinstance(found, sympy.MatrixBase | sympy.Expr):
+        return sympy.simplify(found - wanted) == sympy.simplify(wanted - wanted)
+    return found == wanted or str(found) == str(wanted)
+
+
+def answers(name, factor):
+    """Each call with one number of its arguments multiplied, and its answer; refusals left out."""
+    arguments, keywords = DOORS[name]
+    places = [*range(len(arguments)), *(k for k, v in keywords.items() if isinstance(v, list))]
+    for place in places:
+        given = arguments[place] if isinstance(place, int) else keywords[place]
+        for changed in disguised(given, factor):
+            asked, named = list(arguments), dict(keywords)
+            if isinstance(place, int):
+                asked[place] = changed
+            else:
+                named[place] = changed
+            try:
+                yield asked, PUBLIC[name](*asked, **named)
+            except exact.CompensatorError:
+                continue
+            except Exception as error:
+                yield asked, error
+
+
+def foreign(name, numbers):
+    """The errors that are not ours."""
+    for number in numbers:
+        for asked, found in answers(name, number):
+            if isinstance(found, Exception):
+                yield f"{type(found).__name__} of {asked}: {found}"[:300]
+
+
+def differences(name, identities):
+    """What a function answers otherwise, or fails of, where one of its numbers is disguised."""
+    arguments, keywords = DOORS[name]
+    wanted = PUBLIC[name](*arguments, **keywords)
+    for identity in identities:
+        for asked, found in answers(name, IDENTITIES[identity]):
+            if isinstance(found, Exception):
+                yield f"{identity}: {type(found).__name__} of {asked}: {found}"[:300]
+            elif found is not None and not same(found, wanted):
+                yield f"{identity}: {asked}: {found} instead of {wanted}"[:400]
+
+
+def test_every_public_function_is_asked():
+    missing = {name for name in PUBLIC if name[0].islower()} - NOT_DOORS - set(DOORS)
+    assert not missing
+
+
+@pytest.mark.costly
+@pytest.mark.cases(12)
+@pytest.mark.parametrize("name", sorted(set(DOORS) - WRITERS))
+def test_disguised_entries_change_no_answer(name, in_full):
+    draw = random.Random(name)
+    identities = list(IDENTITIES) if in_full else draw.sample(sorted(IDENTITIES), DRAWN)
+    assert [*differences(name, identities)] == []
+
+
+@pytest.mark.costly
+@pytest.mark.cases(12)
+@pytest.mark.parametrize("name", sorted(DOORS))
+def test_no_irrational_number_ends_in_a_foreign_error(name, in_full):
+    numbers = NUMBERS if in_full else random.Random(name).sample(NUMBERS, DRAWN)
+    assert [*foreign(name, numbers)] == []
+
+
+s = sympy.Symbol("s")
+S_2, C_2 = sin(theta) ** 2, cos(theta) ** 2
+ROOT, SUM = sqrt(5 + 2 * sqrt(6)), sqrt(2) + sqrt(3)
+
+
+@pytest.mark.parametrize(
+    ("door", "arguments", "says"),
+    [
+        (exact.solve_sylvester, ([[S_2 + C_2]], [[-1]], [[1]]), r"write c and s_1 for cos and sin"),
+        (exact.uncontrollable_polynomial, ([[1, 0], [0, S_2 + C_2]], [[1], [1]]), "write c and"),
+        (exact.mcmillan_degree, (1 / (s + C_2) - 1 / (s + 1 - S_2), "s"), "write c and"),
+        (exact.mcmillan_degree, (1 / (s + log(6)) - 1 / (s + log(2) + log(3)), "s"), "write a sym"),
+        (exact.bezout_identity, (s + log(6), s + log(2) + log(3)), r"log\(\d\)"),
+        (exact.stability_conditions, (s**2 + sqrt(a) * s + 1, "s"), r"r\*\*2 for a"),
+        (exact.forms.jordan_form, ([[exp(theta), 1], [0, exp(theta)]],), "write a symbol"),
+        (exact.solve_lyapunov, ([[-1]], [[a * ROOT]]), "write a rational number"),
+        (exact.polynomial, ([1, a, a * GoldenRatio], "s"), "stands beside the unknown a"),
+    ],
+)  # fmt: skip
+def test_what_is_not_decided_is_refused_by_name(door, arguments, says):
+    with pytest.raises(exact.InputError, match=says):
+        door(*arguments)
+
+
+def test_algebraic_numbers_are_decided_in_matrices_too():
+    assert exact.bezout.number_of_common_roots(s + ROOT, s + SUM, variable="s") == 1
+    assert exact.minimal_realisation((s + SUM) / ((s + ROOT) * (s + 1)), "s").order == 1
+    gain = exact.regulator_gain([[0, 1], [0, 0]], [[0], [1]], [-ROOT, -SUM])
+    assert sympy.simplify(gain[0, 0] + 5 + 2 * sqrt(6)) == 0
