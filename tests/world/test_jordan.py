@@ -126,7 +126,6 @@ TRIG = [
             ).as_expr()
             == sp.Symbol("s") - 1
         ),
-        open_because="sin and cos are taken as independent",
     ),
     case("SymPy-17130", lambda S, C: jordan_form([[sp.exp(1), 1], [0, sp.exp(1)]]) is not None),
     case(
@@ -134,12 +133,10 @@ TRIG = [
         lambda S, C: (
             jordan_form([[sp.exp(sp.Symbol("t")), 1], [0, sp.exp(sp.Symbol("t"))]]) is not None
         ),
-        open_because="an error of SymPy's own",
     ),
     case(
         "frobenius-sqrt",
         lambda S, C: frobenius_form([[sp.sqrt(sp.Symbol("a")), 1], [0, 2]]) is not None,
-        open_because="an error of SymPy's own",
     ),
 ]
 

@@ -297,11 +297,6 @@ def test_the_same_with_sin_and_cos():
         solve_sylvester([[sp.sin(theta) ** 2 + sp.cos(theta) ** 2]], [[-1]], [[1]])
 
 
-test_the_same_with_sin_and_cos = pytest.mark.xfail(
-    strict=True, reason="sin and cos are taken as independent"
-)(test_the_same_with_sin_and_cos)
-
-
 REFUSED = [
     case(
         "Mathematica.SE-221330",
