@@ -111,7 +111,7 @@ def namespaces(package: str) -> list[str]:
     --------
     >>> from docs.reference_pages import namespaces
     >>> namespaces("compensator_theory")[:3]
-    ['compensator_theory', 'compensator_theory.bezout', 'compensator_theory.forms']
+    ['compensator_theory', 'compensator_theory.bezout', 'compensator_theory.errors']
     """
     top = _stubbed(place(package) / "__init__.pyi", package)
     modules = [name for name, home in top.items() if home == package]

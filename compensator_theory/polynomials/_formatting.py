@@ -39,7 +39,7 @@ def require_real(poly: Poly) -> None:
     --------
     >>> from compensator_theory.polynomials._formatting import require_real
     >>> from compensator_theory.polynomials._reading import polynomial
-    >>> require_real(polynomial("sqrt(b)*s"))
+    >>> require_real(polynomial("sqrt(2)*s"))
     """
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(

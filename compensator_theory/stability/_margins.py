@@ -410,7 +410,7 @@ def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
     >>> import flint
     >>> from compensator_theory.stability._margins import narrow
     >>> narrow(flint.arb(2)), narrow(flint.arb(2, 1))
-    ((2 ± 0,), None)
+    ((2,), None)
     """
     if not all(ball.is_finite() for ball in balls):
         return None

@@ -29,7 +29,7 @@ from rcac_experiments.sweeps._worker import run_chunk
 TRIES, ALONE = 3, 2
 # Seconds between looks at what others do, and at Ctrl-C; and those that an executor of others has
 # to answer at all after it lost a run.
-PATIENCE, _ANSWER = 0.25, 60.0
+PATIENCE, ANSWER = 0.25, 60.0
 
 
 @dataclass
@@ -170,7 +170,7 @@ class Schedule:
     def _require_answer(self) -> None:
         """Refuse to call a run deadly where the executor as a whole is dead."""
         try:
-            future, end = self.executor.submit(os.getpid), time.monotonic() + _ANSWER
+            future, end = self.executor.submit(os.getpid), time.monotonic() + ANSWER
             while not wait([future], timeout=PATIENCE).done:
                 if time.monotonic() > end:
                     raise TimeoutError
@@ -186,7 +186,7 @@ class Schedule:
         now = time.monotonic()
         if progressed or not self.shared:
             self._ended = now
-        elif now - self._ended > _ANSWER:
+        elif now - self._ended > ANSWER:
             self._ended = now
             try:
                 self.executor.submit(os.getpid).cancel()

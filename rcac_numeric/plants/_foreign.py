@@ -86,12 +86,10 @@ def plant_of(
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
     found = _realisation(system, variable)
-    own_period = sample_time_of(found)
     if str(found.variable) == "s":
         sampled = _sampled(system, found, sample_time, method)
         return _verified(sampled, system, found, method)
-    agreed_time(system, sample_time)
-    period = own_period if own_period is not None else sample_time
+    period = agreed_times([system, found], sample_time)
     if not is_foreign(system) and found.is_siso:
         return replaced(standard_plant(found), sample_time=period)
     A, B, C, D = (_float(found, name) for name in "ABCD")
