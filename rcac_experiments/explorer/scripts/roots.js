@@ -58,14 +58,32 @@ export function rootsOf(polynomial, start = null) {
 // The whole list of roots of which only those with im >= 0 are given.
 export const withConjugates = roots => roots.flatMap(([x, y]) => y ? [[x, y], [x, -y]] : [[x, 0]]);
 
-// How far each of `wanted` is from the one of `found` that is paired with it, the nearest pairs first.
-export function distances(wanted, found) {
+// For each of `wanted` how far its partner in `found` is, and which one it is; the nearest pairs first.
+function paired(wanted, found) {
   const pairs = wanted.flatMap((a, i) => found.map((b, j) => [Math.hypot(a[0] - b[0], a[1] - b[1]), i, j]));
-  const far = new Array(wanted.length).fill(Infinity), used = new Set();
+  const partners = wanted.map(() => [Infinity, -1]), used = new Set();
   for (const [distance, i, j] of pairs.sort((a, b) => a[0] - b[0])) {
-    if (far[i] < Infinity || used.has(j)) continue;
-    far[i] = distance;
+    if (partners[i][0] < Infinity || used.has(j)) continue;
+    partners[i] = [distance, j];
     used.add(j);
   }
-  return far;
+  return partners;
+}
+export const distances = (wanted, found) => paired(wanted, found).map(([distance]) => distance);
+
+// The largest relative change, on the unit circle, of the polynomial with the roots `found` that gives
+// it the wanted ones; its other roots stay. A multiple root is far from its copies where this is small.
+export function backwardError(wanted, found) {
+  const partners = paired(wanted, found), asked = [...found];
+  if (partners.some(([distance]) => distance === Infinity)) return Infinity;
+  partners.forEach(([, j], i) => { asked[j] = wanted[i]; });
+  const angles = Array.from({ length: 400 }, (_, k) => Math.PI * (k + 0.5) / 400);
+  for (const [x, y] of [...asked, ...found]) angles.push(Math.abs(Math.atan2(y, x)));
+  const value = (roots, c, s) => roots.reduce(([a, b], [x, y]) =>
+    [a * (c - x) - b * (s - y), a * (s - y) + b * (c - x)], [1, 0]);
+  return Math.max(...angles.map(angle => {
+    const [c, s] = [Math.cos(angle), Math.sin(angle)], p = value(asked, c, s), r = value(found, c, s);
+    const largest = Math.max(modulus(p), modulus(r));
+    return largest ? Math.hypot(p[0] - r[0], p[1] - r[1]) / largest : 0;
+  }));
 }

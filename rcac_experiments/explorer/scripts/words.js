@@ -1,10 +1,12 @@
 // What happened, in one sentence, and what RCAC knows of the plant.
-import { distances, modulus, withConjugates } from "./roots.js";
+import { backwardError, distances, modulus, withConjugates } from "./roots.js";
 import { polesAt } from "./loop.js";
 import { modelling } from "./plan.js";
 import { written } from "./rationals.js";
 
-export const REACHED = 0.01;
+// As ExactComparison.is_reached decides: the backward error up to which poles are reached, and a
+// distance that is none, whatever the conditioning of the roots.
+const REACHED = 0.05, NEAR = 0.01;
 const NEAR_CIRCLE = 1e-9;
 
 export const shown = ([x, y]) => `${text(x)}${y ? ` ± ${text(Math.abs(y))}j` : ""}`;
@@ -20,7 +22,8 @@ export function outcomeOf(found) {
   const poles = polesAt(found, found.done), far = distances(wanted, poles), worst = Math.max(0, ...far);
   if (found.w.every(value => value === 0)) return { kind: "still", poles, wanted, far, worst };
   const largest = Math.max(...poles.map(modulus));
-  const kind = largest >= 1 - NEAR_CIRCLE ? "unstable" : worst <= REACHED ? "reached" : "stable";
+  const isReached = worst <= NEAR || backwardError(wanted, poles) <= REACHED;
+  const kind = largest >= 1 - NEAR_CIRCLE ? "unstable" : isReached ? "reached" : "stable";
   return { kind, poles, wanted, far, worst, largest };
 }
 
@@ -57,7 +60,7 @@ export function sentence(found, outcome) {
   const what = plan.poles.some(pole => modulus(pole) > 1) ? "An unstable plant, stabilised: " : "Stable: ";
   if (outcome.kind === "reached") return [[what], [calm, "good"], [", and "],
     [count === 1 ? "the pole asked for is reached" : `all ${count} poles asked for are reached`, "good"], [`, missed by ${small(outcome.worst)} at most.`]];
-  const missed = outcome.far.filter(distance => distance > REACHED).length;
+  const missed = outcome.far.filter(distance => distance > NEAR).length;
   const worst = outcome.wanted[outcome.far.indexOf(outcome.worst)];
   if (!Number.isFinite(outcome.worst)) return [[what], [calm, "good"], [`, but the loop has ${outcome.poles.length} poles and ${count} are asked for: `], ["raise n_c.", "warning"]];
   const few = 2 * dials.n_c < count ? ` n_c = ${dials.n_c} has ${2 * dials.n_c} coefficients for ${count} poles.` : "";

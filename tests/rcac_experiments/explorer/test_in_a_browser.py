@@ -109,7 +109,9 @@ def scripts(browser):
     folder = resources.files("rcac_experiments.explorer").joinpath("scripts")
     text = "".join(folder.joinpath(f"{name}.js").read_text("utf-8") for name in PURE)
     text = re.sub(r"^(import .*;\n|export )", "", text, flags=re.MULTILINE)
-    names = "rational, rounded, exactly, written, transferFunction, rootsOf, distances"
+    names = (
+        "rational, rounded, exactly, written, transferFunction, rootsOf, distances, backwardError"
+    )
     page.add_script_tag(content=f"globalThis.known = (() => {{{text}; return {{ {names} }}; }})();")
     yield page
     page.close()
@@ -523,6 +525,22 @@ def test_the_pole_that_is_missed_is_that_which_no_pole_is_near(scripts):
         "known.distances([[0.5, 0], [0.5, 0], [0, 1]], [[0, 1], [0.5, 0], [0.9, 0], [3, 0]])"
     )
     assert far[2] == 0 and sorted(far[:2]) == [0, pytest.approx(0.4, abs=1e-15)]
+
+
+def test_poles_are_judged_by_the_polynomial_and_not_by_multiple_roots(scripts):
+    """As ExactComparison does: copies of a root are far apart where the coefficients agree."""
+    of = "([wanted, found]) => known.backwardError(wanted, found)"
+    roots = np.roots(np.poly([0.5, 0.5, 0.5, -0.3]) + 1e-9 * np.array([0, 1, 1, 1, 1]))
+    split = [[root.real, root.imag] for root in roots]
+    assert (
+        max(scripts.evaluate("([w, f]) => known.distances(w, f)", [[[0.5, 0]] * 3, split])) > 4e-4
+    )
+    assert scripts.evaluate(of, [[[0.5, 0]] * 3, split]) < 1e-7
+    circle = np.exp(1j * np.linspace(0, np.pi, 4001))
+    change = np.abs(0.06 / np.maximum(np.abs(circle - 0.4), np.abs(circle - 0.46))).max()
+    found = scripts.evaluate(of, [[[0.4, 0]], [[0.46, 0], [0.9, 0]]])
+    assert abs(found - change) < 1e-4 * change
+    assert scripts.evaluate("f => known.backwardError([[0, 0], [0, 0]], f) === Infinity", [[0, 0]])
 
 
 @pytest.mark.costly
