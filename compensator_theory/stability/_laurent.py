@@ -19,6 +19,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import rational, zero_matrix
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials._budget import ask, decimal_digits, integer
+from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.polynomials._values import ExactValue
@@ -125,7 +126,7 @@ def laurent_expansion(
     s, at = source.variable, sympy.expand(exact_number(point))
     integer(terms, "terms", at_least=1)
     ask("degree", terms + int(source.denominator.degree()), "the expansion")
-    if s in at.free_symbols or (at.is_number and not all(x.is_Rational for x in at.as_real_imag())):
+    if s in at.free_symbols or irrational_constants([at]) - {sympy.I}:
         raise InputError(
             f"the point {at} must be rational, complex with rational parts, or another symbol than "
             f"{s}"
