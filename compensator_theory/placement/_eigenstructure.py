@@ -112,6 +112,7 @@ def _reachable(
 ) -> tuple[ImmutableMatrix, list[Expr]]:
     a, b = _pair(A, B)
     value = sympy.expand(exact_number(eigenvalue))
+    require_decidable([value])
     parts = _parts(value)
     if any(part.is_number and not part.is_rational for part in parts):
         raise InputError(f"the eigenvalue {value} must have rational parts, or be a symbol")
@@ -246,6 +247,7 @@ def _chain(given: object, n: int) -> Chain:
         [sympy.expand(exact_number(e)) for e in v] for v in (entries if nested else [entries])
     ]
     for vector in vectors:
+        require_decidable(vector)
         if len(vector) != n:
             raise InputError(f"the eigenvector {vector} has {len(vector)} entries; it needs {n}")
     return vectors
