@@ -70,8 +70,8 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
         first, other = (min(parts, key=str) for parts in (nested, unknowns))
         raise InputError(
             f"{shown(first)} stands beside the unknown {other}, and whether an expression of both "
-            f"is zero is not decided here; write a symbol for {shown(first)}, or the number as "
-            "roots of rational numbers"
+            f"is zero is not decided here; write a symbol for {shown(first)}, or a rational number "
+            "close to it"
         )
 
 
@@ -148,15 +148,16 @@ def _of_symbols(part: Expr) -> str:
     if isinstance(part, _TRIGONOMETRIC):
         angle = shown(part.args[0])
         return (
-            f"{what} sin({angle}) and cos({angle}) are no two unknowns; write c and s_1 for cos "
-            f"and sin (with c**2 + s_1**2 = 1), or (1 - y**2)/(1 + y**2) and 2*y/(1 + y**2), where "
-            f"y is tan({angle}/2)"
+            f"{what} relations between sines and cosines are not decided; write two symbols for "
+            f"cos({angle}) and sin({angle}), whose squares add to 1, or one for tan({angle}/2), of "
+            "which both are rational functions"
         )
     if isinstance(part, sympy.Pow) and part.exp.is_Rational:
         base, index = shown(part.base), int(part.exp.q)
         root = f"sqrt({base})" if index == 2 else f"({base})**(1/{index})"
-        power = f"r**{index} for {base}" if part.base.is_Symbol else f"keep in mind r**{index}"
-        return f"{what} relations between roots are not decided; write r for {root}, and {power}"
+        power = "square" if index == 2 else f"power {index}"
+        rest = f", and its {power} for {base}" if part.base.is_Symbol else ""
+        return f"{what} relations between roots are not decided; write a symbol for {root}{rest}"
     return f"{what} relations between such functions are not decided; write a symbol in its place"
 
 

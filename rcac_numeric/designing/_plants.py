@@ -15,7 +15,6 @@ import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.systems._descriptions import has_states
 from compensator_theory.systems._foreign import is_foreign
-from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import (
     instance_of,
@@ -27,7 +26,7 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.plants._foreign import plant_of
+from rcac_numeric.plants._foreign import plant_of, rounded_once
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -368,7 +367,7 @@ def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> Design
             f"dead_time = {late.tolist()} is {(late / h).round(4).tolist()} steps, and by entry it "
             "must be whole steps: round it, or choose another sample_time."
         )
-    rows = [_floats(exact.minimal_realisation([[G[i, j] for j in range(m)]]).realisation)
+    rows = [rounded_once(exact.minimal_realisation([[G[i, j] for j in range(m)]]).realisation)
             for i in range(m)]  # fmt: skip
     if any(D.any() for *_, D in rows):
         raise ImproperError(IMPROPER)
@@ -415,7 +414,7 @@ def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
         return None
     if any(entry != 0 for entry in made.D):
         raise ImproperError(IMPROPER)
-    A, B, C, _ = _floats(made)
+    A, B, C, _ = rounded_once(made)
     _require_square(B.shape[1], len(C))
     return A, B, C
 
@@ -430,15 +429,6 @@ def _realised(plant: Any) -> exact.Realisation | None:
     if G.shape == (1, 1):
         return exact.realisation(G.scalar())
     return exact.minimal_realisation(G).realisation
-
-
-def _floats(made: exact.Realisation) -> StateSpace:
-    """Its matrices, each entry rounded once."""
-    A, B, C, D = (
-        np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
-        for m in (made.A, made.B, made.C, made.D)
-    )
-    return A, B, C, D
 
 
 def _of_plant(plant: Plant) -> DesignPlant:

@@ -92,7 +92,7 @@ def plant_of(
     period = agreed_times([system, found], sample_time)
     if not is_foreign(system) and found.is_siso:
         return replaced(standard_plant(found), sample_time=period)
-    A, B, C, D = (_float(found, name) for name in "ABCD")
+    A, B, C, D = rounded_once(found)
     plant = _matched(A, B, C, D, period)
     return _verified(plant, system, found, "") if is_foreign(system) else plant
 
@@ -170,9 +170,13 @@ def _realisation(system: Any, variable: str | None) -> exact.Realisation:
     return exact.minimal_realisation(matrix).realisation
 
 
-def _float(found: exact.Realisation, name: str) -> Array:
-    entries = getattr(found, name)
-    return np.reshape(rounded(list(entries), name), entries.shape)
+def rounded_once(found: exact.Realisation) -> tuple[Array, Array, Array, Array]:
+    """A, B, C and D in float64, each entry rounded once; symbols are refused by name."""
+    A, B, C, D = (
+        np.reshape(rounded(list(entries), name), entries.shape)
+        for name, entries in zip("ABCD", (found.A, found.B, found.C, found.D), strict=True)
+    )
+    return A, B, C, D
 
 
 def _sampled(
@@ -184,7 +188,7 @@ def _sampled(
             f"this {kind} is in continuous time, and RCAC runs in discrete time; "
             'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
         )
-    A, B, C, D = (_float(found, name) for name in "ABCD")
+    A, B, C, D = rounded_once(found)
     if method == "zoh":
         A, B = zero_order_hold(A, B, sample_time)
         return _matched(A, B, C, D, sample_time)
