@@ -135,7 +135,7 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
                     "first, or take the stable part"
                 )
         else:
-            conditions = stability_conditions(modes)
+            conditions = tuple(stability_conditions(modes))
         solver = solve_stein if discrete else solve_lyapunov
         first, second = solver(A, B * B.T), solver(A.T, C.T * C)
         if not (first.is_unique and second.is_unique):

@@ -14,6 +14,18 @@ from compensator_theory.stability._half_plane import half_plane_polynomial
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 
+class _Conditions(tuple[Expr, ...]):
+    """Expressions that are to be positive; an empty one is no "no", so it has no truth value."""
+
+    __slots__ = ()
+
+    def __bool__(self) -> bool:
+        raise InputError(
+            "the conditions are expressions that have to be positive, and answer no yes-or-no "
+            "question: ask decide_stability(p), or len(...) for how many are left"
+        )
+
+
 def stability_conditions(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
@@ -38,7 +50,8 @@ def stability_conditions(
     Returns
     -------
     tuple of sympy.Expr
-        Without the conditions that are true whatever the symbols are; empty where all are.
+        Without the conditions that are true whatever the symbols are; empty where all are. It has
+        no truth value, as `decide_stability` has.
 
     Raises
     ------
@@ -79,11 +92,11 @@ def stability_conditions(
         a = list(reversed(p.all_coeffs()))
     n = len(a) - 1
     if not n:
-        return tuple(_shortened(leading))
+        return _Conditions(_shortened(leading))
     first = range(1, n, 2) if n % 2 == 0 else range(2, n, 2)
     coefficients = [a[0], *(a[k] for k in first)]
     minors = [_hurwitz_minor(a, k) for k in range(n - 1, 1, -2)]
-    return tuple(_shortened([*leading, *coefficients, *reversed(minors)]))
+    return _Conditions(_shortened([*leading, *coefficients, *reversed(minors)]))
 
 
 @generic_answer_of(stability_conditions)

@@ -144,6 +144,9 @@ def test_published_conditions():
     assert set(quartic) == {a, c, d, a * b * c - c**2 - a**2 * d}
     assert set(stability_conditions("z**2 + a*z + b")) == {1 - b, 1 + a + b, 1 - a + b}
     assert stability_conditions("s + 1") == () and stability_conditions("s**2 + 1") == (0,)
+    for p in ("s + 1", "s - 1", "s + a"):
+        with pytest.raises(InputError, match="decide_stability"):
+            bool(stability_conditions(p))
     assert stability_conditions("a*s + b") == (a, b)
 
 
