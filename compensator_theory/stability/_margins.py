@@ -311,7 +311,10 @@ def stability_margins(
     through = squared(top, top)[0], squared(bottom, bottom)[0]
     real, imaginary = squared(top, bottom)
     if through[0] == through[1]:
-        raise InputError("|L| is 1 at all frequencies; a gain margin is not defined")
+        raise InputError(
+            "|L| is 1 at all frequencies, so that no crossover and no phase margin is defined; "
+            "stabilising_gains has the gains for which the loop is stable"
+        )
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time)
         for factor, index, value in positive_roots(through[0] - through[1])
