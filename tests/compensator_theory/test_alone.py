@@ -13,7 +13,7 @@ PACKAGE = ROOT / "compensator_theory"
 CHAPTERS = sorted(p.name for p in PACKAGE.iterdir() if (p / "__init__.py").exists())
 # An example that says one of these asks for a numeric library.
 NEEDS = re.compile(
-    r"\b(import (control|numpy|scipy|matplotlib)|picture_of|control_state_space)\b|\.plot\("
+    r"\b((import|from) (control|numpy|scipy|matplotlib)|picture_of|control_state_space)\b|\.plot\("
 )
 ALONE = """
 import doctest, importlib, json, pkgutil, sys
