@@ -323,21 +323,22 @@ def _holds_pairs(matrix: Any) -> bool:
 
 def _shows(lists: Sequence[Any], variable: str | Symbol | None) -> bool:
     """Whether two lists are rows: an entry contains the variable, or is a system."""
-    sought: Callable[[Symbol], bool] = is_operator
-    if variable is not None:
-        symbol = as_symbol(variable)
-        sought = lambda found: found == symbol  # noqa: E731
+    named = None if variable is None else as_symbol(variable)
+
+    def is_variable(symbol: Symbol) -> bool:
+        return is_operator(symbol) if named is None else symbol == named
+
     for entry in (entry for one in lists for entry in one):
         if isinstance(entry, System | tuple) or is_foreign(entry):
             return True
-        if isinstance(entry, Poly) and any(map(sought, entry.gens)):
+        if isinstance(entry, Poly) and any(map(is_variable, entry.gens)):
             return True
         if isinstance(entry, str | Expr):
             try:
                 read = exact_number(entry)
             except CompensatorError:  # whoever reads it says why
                 continue
-            if any(map(sought, read.free_symbols)):
+            if any(map(is_variable, read.free_symbols)):
                 return True
     return False
 
