@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 
 
@@ -23,7 +22,7 @@ class Truth:
             )
         answer = getattr(self, kind._ANSWER)
         if answer is None:
-            first = text(str(self)).split("\n", maxsplit=1)[0]
+            first = str(self).split("\n", maxsplit=1)[0]
             raise InputError(
                 f"{kind.__name__} is undecided, and has no truth value: {first}; look at "
                 f".{kind._ANSWER}, which is None"

@@ -12,7 +12,6 @@ from typing import Any, ClassVar, TypeVar
 import attrs
 import numpy as np
 
-from compensator_theory._latex import latex
 from compensator_theory._truth import Truth
 from compensator_theory._wording import in_a_line
 from rcac_numeric.arrays._wording import shortened
@@ -44,6 +43,8 @@ class Value:
 
     def _latex(self, printer: object = None) -> str:
         """Answer SymPy's `latex` with what a notebook shows."""
+        from compensator_theory._latex import latex
+
         return latex(self)
 
     def _repr_html_(self) -> str | None:

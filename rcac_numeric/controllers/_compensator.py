@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.systems._descriptions import is_description
-from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._frames import StateSpace, control_state_space
 from rcac_numeric.arrays._validation import (
@@ -143,6 +141,8 @@ class Compensator(Value):
         The sample time, in seconds, is its own where none is given; where it has none either,
         the period is unspecified, dt = True. Another one than its own is refused.
         """
+        from compensator_theory.systems._sample_times import agreed_period
+
         advice = "leave sample_time out, or resample it"
         period = agreed_period(self.sample_time, sample_time, at="the compensator", remedy=advice)
         return control_state_space(*self.state_space(), period)
@@ -167,6 +167,8 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
     """The compensator u = G_c y of a transfer function in q; a Compensator as it is."""
     if isinstance(system, Compensator):
         return system
+    from compensator_theory.systems._descriptions import is_description
+
     if not is_description(system):
         raise InputError(f"{name} = {system!r} is not a Compensator.")
     variable = "q" if isinstance(system, str) and as_number(system) is not None else None

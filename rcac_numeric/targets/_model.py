@@ -5,20 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
+from typing import TYPE_CHECKING
 
-import flint
 import numpy as np
 from numpy.typing import ArrayLike
-from sympy import QQ, Poly, Symbol
 
 import compensator_theory as exact_theory
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.polynomials._budget import ask
-from compensator_theory.roots._schur_cohn import has_root_outside
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import instance_of, real_array, rounded
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.arrays._wording import polynomial_latex, sum_latex
+
+if TYPE_CHECKING:  # SymPy and FLINT decide, and a target without feedback needs neither
+    import flint
+    from sympy import Poly
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -237,6 +238,8 @@ def require_no_pole_outside(
     """
     if not denominator[1:].any():
         return
+    from compensator_theory.roots._schur_cohn import has_root_outside
+
     poles = _determinant(denominator) if exact is None else exact.denominator
     if not has_root_outside(poles):
         return
@@ -255,6 +258,11 @@ def require_no_pole_outside(
 
 def _determinant(denominator: Array) -> Poly:
     """A multiple of q^(l n_f) det D_f(q), with integer coefficients, without fractions."""
+    import flint
+    from sympy import QQ, Poly, Symbol
+
+    from compensator_theory.polynomials._budget import ask
+
     size, what = denominator.shape[1], "the denominator of the target model"
     degree = size * (len(denominator) - 1)
     ask("degree", degree, what)
@@ -275,6 +283,8 @@ def _determinant(denominator: Array) -> Poly:
 
 def _integers(row: Array) -> list[flint.fmpz_poly]:
     """A row of D_f, shape (n_f + 1, l_z), times q^n_f and a common denominator of its decimals."""
+    import flint
+
     decimals = [[Fraction(repr(float(value))) for value in entry] for entry in row.T]
     common = lcm(*(value.denominator for entry in decimals for value in entry))
     return [flint.fmpz_poly([int(value * common) for value in entry[::-1]]) for entry in decimals]

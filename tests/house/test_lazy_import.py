@@ -30,6 +30,20 @@ def test_a_file_is_verified_without_what_few_files_need():
     assert out.stdout.strip() == "[]"
 
 
+def test_a_controller_needs_no_exact_theory():
+    """What steps a controller is imported on machines that control; SymPy takes half a second."""
+    heavy = "{'sympy', 'flint', 'scipy', 'control', 'matplotlib', 'hypothesis'}"
+    code = (
+        "from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir; "
+        "update, target = UD(R_theta=1.0), TargetModel([0, 1]); "
+        "settings = ControllerSettings(structure=iir(n_c=2), update=update, target=target); "
+        "Controller(settings).step(z=1.0, y=1.0); "
+        f"import sys; print(sorted({heavy} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
 def test_every_public_name_exists_and_is_documented():
     for name, value in public_objects("compensator_theory").items():
         assert value.__doc__, name
