@@ -5,6 +5,7 @@ from .bezout._subresultant_chains import Subresultants as Subresultants
 from .exceptional_sets._cases import ExceptionalCase as ExceptionalCase
 from .exceptional_sets._cases import ExceptionalCases as ExceptionalCases
 from .forms._coprime_fractions import CoprimeFractions as CoprimeFractions
+from .forms._equivalence import Equivalence as Equivalence
 from .forms._expansions import PartialFraction as PartialFraction
 from .forms._expansions import PartialFractions as PartialFractions
 from .forms._frobenius import FrobeniusForm as FrobeniusForm
@@ -16,9 +17,6 @@ from .forms._minimal_bases import MinimalBasis as MinimalBasis
 from .forms._minimal_realisations import MinimalRealisation as MinimalRealisation
 from .forms._polynomial_equations import DiophantineSolution as DiophantineSolution
 from .forms._polynomial_matrices import PolynomialMatrix as PolynomialMatrix
-from .forms._popov import PopovForm as PopovForm
-from .forms._row_forms import RowForm as RowForm
-from .forms._smith import SmithForm as SmithForm
 from .forms._smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
 from .forms._zero_directions import ZeroDirection as ZeroDirection
 from .forms._zero_directions import Zeros as Zeros

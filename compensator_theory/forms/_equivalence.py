@@ -1,12 +1,15 @@
-"""What row and column operations made of a polynomial matrix, with proof."""
+"""A polynomial matrix under unimodular row and column operations, and what they made of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
 
-from sympy import Expr, S
+from sympy import Expr, ImmutableMatrix, Poly, S
 
+from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     denominators,
@@ -14,35 +17,131 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._certificates import (
+    Certificate,
+    Certified,
+    Residuals,
+    certificate_of,
+    proven,
+)
+from compensator_theory.matrices._diagonalisation import diagonalise
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Grid, Ring, identity, multiply
+from compensator_theory.polynomials._values import ExactValue
 
 
 @dataclass(frozen=True)
-class Equivalence:
-    """Unimodular matrices and what they make of a polynomial matrix, U P V = F.
+class Equivalence(Certified, ExactValue):
+    r"""A form F of a polynomial matrix P, and the unimodular matrices that lead to it.
+
+    .. math:: U P V = F
 
     Attributes
     ----------
-    form : PolynomialMatrix
-        F.
+    matrix, form : PolynomialMatrix
+        P and F, both p x m; rows of zeros come last.
     U, V, U_inverse, V_inverse : PolynomialMatrix
-        After row operations alone V is the identity.
+        p x p and m x m, unimodular: their inverses are polynomial too. V is the identity after row
+        operations alone. F of Smith, Hermite and Popov is unique; U and V need not be.
+    rank : int
+        The normal rank, the number of rows of F that are not zero.
     exceptional : tuple of sympy.Expr
-        Irreducible factors of what they are divided by.
-    certificate : Certificate
-        The products, multiplied out anew.
+        Irreducible polynomials in the symbols; F is the form where none of them is zero, and there
+        may be another one where one is. Empty without symbols.
+
+    Examples
+    --------
+    >>> from compensator_theory.forms import popov_form
+    >>> found = popov_form([["s**2", "s**2 + 1"], ["s", "s"]])
+    >>> print(found, found.row_degrees, found.pivots)
+    [[0, 1], [s, 0]] (0, 1) (1, 0)
+    >>> print(found.certificate)
+    U P V = F, U U^-1 = I, V V^-1 = I: holds exactly
     """
 
+    identity: ClassVar[str] = "U P V = F, U U^-1 = I, V V^-1 = I"
+
+    matrix: PolynomialMatrix
     form: PolynomialMatrix
     U: PolynomialMatrix
     V: PolynomialMatrix
     U_inverse: PolynomialMatrix
     V_inverse: PolynomialMatrix
+    rank: int
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    @property
+    def row_degrees(self) -> tuple[int, ...]:
+        """The largest degree in each row of F that is not zero."""
+        rows = self.form.rows[: self.rank]
+        return tuple(max(int(e.degree()) for e in row if not e.is_zero) for row in rows)
+
+    @property
+    def pivots(self) -> tuple[int, ...]:
+        """The column of the last entry of largest degree in each row of F that is not zero.
+
+        In Popov's form they differ, and each pivot is monic and of larger degree than all other
+        entries of its column.
+        """
+        rows = zip(self.form.rows, self.row_degrees, strict=False)
+        return tuple(
+            max(k for k, e in enumerate(row) if not e.is_zero and e.degree() == degree)
+            for row, degree in rows
+        )
+
+    @property
+    def leading_matrix(self) -> ImmutableMatrix:
+        """The coefficients of the powers `row_degrees` in F, row by row."""
+        s = self.form.variable
+        return ImmutableMatrix(
+            self.rank,
+            self.form.shape[1],
+            [
+                entry.coeff_monomial(s**degree)
+                for row, degree in zip(self.form.rows, self.row_degrees, strict=False)
+                for entry in row
+            ],
+        )
+
+    @property
+    def invariant_polynomials(self) -> tuple[Poly, ...]:
+        """Those of P, monic, each a divisor of the next: the diagonal of Smith's form."""
+        diagonal = _diagonal(self.form)
+        if diagonal is None:
+            work = elimination_of(self.form)
+            diagonalise(work)
+            diagonal = _diagonal(written(work.ring, work.matrix)) or ()
+        return diagonal
+
+    @property
+    def elementary_divisors(self) -> tuple[tuple[Poly, int], ...]:
+        """Powers of irreducible polynomials: all factors of all invariant polynomials."""
+        return tuple(
+            (factor.monic(), power)
+            for invariant in self.invariant_polynomials
+            for factor, power in invariant.factor_list()[1]
+        )
+
+    def _left_over(self) -> Residuals:
+        matrices = self.matrix, self.form, self.U, self.V, self.U_inverse, self.V_inverse
+        ring = joint_ring(*matrices)
+        P, F, U, V, U_inverse, V_inverse = (read_into(ring, matrix) for matrix in matrices)
+        inverses = [(multiply(ring, U, U_inverse), U), (multiply(ring, V, V_inverse), V)]
+        units = [(product, identity(ring, len(grid))) for product, grid in inverses]
+        return differences(ring, [(multiply(ring, multiply(ring, U, P), V), F), *units])
+
+    def __str__(self) -> str:
+        return str(self.form)
+
+    def _repr_latex_(self) -> str:
+        by_rows = self.V.as_matrix().is_Identity
+        factors = [latex(self.U_inverse), latex(self.form)]
+        factors += [] if by_rows else [latex(self.V_inverse)]
+        law = "U^{-1} F" if by_rows else r"U^{-1} F\, V^{-1}"
+        return displayed(
+            rf"P = {latex(self.matrix)} = {law} = {''.join(factors)}", unless(self.exceptional)
+        )
 
 
 def elimination_of(matrix: PolynomialMatrix) -> Elimination:
@@ -51,70 +150,37 @@ def elimination_of(matrix: PolynomialMatrix) -> Elimination:
     return Elimination(ring, read_into(ring, matrix))
 
 
-def by_rows(work: Elimination, law: str) -> Equivalence:
-    """Return what row operations made, with the certificate of U P = F and U U^-1 = I.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._equivalence import by_rows, elimination_of
-    >>> work = elimination_of(polynomial_matrix([["s"], ["s**2 + 1"]]))
-    >>> rank = work.triangulate()
-    >>> print(by_rows(work, "U P = F, U U^-1 = I").form)
-    [[1], [0]]
-    """
-    return _equivalence(work, law, _row_products(work, multiply(work.ring, work.U, work.given)))
-
-
-def by_rows_and_columns(work: Elimination, law: str) -> Equivalence:
-    """Return what operations made, with the certificate of U P V = F and of both inverses.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._equivalence import (
-    ...     by_rows_and_columns, elimination_of)
-    >>> work = elimination_of(polynomial_matrix([["s", 1]]))
-    >>> work.swap_columns(0, 1)
-    >>> print(by_rows_and_columns(work, "U P V = F, U U^-1 = I, V V^-1 = I").form)
-    [[1, s]]
-    """
-    ring = work.ring
-    product = multiply(ring, multiply(ring, work.U, work.given), work.V)
-    inverses = (multiply(ring, work.V, work.V_inverse), identity(ring, work.columns))
-    return _equivalence(work, law, [*_row_products(work, product), inverses])
+def equivalence_of(source: PolynomialMatrix, work: Elimination, rank: int) -> Equivalence:
+    """The form that elementary operations made, its certificate checked."""
+    grids = (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)
+    form, U, V, U_inverse, V_inverse = (written(work.ring, grid) for grid in grids)
+    exceptional = exceptional_factors(denominators(form, U, V, U_inverse, V_inverse))
+    result = Equivalence(source, form, U, V, U_inverse, V_inverse, rank, exceptional)
+    proven(result.certificate, "form")
+    return result
 
 
 def certificate_of_products(
-    ring: Ring, law: str, pairs: Iterable[tuple[Grid, Grid]], what: str = "form"
+    ring: Ring, law: str, pairs: Iterable[tuple[Grid, Grid]]
 ) -> Certificate:
-    """Compare matrices pair by pair, entry by entry.
+    """Compare matrices pair by pair, entry by entry."""
+    return certificate_of(law, differences(ring, pairs), "form")
 
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.forms._equivalence import certificate_of_products
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> ring = ring_of([polynomial("s")])
-    >>> certificate_of_products(ring, "1 = 1", [([[ring.one]], [[ring.one]])]).holds
-    True
-    """
-    left = [
+
+def differences(ring: Ring, pairs: Iterable[tuple[Grid, Grid]]) -> list[list[Expr]]:
+    """What matrices that should be equal differ by, pair by pair, row by row."""
+    return [
         [S.Zero if x == y else ring.write(x - y).as_expr() for x, y in zip(row, other, strict=True)]
         for a, b in pairs
         for row, other in zip(a, b, strict=True)
     ]
-    return certificate_of(law, left, what)
 
 
-def _row_products(work: Elimination, product: Grid) -> list[tuple[Grid, Grid]]:
-    inverses = multiply(work.ring, work.U, work.U_inverse)
-    return [(product, work.matrix), (inverses, identity(work.ring, work.rows))]
-
-
-def _equivalence(work: Elimination, law: str, pairs: Sequence[tuple[Grid, Grid]]) -> Equivalence:
-    grids = (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)
-    form, U, V, U_inverse, V_inverse = (written(work.ring, grid) for grid in grids)
-    exceptional = exceptional_factors(denominators(form, U, V, U_inverse, V_inverse))
-    certificate = certificate_of_products(work.ring, law, pairs)
-    return Equivalence(form, U, V, U_inverse, V_inverse, exceptional, certificate)
+def _diagonal(form: PolynomialMatrix) -> tuple[Poly, ...] | None:
+    """The invariant polynomials on the diagonal of a Smith form; None of another matrix."""
+    rows, columns = form.shape
+    places = [(i, j) for i in range(rows) for j in range(columns) if not form[i, j].is_zero]
+    entries = tuple(form[i, j] for i, j in places)
+    if places != [(i, i) for i in range(len(places))] or any(e.LC() != 1 for e in entries):
+        return None
+    return entries if all(b.rem(a).is_zero for a, b in pairwise(entries)) else None

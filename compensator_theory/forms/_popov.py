@@ -2,70 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from sympy import Symbol
 
-from sympy import Expr, Symbol
-
-from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.forms._equivalence import by_rows, elimination_of
+from compensator_theory.forms._equivalence import Equivalence, elimination_of, equivalence_of
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
     polynomial_matrix,
 )
-from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._elimination import Elimination
-from compensator_theory.polynomials._values import ExactValue
-
-IDENTITY = "U P = F, U U^-1 = I"
 
 
-@dataclass(frozen=True)
-class PopovForm(ExactValue):
-    r"""The canonical form of a polynomial matrix under unimodular row operations.
-
-    Attributes
-    ----------
-    matrix, form : PolynomialMatrix
-        P and F = U P; rows of zeros stand last.
-    U, U_inverse : PolynomialMatrix
-        Unimodular.
-    pivots : tuple of int
-        The column of each pivot: the last entry of largest degree in its row. They differ; each
-        pivot is monic and of larger degree than all others of its column.
-    degrees : tuple of int
-        Of the pivots; they are ascending, and their sum is deg det P of a square matrix.
-    exceptional : tuple of sympy.Expr
-        Irreducible polynomials in the symbols; the form holds where none of them is zero.
-    certificate : Certificate
-    """
-
-    matrix: PolynomialMatrix
-    form: PolynomialMatrix
-    U: PolynomialMatrix
-    U_inverse: PolynomialMatrix
-    pivots: tuple[int, ...]
-    degrees: tuple[int, ...]
-    exceptional: tuple[Expr, ...]
-    certificate: Certificate
-
-    @property
-    def rank(self) -> int:
-        """The normal rank."""
-        return len(self.pivots)
-
-    def __str__(self) -> str:
-        return str(self.form)
-
-    def _repr_latex_(self) -> str:
-        parts = latex(self.U_inverse) + latex(self.form)
-        return displayed(
-            rf"P = {latex(self.matrix)} = U^{{-1}} F = {parts}", unless(self.exceptional)
-        )
-
-
-def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> PopovForm:
+def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> Equivalence:
     r"""Bring a polynomial matrix to its Popov form by row operations.
 
     .. math:: U P = F, \qquad \deg F_{i p_i} > \deg F_{j p_i} \;(j \ne i), \qquad
@@ -80,7 +29,7 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
 
     Returns
     -------
-    PopovForm
+    Equivalence
         F is unique: two matrices have the same one if and only if their rows span the same module.
 
     Raises
@@ -109,20 +58,10 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     for i, column in enumerate(columns):
         work.make_monic(i, column)
     _reduce(work, columns)
-    found = by_rows(work, IDENTITY)
-    degrees = tuple(int(found.form[i, c].degree()) for i, c in enumerate(columns))
+    found = equivalence_of(source, work, len(columns))
     if not _is_popov(found.form, columns):
         raise NoSolutionError("the form is not reduced; it is wrong, please report it")
-    return PopovForm(
-        source,
-        found.form,
-        found.U,
-        found.U_inverse,
-        tuple(columns),
-        degrees,
-        found.exceptional,
-        found.certificate,
-    )
+    return found
 
 
 def _pivot(work: Elimination, i: int) -> int | None:

@@ -8,8 +8,9 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import diagonal, displayed, fraction, unless
+from compensator_theory.forms._equivalence import Equivalence
 from compensator_theory.forms._polynomial_matrices import PolynomialMatrix
-from compensator_theory.forms._smith import SmithForm, smith_form
+from compensator_theory.forms._smith import smith_form
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
@@ -36,7 +37,7 @@ class SmithMcMillanForm(ExactValue):
         The zero polynomials epsilon_i and pole polynomials psi_i, monic, coprime in pairs.
     orders_at_infinity : tuple of int
         Ascending: -k for a pole of order k at infinity, k for a zero of order k there.
-    smith : SmithForm
+    smith : Equivalence
         Of the numerators over the common denominator, with U, V and the certificate.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; the form holds where none of them is zero.
@@ -45,7 +46,7 @@ class SmithMcMillanForm(ExactValue):
     numerators: tuple[Poly, ...]
     denominators: tuple[Poly, ...]
     orders_at_infinity: tuple[int, ...]
-    smith: SmithForm
+    smith: Equivalence
     exceptional: tuple[Expr, ...]
 
     @property

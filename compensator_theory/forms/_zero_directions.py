@@ -9,8 +9,8 @@ from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory._latex import displayed, latex, unless, words
 from compensator_theory._printing import text
+from compensator_theory.forms._equivalence import Equivalence
 from compensator_theory.forms._polynomial_matrices import PolynomialMatrix
-from compensator_theory.forms._smith import SmithForm
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.polynomials._formatting import format_polynomial
@@ -98,8 +98,8 @@ class Zeros(ExactValue):
 
 
 def zeros_of(
-    right: SmithForm,
-    left: SmithForm,
+    right: Equivalence,
+    left: Equivalence,
     right_sizes: tuple[int, int],
     left_sizes: tuple[int, int],
     right_map: PolynomialMatrix | None = None,
@@ -112,7 +112,7 @@ def zeros_of(
 
     Parameters
     ----------
-    right, left : SmithForm
+    right, left : Equivalence
         Of matrices with the same invariant polynomials: V of the one has the directions on the
         right, U of the other those on the left.
     right_sizes, left_sizes : tuple of int

@@ -194,7 +194,6 @@ SAMPLES = {
     results.KroneckerForm: matrices(2, 2).map(
         lambda A: exact.forms.kronecker_form(A, [["a", 0], [0, 0]])
     ),
-    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.forms.popov_form),
     results.PadeApproximant: nonzero_rationals().map(
         lambda c: exact.interpolation.pade_approximant([1, c, "a"], 1, 1)
     ),
@@ -260,12 +259,17 @@ SAMPLES = {
     results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
     ),
-    results.RowForm: POLYNOMIAL_MATRICES.map(exact.forms.hermite_form)
-    | POLYNOMIAL_MATRICES.map(exact.forms.row_reduced_form),
+    results.Equivalence: st.sampled_from(
+        [
+            exact.forms.smith_form,
+            exact.forms.hermite_form,
+            exact.forms.row_reduced_form,
+            exact.forms.popov_form,
+        ]
+    ).flatmap(POLYNOMIAL_MATRICES.map),
     results.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
     | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
     exact.results.PolynomialMatrix: POLYNOMIAL_MATRICES,
-    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.forms.smith_form),
     results.SmithMcMillanForm: transfer_matrices().map(exact.forms.smith_mcmillan_form),
     results.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
     results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)

@@ -156,10 +156,10 @@ def test_popov_form_is_unique(P, data):
     degrees = [[-1 if e.is_zero else e.degree() for e in row] for row in F.rows]
     assert found.rank == P.as_matrix().rank() == sum(max(row) >= 0 for row in degrees)
     for i, p in enumerate(found.pivots):
-        assert F[i, p].LC() == 1 and degrees[i][p] == max(degrees[i]) == found.degrees[i]
+        assert F[i, p].LC() == 1 and degrees[i][p] == max(degrees[i]) == found.row_degrees[i]
         assert all(degrees[j][p] < degrees[i][p] for j in range(n) if j != i)
     if P.shape[0] == P.shape[1] == found.rank:
-        assert sum(found.degrees) == P.determinant().degree()
+        assert sum(found.row_degrees) == P.determinant().degree()
 
 
 def test_popov_form_with_symbols():

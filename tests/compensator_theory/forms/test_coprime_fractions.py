@@ -1,5 +1,8 @@
 """Hermite and row-reduced forms, coprime fractions and Bezout identities, against minors."""
 
+from itertools import accumulate
+from operator import mul
+
 import pytest
 import sympy
 from hypothesis import given
@@ -15,7 +18,7 @@ from compensator_theory import (
     polynomial_matrix,
 )
 from compensator_theory.errors import BudgetError
-from compensator_theory.forms import hermite_form, row_reduced_form
+from compensator_theory.forms import hermite_form, popov_form, row_reduced_form, smith_form
 from compensator_theory.strategies import coprime_pairs
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
@@ -85,6 +88,15 @@ def test_row_degrees_add_up_to_the_largest_degree_of_a_minor(P):
         assert sum(found.row_degrees) == largest
     if found.rank == P.shape[0] == P.shape[1]:
         assert sum(found.row_degrees) == Poly(P.as_matrix().det(), s).degree()
+
+
+@given(polynomial_matrices())
+def test_every_form_has_the_invariants_of_its_matrix(P):
+    right = divisors(P.as_matrix())
+    for form in (smith_form, hermite_form, row_reduced_form, popov_form):
+        found = form(P)
+        assert list(accumulate(found.invariant_polynomials, mul)) == right
+        assert found.is_verified and found.rank == len(right)
 
 
 @given(transfer_matrices(extra=1))
