@@ -1,16 +1,19 @@
-"""Through how many files and folders six tasks go, from what is given to what is shown.
+"""What a reader of six tasks holds in mind: files, folders, functions, and classes of values.
 
 Run with: python benchmarks/walks.py [NAME OF A TASK]
 
-Counted are the functions of the two packages that are called, the files and the folders that hold
-them, and the deepest stack of them. All modules are imported before, so that what is made at import
-does not count. With the name of a task its files are listed, each with the functions called there.
+Counted are the functions of the packages that are called, the files and the folders that hold
+them, the deepest stack of them, and the classes of ours that are instantiated. All modules are
+imported before, so that what is made at import does not count. With the name of a task its files
+are listed, each with the functions called there, and its classes. The last line counts the modules
+that a controller needs. The check prints these numbers; nothing enforces them.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
+import subprocess
 import sys
 import tempfile
 from collections import defaultdict
@@ -20,6 +23,7 @@ from types import FrameType
 from typing import Any
 
 import compensator_theory
+import rcac_experiments
 import rcac_numeric
 from compensator_theory import place_poles, transfer_function
 from rcac_experiments import check_arguments, load_experiment, verify
@@ -104,14 +108,23 @@ def tasks(folder: Path) -> dict[str, Callable[[], Any]]:
     }
 
 
-def walk(task: Callable[[], Any]) -> tuple[dict[str, set[str]], int]:
-    """The functions that a task calls, by file, and how deep they stand in each other."""
+NAMES = tuple(Path(package).name for package in PACKAGES)
+MAKING = ("__init__", "__post_init__", "__attrs_post_init__")
+
+
+def walk(task: Callable[[], Any]) -> tuple[dict[str, set[str]], int, set[str]]:
+    """The functions that a task calls, by file, how deep they stand, and the classes it makes."""
     called: dict[str, set[str]] = defaultdict(set)
+    classes: set[str] = set()
     depth = deepest = 0
 
     def note(frame: FrameType, event: str, argument: object) -> None:
         nonlocal depth, deepest
         code = frame.f_code
+        if event == "call" and code.co_name in MAKING:
+            made = type(frame.f_locals.get("self"))
+            if made.__module__.startswith(NAMES):
+                classes.add(f"{made.__module__}.{made.__qualname__}")
         if not code.co_filename.startswith(PACKAGES):
             return
         if event == "call":
@@ -126,27 +139,41 @@ def walk(task: Callable[[], Any]) -> tuple[dict[str, set[str]], int]:
         task()
     finally:
         sys.setprofile(None)
-    return called, deepest
+    return called, deepest, classes
+
+
+def modules_of_a_controller() -> str:
+    """How many modules `from rcac_numeric import Controller` loads, ours and all."""
+    code = (
+        "import sys; from rcac_numeric import Controller; "
+        f"print(sum(name.startswith({NAMES}) for name in sys.modules), len(sys.modules))"
+    )
+    return subprocess.check_output([sys.executable, "-c", code], text=True)
 
 
 def main(chosen: str = "") -> None:
     """Do the tasks and print their walks."""
-    for package in (compensator_theory, rcac_numeric):
+    for package in (compensator_theory, rcac_numeric, rcac_experiments):
         for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
             if not module.name.endswith("__main__"):
                 importlib.import_module(module.name)
-    print(f"{'task':18} {'files':>6} {'folders':>8} {'functions':>10} {'depth':>6}")
+    print(f"{'task':18} {'files':>6} {'folders':>8} {'functions':>10} {'depth':>6} {'classes':>8}")
     with tempfile.TemporaryDirectory() as folder:
         for name, task in tasks(Path(folder)).items():
             if chosen not in ("", name):
                 continue
-            called, depth = walk(task)
+            called, depth, classes = walk(task)
             functions = sum(map(len, called.values()))
             folders = {Path(file).parent for file in called}
-            print(f"{name:18} {len(called):6} {len(folders):8} {functions:10} {depth:6}")
+            counts = f"{len(called):6} {len(folders):8} {functions:10} {depth:6} {len(classes):8}"
+            print(f"{name:18} {counts}")
             for file in sorted(called) if chosen else ():
                 names = sorted({one.rpartition(":")[0] for one in called[file]})
                 print(f"  {Path(file).relative_to(ROOT)}: {', '.join(names)}")
+            for one in sorted(classes) if chosen else ():
+                print(f"  class {one}")
+    ours, every = modules_of_a_controller().split()
+    print(f"from rcac_numeric import Controller: {ours} modules of ours, {every} in all")
 
 
 if __name__ == "__main__":
