@@ -1,7 +1,7 @@
 """Files of others: sizes, shapes, types, depth and digits are asked before anything is built.
 
 Every reader of arrays and of JSON that somebody else may have written goes through here, with one
-budget. A checksum finds damage; it says nothing about who wrote a file.
+limit. A checksum finds damage; it says nothing about who wrote a file.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others let a file choose
 _JSON = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"?|[\[{]|[\]}]|,|[0-9]+', re.DOTALL)
 
 
-class Budget:
+class ReadingLimit:
     """What is left of the numbers that one file may hold.
 
     Examples
     --------
     >>> import pathlib
-    >>> from rcac_numeric.arrays._untrusted import Budget
-    >>> Budget(pathlib.Path("log.mat")).take([1000, 10])
+    >>> from rcac_numeric.arrays._untrusted import ReadingLimit
+    >>> ReadingLimit(pathlib.Path("log.mat")).take([1000, 10])
     10000
-    >>> Budget(pathlib.Path("log.mat")).take([10**6, 10**6])
+    >>> ReadingLimit(pathlib.Path("log.mat")).take([10**6, 10**6])
     Traceback (most recent call last):
         ...
     compensator_theory.errors.InputError: log.mat holds more than 33554432 numbers; cut it.
@@ -52,7 +52,7 @@ class Budget:
         self.file, self.left = file, MOST_NUMBERS
 
     def take(self, shape: Iterable[int]) -> int:
-        """The number of entries of a shape, which the budget must have room for."""
+        """The number of entries of a shape, which must fit into what is left."""
         sizes = list(shape)
         # Who counts the rows of an empty array counts to their number all the same.
         if math.prod(max(size, 1) for size in sizes) > self.left:
@@ -65,7 +65,7 @@ class Budget:
 def read_npz(file: Path) -> dict[str, np.ndarray]:
     """The arrays of numbers and texts in an archive, by name."""
     require_readable(file)
-    budget, found = Budget(file), {}
+    limit, found = ReadingLimit(file), {}
     with file.open("rb") as opened:
         try:
             listing = _Listing(opened)
@@ -80,7 +80,7 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
                     if member.compress_type not in _PACKED:
                         raise ValueError(f"{shortened(name, 60)!r} is packed by no usual method")
                     with archive.open(member) as stream:
-                        _require_room(stream, budget)
+                        _require_room(stream, limit)
                     with archive.open(member) as stream:
                         found[name] = _array(stream)
         except InputError:
@@ -105,7 +105,7 @@ def read_npy(file: Path) -> np.ndarray:
     require_readable(file)
     with file.open("rb") as stream:
         try:
-            _require_room(stream, Budget(file))
+            _require_room(stream, ReadingLimit(file))
             stream.seek(0)
             return _array(stream)
         except InputError:
@@ -155,7 +155,7 @@ def _unreadable(file: Path, what: str, error: Exception) -> InputError:
     return InputError(f"{file} is not {what}: {shortened(words, 200)}.")
 
 
-def _require_room(stream: IO[bytes], budget: Budget) -> None:
+def _require_room(stream: IO[bytes], limit: ReadingLimit) -> None:
     if npy.read_magic(stream) != (1, 0):  # later versions are for headers of up to 4 GB
         raise ValueError("its header is not one of plain numbers")
     shape, _, dtype = npy.read_array_header_1_0(stream)
@@ -165,7 +165,7 @@ def _require_room(stream: IO[bytes], budget: Budget) -> None:
         raise ValueError(f"an array has entries of type {str(dtype)[:60]}")
     if dtype.kind == "U" and dtype.itemsize > 4 * MOST_CHARACTERS:
         raise ValueError(f"a text has more than {MOST_CHARACTERS} characters")
-    budget.take((*shape, max(dtype.itemsize // 8, 1)))
+    limit.take((*shape, max(dtype.itemsize // 8, 1)))
 
 
 def _array(stream: Any) -> np.ndarray:

@@ -12,7 +12,7 @@ from rcac_numeric.arrays._array_types import ComplexArray
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plots._library import Axes, Figure
-from rcac_numeric.plots._pole_maps import Kind, draw_plane, largest_counts
+from rcac_numeric.plots._pole_maps import PoleGroup, draw_plane, largest_counts
 from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_history
 
 
@@ -84,9 +84,9 @@ def draw_poles(axis: Axes, poles: ComplexArray, wanted: ComplexArray, zeros: Com
     """Poles reached beside those asked for, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
-        Kind("asked for", "asked for", wanted, "s", WANTED, 10),
-        Kind("zeros from w to z", "zero", zeros, "o", SECOND, 6),
-        Kind("poles reached", "pole", poles[finite], "x", REACHED, 7),
+        PoleGroup("asked for", "asked for", wanted, "s", WANTED, 10),
+        PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6),
+        PoleGroup("poles reached", "pole", poles[finite], "x", REACHED, 7),
     ]
     draw_plane(axis, [kind for kind in kinds if len(kind.values)])
     title = "closed loop with the final controller"

@@ -8,7 +8,7 @@ from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.plots._coefficients import NAMED, draw_coefficients, structure_names
 from rcac_numeric.plots._library import Axes, Figure
 from rcac_numeric.plots._margins import draw_nyquist, loop_curve
-from rcac_numeric.plots._pole_maps import Kind, draw_plane, largest_counts
+from rcac_numeric.plots._pole_maps import PoleGroup, draw_plane, largest_counts
 from rcac_numeric.plots._style import (
     INK,
     REACHED,
@@ -96,16 +96,18 @@ def _names(check: ControllerCheck, count: int) -> list[str]:
 
 
 def _poles(axis: Axes, check: ControllerCheck) -> None:
-    kinds = []
+    groups = []
     if check.comparison is not None:
-        kinds.append(Kind("asked for", "asked for", check.comparison.asked_poles, "s", WANTED, 10))
+        groups.append(
+            PoleGroup("asked for", "asked for", check.comparison.asked_poles, "s", WANTED, 10)
+        )
     zeros = largest_counts(check.zeros.values())
-    kinds.append(Kind("zeros from w to z", "zero", zeros, "o", SECOND, 6))
+    groups.append(PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6))
     own = check.compensator.poles()
-    kinds.append(Kind("poles of the controller", "controller", own, "+", INK, 8))
+    groups.append(PoleGroup("poles of the controller", "controller", own, "+", INK, 8))
     assert check.poles is not None
-    kinds.append(Kind("closed-loop poles", "pole", check.poles, "x", REACHED, 7))
-    draw_plane(axis, kinds)
+    groups.append(PoleGroup("closed-loop poles", "pole", check.poles, "x", REACHED, 7))
+    draw_plane(axis, groups)
     axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
                 frameon=False)  # fmt: skip
     assert check.loop is not None

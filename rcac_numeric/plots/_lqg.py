@@ -6,7 +6,7 @@ import numpy as np
 
 from rcac_numeric.analysis._lqg import LQG
 from rcac_numeric.plots._library import Figure
-from rcac_numeric.plots._pole_maps import Kind, draw_plane
+from rcac_numeric.plots._pole_maps import PoleGroup, draw_plane
 from rcac_numeric.plots._style import (
     LEAST_FACTOR,
     LEAST_PHASE,
@@ -24,13 +24,13 @@ def plot_lqg(found: LQG) -> Figure:
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
     poles, gain = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
     phase = figure.add_subplot(grid[1, 1], sharex=gain)
-    kinds = []
+    groups = []
     for i, (name, marker, part) in enumerate(
         (("regulator", "x", found.regulator), ("estimator", "+", found.estimator))
     ):
         words = f"{name}, radius {np.abs(part.poles).max(initial=0.0):.3g}"
-        kinds.append(Kind(words, "pole", part.poles, marker, line_style(i)["color"], 9))
-    draw_plane(poles, kinds, reach=1.15)
+        groups.append(PoleGroup(words, "pole", part.poles, marker, line_style(i)["color"], 9))
+    draw_plane(poles, groups, reach=1.15)
     poles.set_title("closed-loop poles", fontsize=10)
     poles.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
                  frameon=False)  # fmt: skip

@@ -23,8 +23,8 @@ SAME_DIRECTION = 0.15  # radians within which far points share an arrow
 NAMED = 3  # values at one arrow
 
 
-class Kind(NamedTuple):
-    """Points of one kind: the words of the legend, one word for the rim, how they are drawn."""
+class PoleGroup(NamedTuple):
+    """Points of one group: the words of the legend, one word for the rim, how they are drawn."""
 
     label: str
     word: str
@@ -34,14 +34,16 @@ class Kind(NamedTuple):
     size: float
 
 
-def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
+def draw_plane(axis: Axes, groups: Sequence[PoleGroup], reach: float = REACH) -> None:
     r"""Points near the unit circle, and arrows at the rim towards those beyond."""
-    far = _far(kinds, reach)
+    far = _far(groups, reach)
     draw_circle(axis)
-    for kind in kinds:
-        values = kind.values[np.abs(kind.values) <= reach]
-        axis.plot(values.real, values.imag, kind.marker, mfc="none", mec=kind.colour, ms=kind.size,
-                  mew=1.5, label=kind.label, linestyle="none")  # fmt: skip
+    for group in groups:
+        values = group.values[np.abs(group.values) <= reach]
+        axis.plot(
+            values.real, values.imag, group.marker, label=group.label, linestyle="none",
+            mfc="none", mec=group.colour, ms=group.size, mew=1.5,
+        )  # fmt: skip
     span = max(reach, ROOM) if far else reach
     axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
     axis.set_aspect("equal")
@@ -63,23 +65,23 @@ def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
     return np.array(list(most.elements()), dtype=np.complex128)
 
 
-def _far(kinds: Sequence[Kind], reach: float) -> list[tuple[float, list[str], str]]:
+def _far(groups: Sequence[PoleGroup], reach: float) -> list[tuple[float, list[str], str]]:
     """Direction, words and colour of each arrow; points in one direction share it."""
     points = []
-    for kind in kinds:
-        beyond = kind.values[np.abs(kind.values) > reach]
+    for group in groups:
+        beyond = group.values[np.abs(group.values) > reach]
         values, counts = np.unique(np.round(beyond, DIGITS), return_counts=True)
         points += [
-            (float(np.angle(v)) % (2 * np.pi), float(np.abs(v)), complex(v), int(count), kind)
+            (float(np.angle(v)) % (2 * np.pi), float(np.abs(v)), complex(v), int(count), group)
             for v, count in zip(values, counts, strict=True)
         ]
     found: list[tuple[float, list[str], str]] = []
-    for angle, _, value, count, kind in sorted(points, key=lambda point: point[:2]):
-        word = f"{kind.word}\n{complex_word(value)}" + (f" x{count}" if count > 1 else "")
+    for angle, _, value, count, group in sorted(points, key=lambda point: point[:2]):
+        word = f"{group.word}\n{complex_word(value)}" + (f" x{count}" if count > 1 else "")
         if found and angle - found[-1][0] < SAME_DIRECTION:
             found[-1][1].append(word)
         else:
-            found.append((angle, [word], kind.colour))
+            found.append((angle, [word], group.colour))
     return found
 
 
@@ -126,26 +128,26 @@ def draw_pole_maps(figure: Figure, runs: Mapping[str, LoopAnalysis]) -> None:
 
 
 def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
-    kinds: dict[str, ComplexArray] = {}
+    groups: dict[str, ComplexArray] = {}
     try:
         if not analysed.obstacle:
             comparison = analysed.comparison
-            kinds["asked for"] = comparison.asked_poles
-            kinds["zeros"] = largest_counts(comparison.zeros.values())
-            kinds["poles"] = comparison.poles
+            groups["asked for"] = comparison.asked_poles
+            groups["zeros"] = largest_counts(comparison.zeros.values())
+            groups["poles"] = comparison.poles
         else:
-            kinds["poles"] = analysed.loop.poles()
+            groups["poles"] = analysed.loop.poles()
     except CompensatorError as error:
         axis.annotate(shortened(str(error), 70), (0.5, 0.5), xycoords="axes fraction",
                       ha="center", fontsize=7, wrap=True)  # fmt: skip
     nothing = np.zeros(0, dtype=np.complex128)
     drawn = [
-        Kind(name, word, values[np.isfinite(values)], marker, colour, size)
+        PoleGroup(name, word, values[np.isfinite(values)], marker, colour, size)
         for name, word, marker, colour, size in (
             ("asked for", "asked for", "s", WANTED, 10.0),
             ("zeros", "zero", "o", SECOND, 7.0),
             ("poles", "pole", "x", REACHED, 7.0),
         )
-        for values in [kinds.get(name, nothing)]
+        for values in [groups.get(name, nothing)]
     ]
     draw_plane(axis, drawn)

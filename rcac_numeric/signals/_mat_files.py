@@ -15,7 +15,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._files import MOST_BYTES
-from rcac_numeric.arrays._untrusted import Budget
+from rcac_numeric.arrays._untrusted import ReadingLimit
 from rcac_numeric.signals._mat_version_4 import read_version_4
 
 COMPRESSED, MATRIX = 15, 14
@@ -33,10 +33,10 @@ class DamagedError(ValueError):
 
 def read_mat(file: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by name; texts, cells and structures are left out."""
-    contents, budget = file.read_bytes(), Budget(file)
+    contents, limit = file.read_bytes(), ReadingLimit(file)
     try:
         if b"\0" in contents[:4]:
-            return read_version_4(contents, budget)
+            return read_version_4(contents, limit)
         if contents.startswith(b"\x89HDF") or _version(contents) == 2:
             raise InputError(
                 f"{file} is a .mat file of version 7.3 (HDF5), which is not read here. Save it "
@@ -44,7 +44,7 @@ def read_mat(file: Path) -> dict[str, np.ndarray]:
             )
         if _version(contents) != 1 or contents[126:128] not in (b"IM", b"MI"):
             raise InputError(f"{file} is not a .mat file that can be read.")
-        return _Version5(contents, "<" if contents[126:128] == b"IM" else ">", budget).variables()
+        return _Version5(contents, "<" if contents[126:128] == b"IM" else ">", limit).variables()
     except (DamagedError, zlib.error, struct.error) as error:
         raise InputError(f"{file} is a damaged .mat file: {error}.") from None
 
@@ -58,8 +58,8 @@ def _version(contents: bytes) -> int:
 class _Version5:
     """A file as a sequence of elements: a type, a number of bytes, and so many bytes."""
 
-    def __init__(self, contents: bytes, order: str, budget: Budget) -> None:
-        self.contents, self.order, self.budget = contents, order, budget
+    def __init__(self, contents: bytes, order: str, limit: ReadingLimit) -> None:
+        self.contents, self.order, self.limit = contents, order, limit
         self.unpacked = 0
 
     def variables(self) -> dict[str, np.ndarray]:
@@ -88,7 +88,7 @@ class _Version5:
         room = MOST_BYTES - self.unpacked
         data = stream.decompress(body, room)
         if stream.unconsumed_tail:
-            self.budget.take([self.budget.left + 1])  # says what is too much
+            self.limit.take([self.limit.left + 1])  # says what is too much
         if not stream.eof:
             raise DamagedError("a compressed variable ends too soon")
         self.unpacked += len(data)
@@ -111,7 +111,7 @@ class _Version5:
         name = label.tobytes().decode("latin-1")
         if code & 0xFF == SPARSE:
             return name, self._sparse(body, shape, is_complex=bool(code & COMPLEX_FLAG))
-        count = self.budget.take(shape)
+        count = self.limit.take(shape)
         real, body = self._element(body)
         parts = [real]
         if code & COMPLEX_FLAG:
@@ -125,7 +125,7 @@ class _Version5:
 
     def _sparse(self, body: memoryview, shape: list[int], *, is_complex: bool) -> np.ndarray:
         """All entries of a sparse matrix, written out."""
-        self.budget.take(shape)
+        self.limit.take(shape)
         rows, body = self._element(body)
         starts, body = self._element(body)
         values, body = self._element(body)

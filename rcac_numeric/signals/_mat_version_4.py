@@ -8,31 +8,31 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays._untrusted import Budget
+from rcac_numeric.arrays._untrusted import ReadingLimit
 
 PRECISIONS = ("f8", "f4", "i4", "i2", "u2", "u1")
 FULL, SPARSE = 0, 2
 LONGEST_NAME = 1000
 
 
-def read_version_4(contents: bytes, budget: Budget) -> dict[str, np.ndarray]:
+def read_version_4(contents: bytes, limit: ReadingLimit) -> dict[str, np.ndarray]:
     """The numeric arrays by name; texts are left out."""
     found: dict[str, np.ndarray] = {}
     view = memoryview(contents)
     try:
         order = "<" if struct.unpack("<i", view[:4])[0] in range(5000) else ">"
         while view:
-            name, values, view = _variable(view, order, budget)
+            name, values, view = _variable(view, order, limit)
             if values is not None:
                 found[name] = values
     except (struct.error, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{budget.file} is not a .mat file that can be read: {error}.") from None
+        raise InputError(f"{limit.file} is not a .mat file that can be read: {error}.") from None
     return found
 
 
-def _variable(view: memoryview, order: str, budget: Budget) -> tuple[str, Any, memoryview]:
+def _variable(view: memoryview, order: str, limit: ReadingLimit) -> tuple[str, Any, memoryview]:
     kind, rows, columns, is_complex, length = struct.unpack(order + "5i", view[:20])
     _, precision, shape_of_it = kind // 100, kind // 10 % 10, kind % 10
     if kind not in range(5000) or precision >= len(PRECISIONS):
@@ -51,14 +51,14 @@ def _variable(view: memoryview, order: str, budget: Budget) -> tuple[str, Any, m
         parts.append(numbers.astype(PRECISIONS[precision]))
         view = view[size:]
     if shape_of_it == SPARSE:
-        return name, _sparse(parts[0], budget), view
+        return name, _sparse(parts[0], limit), view
     if shape_of_it != FULL:
         return name, None, view
-    budget.take((rows, columns))
+    limit.take((rows, columns))
     return name, parts[0] if len(parts) == 1 else _complex(*parts), view
 
 
-def _sparse(table: np.ndarray, budget: Budget) -> np.ndarray:
+def _sparse(table: np.ndarray, limit: ReadingLimit) -> np.ndarray:
     """Rows (i, j, value), or (i, j, real, imaginary), from 1 on; the last one is the shape."""
     if len(table) < 1 or table.shape[1] not in (3, 4) or not (abs(table[:, :2]) < 2**31).all():
         raise ValueError("a sparse matrix has no shape")
@@ -67,7 +67,7 @@ def _sparse(table: np.ndarray, budget: Budget) -> np.ndarray:
     entries = where[:-1] - 1
     if min(shape) < 0 or (entries < 0).any() or (entries >= np.array(shape)).any():
         raise ValueError("a sparse matrix has entries outside of it")
-    budget.take(shape)
+    limit.take(shape)
     values = table[:-1, 2] if table.shape[1] == 3 else _complex(table[:-1, 2], table[:-1, 3])
     full = np.zeros(shape, dtype=values.dtype)
     np.add.at(full, (entries[:, 0], entries[:, 1]), values)

@@ -11,7 +11,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._untrusted import Budget
+from rcac_numeric.arrays._untrusted import ReadingLimit
 from rcac_numeric.arrays._wording import shortened
 
 
@@ -106,7 +106,7 @@ def _require_room(file: Path, delimiter: str) -> None:
     with file.open("rb") as stream:
         while piece := stream.read(2**20):
             count += piece.count(separator) + piece.count(b"\n") + piece.count(b"\r")
-    Budget(file).take([count])
+    ReadingLimit(file).take([count])
 
 
 def _checked_table(

@@ -12,7 +12,7 @@ from rcac_numeric.plots._pole_maps import (
     NAMED,
     REACH,
     ROOM,
-    Kind,
+    PoleGroup,
     complex_word,
     draw_plane,
     largest_counts,
@@ -27,7 +27,7 @@ def drawn(values, word="zero"):
     figure = Figure(figsize=(3, 3), layout="constrained")
     FigureCanvasAgg(figure)
     axis = figure.subplots()
-    draw_plane(axis, [Kind("zeros", word, np.array(values, dtype=complex), "o", "black", 6.0)])
+    draw_plane(axis, [PoleGroup("zeros", word, np.array(values, dtype=complex), "o", "black", 6.0)])
     figure.draw_without_rendering()
     words = [text for text in axis.texts if text.get_text()]
     arrows = [text for text in axis.texts if isinstance(text, Annotation) and text.arrow_patch]
