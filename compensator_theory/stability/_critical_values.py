@@ -187,10 +187,19 @@ def _roots_of_factor(factor: Poly, precision: int) -> list[CriticalValue]:
     decided = decided_balls(factor, lambda ball: bool(ball.imag == 0), precision)
     found = [enclosure_of_ball(ball.real) for ball, _, is_real in decided if is_real]
     ascending = sorted(found, key=lambda enclosure: enclosure.lower)
-    return [CriticalValue(_exact(factor, i), place) for i, place in enumerate(ascending)]
+    return [CriticalValue(real_root(factor, i), place) for i, place in enumerate(ascending)]
 
 
-def _exact(factor: Poly, index: int) -> Expr:
+def real_root(factor: Poly, index: int) -> Expr:
+    """Return a real root, counted from the least, of a monic irreducible polynomial.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._critical_values import real_root
+    >>> real_root(polynomial("k**2 - 2"), 1)
+    sqrt(2)
+    """
     if factor.degree() > 2:
         return sympy.CRootOf(factor, index)
     if factor.degree() == 1:

@@ -3,27 +3,37 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from itertools import count, pairwise
+from typing import TypeAlias
 
+import flint
 import sympy
-from sympy import QQ, Expr, Poly, Symbol
+from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._ball_precision import at_growing_precision, ball_precision
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import number_of_real_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
 from compensator_theory.stability._critical_values import (
     CriticalValue,
     number_between,
-    real_roots,
+    real_root,
 )
 from compensator_theory.stability._half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 
 LEVEL = Symbol("g")
+Bivariate: TypeAlias = list[flint.fmpz_poly]
+"""A polynomial in w and g as its coefficients, polynomials in g, of ascending powers of w."""
 
 
 @dataclass(frozen=True)
@@ -105,63 +115,127 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
     best, polynomial = _supremum(factors)
     with ball_precision(80):
         ball = enclosure_of_ball(ball_of_enclosure(best.enclosure).sqrt())
-    return HInfinityNorm(sympy.sqrt(best.value), ball, polynomial)
+    return HInfinityNorm(_square_root(best.value), ball, polynomial)
 
 
-def _factors(G: HalfPlaneMatrix) -> list[Poly]:
+def _square_root(square: Expr) -> Expr:
+    """Take the root of a number that is not negative; SymPy would isolate all roots to see it."""
+    number, root = square.as_coeff_Mul()
+    if not isinstance(root, sympy.CRootOf):
+        return sympy.sqrt(square)
+    return sympy.sqrt(number) * sympy.Pow(root, sympy.S.Half, evaluate=False)
+
+
+def _factors(G: HalfPlaneMatrix) -> list[Bivariate]:
     """Return the irreducible factors that contain g, of P in (w, g)."""
     s = G.variable
     rows, columns = len(G.numerators), len(G.numerators[0])
     N = sympy.Matrix([[e.as_expr() for e in row] for row in G.numerators])
     mirrored = N.subs(s, -s).T
     gram = mirrored * N if columns <= rows else N * mirrored
-    bottom = sympy.expand(G.denominator.as_expr() * G.denominator.as_expr().subs(s, -s))
+    bottom = to_flint_polynomial(G.denominator)
+    bottom *= flint.fmpq_poly([c * (-1) ** k for k, c in enumerate(bottom.coeffs())])
     x = sympy.Symbol("x_level")
     # det(x I - gram) with x = g D(s) D(-s): one charpoly of a polynomial matrix
     spread = characteristic_polynomial(gram.applyfunc(sympy.expand), x)
-    total = sum(c * (LEVEL * bottom) ** k for k, c in enumerate(reversed(spread.all_coeffs())))
-    even = Poly(sympy.expand(total), s)
-    halved = {(int(k) // 2,): c * (-1) ** (int(k) // 2) for (k,), c in even.terms()}  # s^2 = -w
-    both = Poly(Poly(halved, s).as_expr(), s, LEVEL, domain=QQ)
-    return [factor for factor, _ in both.factor_list()[1] if factor.degree(LEVEL) > 0]
+    by_level = [
+        to_flint_polynomial(Poly(c, s, domain=QQ)) * bottom**k
+        for k, c in enumerate(reversed(spread.all_coeffs()))
+    ]
+    below = reduce(lambda a, b: a.lcm(b), (p.denom() for p in by_level))
+    terms = {
+        (i, k): (c * below).numer() * (-1) ** i  # s^2 = -w
+        for k, p in enumerate(by_level)
+        for i, c in enumerate(p.coeffs()[::2])
+        if c
+    }
+    both = flint.fmpz_mpoly_ctx.get(["w", "g"], flint.Ordering.lex).from_dict(terms)
+    found = [_by_powers_of_w(factor) for factor, _ in both.factor()[1]]
+    return [factor for factor in found if any(c.degree() > 0 for c in factor)]
 
 
-def _supremum(factors: list[Poly]) -> tuple[CriticalValue, Poly]:
+def _by_powers_of_w(poly: flint.fmpz_mpoly) -> Bivariate:
+    size, levels = (int(degree) + 1 for degree in poly.degrees())
+    found = [[flint.fmpz(0)] * levels for _ in range(size)]
+    for (i, k), c in poly.to_dict().items():
+        found[int(i)][int(k)] = c
+    return [flint.fmpz_poly(row) for row in found]
+
+
+def _supremum(factors: list[Bivariate]) -> tuple[CriticalValue, Poly]:
     """Return the supremum of g with P(w, g) = 0 for a w >= 0, and its irreducible polynomial."""
-    candidates: dict[Poly, None] = {}
-    constant: set[Poly] = set()
+    candidates: list[flint.fmpz_poly] = []
+    constant: list[flint.fmpz_poly] = []
     for factor in factors:
-        in_w = Poly(factor.as_expr(), factor.gens[0])
-        if in_w.degree() == 0:
-            constant.update(_irreducible(in_w.LC()))
+        if len(factor) == 1:
+            constant += _irreducible(factor[0])
         else:
-            for part in (in_w.LC(), in_w.TC(), in_w.discriminant()):
-                candidates.update(dict.fromkeys(_irreducible(part)))
-    candidates.update(dict.fromkeys(constant))
-    roots = real_roots(list(candidates))
-    for k in range(len(roots) - 1, -1, -1):
-        (polynomial,) = (c for c in candidates if roots[k].value in _values(c))
+            for part in (factor[-1], factor[0], _discriminant(factor)):
+                candidates += _irreducible(part)
+    distinct = [*constant, *(f for f in candidates if f not in constant)]
+    levels = _levels([f for k, f in enumerate(distinct) if f not in distinct[:k]])
+    for k in range(len(levels) - 1, -1, -1):
+        place, polynomial, index = levels[k]
         below = (
-            number_between(roots[k - 1].enclosure.upper, roots[k].enclosure.lower)
+            number_between(levels[k - 1][0].upper, place.lower)
             if k
-            else sympy.floor(roots[0].enclosure.lower) - 1
+            else sympy.floor(place.lower) - 1
         )
         if polynomial in constant or any(_has_frequency(factor, below) for factor in factors):
-            return roots[k], polynomial
+            found = from_flint_polynomial(flint.fmpq_poly(polynomial), LEVEL)
+            return CriticalValue(real_root(found.monic(), index), place), found
     raise AssertionError("the eigenvalues of a Gram matrix are real")
 
 
-def _irreducible(expression: Expr) -> list[Poly]:
-    poly = Poly(expression, LEVEL, domain=QQ)
-    return [] if poly.is_zero else [f.primitive()[1] for f, _ in poly.factor_list()[1]]
+def _levels(polys: list[flint.fmpz_poly]) -> list[tuple[Enclosure, flint.fmpz_poly, int]]:
+    """Return the real roots of distinct irreducible polynomials, which and whose each is."""
+
+    def attempt(_: int) -> list[tuple[Enclosure, flint.fmpz_poly, int]] | None:
+        found = []
+        for poly in polys:
+            real = sorted(
+                (r.real for r, _ in poly.complex_roots() if r.imag == 0), key=lambda r: r.mid()
+            )
+            found += [(enclosure_of_ball(r), poly, i) for i, r in enumerate(real)]
+        found.sort(key=lambda level: level[0].lower)
+        apart = all(a[0].upper < b[0].lower for a, b in pairwise(found))
+        return found if apart else None
+
+    return at_growing_precision(attempt, 64, "the order of levels")
 
 
-def _values(poly: Poly) -> list[Expr]:
-    return [root.value for root in real_roots([poly])]
+def _irreducible(poly: flint.fmpz_poly) -> list[flint.fmpz_poly]:
+    if not poly:
+        return []
+    return [f if f.leading_coefficient() > 0 else -f for f, _ in poly.factor()[1]]
 
 
-def _has_frequency(factor: Poly, level: Expr) -> bool:
+def _discriminant(factor: Bivariate) -> flint.fmpz_poly:
+    """Return a multiple by a number of the discriminant in w, interpolated between whole levels."""
+    size = (2 * len(factor) - 4) * max(int(c.degree()) for c in factor) + 1
+    places: list[int] = []
+    values: list[flint.fmpq] = []
+    for k in count():
+        level = (k + 1) // 2 * (-1) ** k
+        if factor[-1](level):  # elsewhere it is that of a lower degree
+            places.append(level)
+            values.append(flint.fmpq(flint.fmpz_poly([c(level) for c in factor]).discriminant()))
+        if len(places) == size:
+            break
+    for step in range(1, size):  # Newton's divided differences
+        for i in range(size - 1, step - 1, -1):
+            values[i] = (values[i] - values[i - 1]) / (places[i] - places[i - step])
+    found = flint.fmpq_poly()
+    for place, value in zip(reversed(places), reversed(values), strict=True):
+        found = found * flint.fmpq_poly([-place, 1]) + value
+    return found.numer()
+
+
+def _has_frequency(factor: Bivariate, level: Rational) -> bool:
     """Whether a factor vanishes at this level for some w > 0, by Sturm's theorem."""
-    w = factor.gens[0]
-    squared = Poly(factor.as_expr().subs({LEVEL: level, w: w**2}, simultaneous=True), w, domain=QQ)
-    return squared.degree() > 0 and number_of_real_roots(squared) > 0
+    at = flint.fmpq(int(level.p), int(level.q))
+    values = [flint.fmpq_poly(c)(at) for c in factor]
+    squared = flint.fmpq_poly([values[k // 2] if k % 2 == 0 else 0 for k in range(2 * len(values))])
+    if squared.degree() < 1:
+        return False
+    return number_of_real_roots(from_flint_polynomial(squared, LEVEL)) > 0

@@ -1,11 +1,13 @@
 """Norms and passivity against singular values on a refined grid, and against passive networks."""
 
+import flint
+import mpmath
 import numpy as np
 import pytest
 import scipy.optimize
 import scipy.signal
 import sympy
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import Rational
 
@@ -17,6 +19,7 @@ from compensator_theory import (
     transfer_matrix,
 )
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.stability._norms import _discriminant
 from tests.support.structure_cases import fewer
 
 s = sympy.Symbol("s")
@@ -108,6 +111,54 @@ def test_known_norms():
     row = [["1/(s + 1)", "2/(s + 1)"]]
     column = [[x] for x in row[0]]
     assert h_infinity_norm(row).value == sympy.sqrt(5) == h_infinity_norm(column).value
+
+
+LEVELS = st.lists(st.integers(-4, 4), min_size=1, max_size=3)
+
+
+@given(st.lists(LEVELS, min_size=3, max_size=5))
+def test_the_discriminant_is_that_of_sympy(rows):
+    """Between levels, some of which may lower the degree, and up to a number."""
+    w, g = sympy.symbols("w g")
+    factor = [flint.fmpz_poly(row) for row in rows]
+    assume(factor[-1])
+    both = sympy.Poly([sympy.Poly(row[::-1], g).as_expr() for row in reversed(rows)], w)
+    expected = sympy.Poly(sympy.discriminant(both), g)
+    found = sympy.Poly([int(c) for c in reversed(_discriminant(factor).coeffs())] or [0], g)
+    assert found.is_zero == expected.is_zero
+    assert found.is_zero or found.monic() == expected.monic()
+
+
+def test_the_norm_of_a_sensitivity_with_twelve_states():
+    """Poles, zeros and gain with 15 digits, as an aircraft's autopilot has them."""
+    read = lambda *texts: sympy.prod([s - Rational(x) for x in texts])  # noqa: E731
+    pair = lambda a, b: (s - Rational(a)) ** 2 + Rational(b) ** 2  # noqa: E731
+    zeros = (
+        read("-101.47795511977208", "-48.91219110762173", "-7.96322290641594")
+        * read("-0.7114937019357614")
+        * pair("-7.282563985219324", "7.114985406231401")
+        * pair("-1.5268748507837735", "1.2594070637611725")
+    )
+    poles = (
+        read("-101.32273797977184", "-49.510558929948274", "-20", "-11.82446898287247")
+        * read("-10.604444850836952", "-0.6235091399063754", "-0.2743617810110765")
+        * pair("-5.297845964509693", "6.146324852257861")
+        * pair("-1.4795349979133343", "1.2376578249023653")
+    )
+    loop = Rational("704.6392766532747") * zeros * Rational("0.6") * (s + Rational(1, 2))
+    top = sympy.Poly(poles * s, s)
+    bottom = sympy.Poly(poles * s + loop, s)
+    found = h_infinity_norm((top, bottom))
+    with mpmath.workdps(50):
+        N, D = ([mpmath.mpf(c.p) / c.q for c in p.all_coeffs()] for p in (top, bottom))
+        size = lambda w: abs(mpmath.polyval(N, 1j * w) / mpmath.polyval(D, 1j * w))  # noqa: E731
+        at = mpmath.findroot(lambda w: mpmath.diff(size, w), 5.8)
+        grid = [size(mpmath.mpf(10) ** (k / 20)) for k in range(-80, 81)]
+        assert max(grid) < size(at)
+        error = abs(size(at) - mpmath.mpf(found.enclosure.centre.p) / found.enclosure.centre.q)
+        assert error < 1e-18
+    assert found.square_polynomial.is_irreducible
+    assert isinstance(found.value**2, sympy.CRootOf)
 
 
 @st.composite
