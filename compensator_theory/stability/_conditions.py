@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TypeVar
+
+import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices._fraction_free import SymbolicRows
 from compensator_theory.matrices._linear_algebra import determinant
+from compensator_theory.matrices._rational_functions import RationalFunctions
+from compensator_theory.matrices._symbolic_matrices import Numerators, kept_with_symbols
+from compensator_theory.polynomials._budget import ask, limit_of
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import is_discrete
 from compensator_theory.stability._half_plane import half_plane_polynomial
 from compensator_theory.systems._transfer_functions import TransferFunction
+
+Coefficient = TypeVar("Coefficient")
+PRODUCTS = 150_000
+"""Of two terms, times the words of a number, for each term of the budget: some seconds in all."""
 
 
 class _Conditions(tuple[Expr, ...]):
@@ -57,9 +69,16 @@ def stability_conditions(
     ------
     InputError
         If the polynomial is zero, or its variable is none of s, z and q.
+    BudgetError
+        If a coefficient, or a determinant as a polynomial in the coefficients, has more terms than
+        the :class:`Budget`.
 
     Notes
     -----
+    A condition is multiplied out, with each factor of a denominator once or squared, as long as it
+    has no more terms than the budget allows; a longer one is left as a product, a determinant as
+    the polynomial that it is in the coefficients. ``budget(terms=...)`` moves the limit.
+
     Source: A. Lienard and H. Chipart, J. Math. Pures Appl. 10 (1914) 291-346; F. R. Gantmacher, The
     Theory of Matrices, vol. 2, XV.13. A condition that is false whatever the symbols are stands in
     the list as a negative number or 0.
@@ -91,12 +110,14 @@ def stability_conditions(
     else:
         a = list(reversed(p.all_coeffs()))
     n = len(a) - 1
-    if not n:
-        return _Conditions(_shortened(leading))
     first = range(1, n, 2) if n % 2 == 0 else range(2, n, 2)
-    coefficients = [a[0], *(a[k] for k in first)]
-    minors = [_hurwitz_minor(a, k) for k in range(n - 1, 1, -2)]
-    return _Conditions(_shortened([*leading, *coefficients, *reversed(minors)]))
+    chosen = [0, *first] if n else []
+    sizes = sorted(range(n - 1, 1, -2))
+    if (read := kept_with_symbols(sympy.Matrix([[*leading, *a]]))) is not None:
+        work, (given,) = read
+        return _Conditions(_HurwitzArray(work, given, len(leading)).conditions(chosen, sizes))
+    minors = [_hurwitz_minor(a, k) for k in sizes]
+    return _Conditions(_shortened([*leading, *(a[k] for k in chosen), *minors]))
 
 
 @generic_answer_of(stability_conditions)
@@ -108,14 +129,130 @@ def _generic_conditions(
     return stability_conditions(poly, variable), [leading]
 
 
+class _HurwitzArray:
+    """Coefficients as numerators over one denominator, and the conditions on them in their ring."""
+
+    def __init__(self, work: RationalFunctions, given: Numerators, before: int) -> None:
+        """Take what stands before the coefficients, how much that is, and these, ascending."""
+        self.work, self.below = work, given.below
+        self.before, self.tops = list(given.flat[:before]), list(given.flat[before:])
+        content, self.factors = given.below.factor()
+        self.sign = 1 if content > 0 else -1
+
+    def conditions(self, chosen: Sequence[int], sizes: Sequence[int]) -> list[Expr]:
+        """Return those that do not hold for all values, each once."""
+        asked: list[tuple[flint.fmpz_mpoly | None, int, int | None]]
+        asked = [(top, 1, None) for top in self.before]
+        asked += [(self.tops[k], 1, None) for k in chosen]
+        minors = _leading_minors(self.tops, self.work.context, max(sizes, default=0))
+        if any(pivot.is_zero() for pivot in minors.values()):
+            minors |= {size: self._minor(size) for size in sizes if size not in minors}
+        asked += [(minors.get(size), size, size) for size in sizes]
+        kept: list[Expr] = []
+        for top, power, size in asked:
+            condition = self._condition(top, power, size)
+            if not condition.is_positive and condition not in kept:
+                kept.append(condition)
+        return kept
+
+    def _minor(self, size: int) -> flint.fmpz_mpoly:
+        """Return one determinant, where a smaller one is zero, with exchanges of rows."""
+        zero, places = self.work.zero, [(i, j) for i in range(size) for j in range(size)]
+        flat = [_entry(self.tops, i, j, zero) for i, j in places]
+        rows = SymbolicRows(self.work, [Numerators(flat, self.work.one, size, size)])
+        return rows.last * rows.sign if len(rows.reduce(size)) == size else self.work.zero
+
+    def _condition(self, top: flint.fmpz_mpoly | None, power: int, size: int | None) -> Expr:
+        r"""Return what has the sign of a numerator over a power of the denominator, and its zeros.
+
+        It is multiplied out as far as the budget of terms goes, else left as a product, and a
+        determinant as the polynomial that it is in the coefficients.
+        """
+        most = limit_of("terms")
+        if top is not None and len(top) <= most:
+            whole = self._multiplied_out(top, power)
+            if whole.is_constant():
+                value = self.work.write(top, self.below**power)
+                return sympy.Integer(value.p * value.q)
+            if len(whole) <= most:
+                return self.work.expression(whole / abs(whole.content()))
+        below = self._expression(self.below)
+        outside = 1 if below.is_number else below ** (2 - power % 2)
+        if size is None:
+            return self._expression(top) * outside
+        return self._determinant(size) * outside
+
+    def _multiplied_out(self, top: flint.fmpz_mpoly, power: int) -> flint.fmpz_mpoly:
+        """Multiply by the factors of the denominator that do not cancel, once or twice each."""
+        for factor, multiplicity in self.factors:
+            left = int(multiplicity) * power
+            while left:
+                quotient, rest = divmod(top, factor)
+                if not rest.is_zero():
+                    break
+                top, left = quotient, left - 1
+            top = top * factor ** (left if left < 2 else 2 - left % 2)
+        return top * self.sign**power
+
+    def _determinant(self, size: int) -> Expr:
+        """Return a determinant as a polynomial in the numerators, which are multiplied out."""
+        n = len(self.tops) - 1
+        places = flint.fmpz_mpoly_ctx.get([f"c{k}" for k in range(n + 1)], flint.Ordering.lex)
+        generic = _leading_minors(list(places.gens()), places, size, is_generic=True)
+        values = [self._expression(top) for top in self.tops]
+        return sympy.Add(
+            *(
+                sympy.Mul(int(c), *(x**p for x, p in zip(values, map(int, powers), strict=True)))
+                for powers, c in generic[size].to_dict().items()
+            )
+        )
+
+    def _expression(self, top: flint.fmpz_mpoly) -> Expr:
+        ask("terms", len(top), "a coefficient, multiplied out,")
+        return self.work.expression(top)
+
+
+def _leading_minors(
+    ascending: list[flint.fmpz_mpoly],
+    ring: flint.fmpz_mpoly_ctx,
+    most: int,
+    *,
+    is_generic: bool = False,
+) -> dict[int, flint.fmpz_mpoly]:
+    """Return Hurwitz's determinants by size, up to one that is zero: Bareiss's pivots, bordered.
+
+    Those of symbols as long as the budget has terms for them, others as long as products are few.
+    """
+    zero, products, most_products = ring.constant(0), 0, PRODUCTS * limit_of("terms")
+    rows = [[_entry(ascending, i, j, zero) for j in range(most)] for i in range(most)]
+    found = {0: ring.constant(1)}
+    for k in range(most):
+        places = [(t, i, k) for t in range(k) for i in range(t + 1, k)]
+        places += [(t, k, j) for t in range(k) for j in range(t + 1, k + 1)]
+        for t, i, j in places:
+            pivot, x, head, y = found[t + 1], rows[i][j], rows[i][t], rows[t][j]
+            words = 1 + int(pivot.leading_coefficient()).bit_length() // 64
+            products += (len(pivot) * len(x) + len(head) * len(y)) * words
+            if products > most_products and not is_generic:
+                return found
+            rows[i][j] = (pivot * x - head * y) / found[t]
+        found[k + 1] = rows[k][k]
+        if is_generic:
+            ask("terms", len(rows[k][k]), f"Hurwitz's determinant {k + 1}, multiplied out,")
+        if rows[k][k].is_zero():
+            break
+    return found
+
+
 def _hurwitz_minor(ascending: list[Expr], size: int) -> Expr:
-    n = len(ascending) - 1
+    zero = sympy.Integer(0)
+    return determinant(sympy.Matrix(size, size, lambda i, j: _entry(ascending, i, j, zero)))
 
-    def entry(i: int, j: int) -> Expr:
-        k = n - 2 * (j + 1) + (i + 1)
-        return ascending[k] if 0 <= k <= n else sympy.Integer(0)
 
-    return determinant(sympy.Matrix(size, size, entry))
+def _entry(ascending: Sequence[Coefficient], i: int, j: int, zero: Coefficient) -> Coefficient:
+    """Return an entry of Hurwitz's matrix, counted from 0."""
+    k = len(ascending) - 1 - 2 * (j + 1) + (i + 1)
+    return ascending[k] if 0 <= k < len(ascending) else zero
 
 
 def _shortened(conditions: list[Expr]) -> list[Expr]:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
+    budget,
     decide_stability,
     polynomial,
     stabilising_gains,
@@ -17,6 +18,8 @@ from compensator_theory import (
     stability_intervals,
     stability_region,
 )
+from compensator_theory.errors import BudgetError
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import polynomials, rationals, strictly_proper_plants
 
 s, z, k, a, b, c, d = sympy.symbols("s z k a b c d")
@@ -164,3 +167,59 @@ def test_conditions_decide(n, values, variable):
     there = polynomial(generic.subs(at), variable)
     time = "continuous" if variable == s else "discrete"
     assert verdict == decide_stability(there, time=time).is_stable
+
+
+COEFFICIENTS = [sympy.sympify(x) for x in (1, -2, 0)]
+COEFFICIENTS += sympy.sympify(["a", "a*b - c", "(a + 1)/b", "d/c", "2*a/3 + d", "(b + d)/(a*c)"])
+
+
+@given(
+    st.lists(st.sampled_from(COEFFICIENTS), min_size=2, max_size=6),
+    st.lists(rationals(), min_size=4, max_size=4),
+    st.sampled_from([s, z]),
+    st.sampled_from([2000, 20, 5]),
+)
+def test_conditions_with_denominators_multiplied_out_or_not(drawn, values, variable, terms):
+    """With few terms they are products of sums, which have the same signs."""
+    generic = sum(x * variable**i for i, x in enumerate(drawn))
+    at = dict(zip((a, b, c, d), values, strict=True))
+    assume(sympy.sympify(generic).has(a, b, c, d) and at[b] != 0 and at[a] * at[c] != 0)
+    leading = next(x for x in reversed(drawn) if x != 0)
+    assume(leading.subs(at) * (-1 if leading.is_negative else 1) > 0)
+    try:
+        with budget(terms=terms):
+            conditions = stability_conditions(generic, variable)
+    except BudgetError as refusal:
+        assert terms < 2000 and "budget(terms=" in str(refusal)
+        return
+    verdict = all(condition.subs(at) > 0 for condition in conditions)
+    there = polynomial(generic.subs(at), variable)
+    time = "continuous" if variable == s else "discrete"
+    assert verdict == decide_stability(there, time=time).is_stable
+    assert terms == 2000 or all(len(x.args) <= terms for x in conditions)
+
+
+def test_two_pendula_with_sixteen_symbols():
+    """The gains of a state feedback and the data of the plant, at points of both kinds."""
+    I_L, I_T, d_L, d_T, m_L, m_T, l_L, g = plant = sympy.symbols("I_L I_T d_L d_T m_L m_T l_L g")
+    shared = I_T + m_T * (d_T**2 + d_T * l_L)
+    inertia = sympy.Matrix(
+        [[I_L + I_T + d_L**2 * m_L + m_T * (d_T + l_L) ** 2, shared], [shared, I_T + d_T**2 * m_T]]
+    )
+    torque = g * d_T * m_T
+    gravity = sympy.Matrix([[g * (d_L * m_L + (d_T + l_L) * m_T), torque], [torque, torque]])
+    gains = sympy.Matrix(2, 4, sympy.symbols("k0:8"))
+    upper = sympy.zeros(2).row_join(sympy.eye(2))
+    lower = inertia.inv() * (gravity - gains[:, :2]).row_join(-gains[:, 2:])
+    poly = characteristic_polynomial(upper.col_join(lower), s)
+    conditions = stability_conditions(poly)
+    assert len(conditions) == 4
+    verdicts = set()
+    for size in (100, -100, 3):
+        values = [1, 2, 1, 1, 3, 2, 1, 10, size, size / 3, 30, 10, size / 4, size, 10, 20]
+        at = dict(zip([*plant, *gains], map(sympy.Rational, map(str, values)), strict=True))
+        verdict = all(condition.xreplace(at) > 0 for condition in conditions)
+        there = polynomial(poly.as_expr().xreplace(at), s)
+        assert verdict == decide_stability(there).is_stable
+        verdicts.add(verdict)
+    assert verdicts == {True, False}
