@@ -118,10 +118,17 @@ class LQGController(ExactValue):
         return work, (generators[0], generators[1])
 
     def _embedded(self, matrix: FieldMatrix, side: int) -> Grid:
-        """Return a matrix of one side over the joint field."""
+        """Return a matrix of one side over the joint field: its generator is one of that field."""
         assert self._joined is not None
         work, generators = self._joined
-        return [[_at(e, generators[side], work) for e in row] for row in grid_of(matrix)]
+        powers = [flint.fmpq_poly([1])]
+        for _ in range(1, matrix.field.degree):
+            powers.append(powers[-1] * generators[side] % work.minimal)
+        zero = flint.fmpq_poly()
+        return [
+            [sum((p * c for p, c in zip(powers, e.coeffs(), strict=False)), zero) for e in row]
+            for row in grid_of(matrix)
+        ]
 
     @cached_property
     def matrices_in_field(self) -> tuple[FieldMatrix, FieldMatrix, FieldMatrix] | None:
@@ -148,9 +155,15 @@ class LQGController(ExactValue):
 
     @property
     def realisation(self) -> ControllerMatrices | None:
-        r"""The matrices (A_c, B_c, C_c) in SymPy's numbers; None beyond a field of degree 64."""
+        r"""The matrices (A_c, B_c, C_c) in SymPy's numbers.
+
+        None beyond a field of degree 32, or the budget: :attr:`matrices_in_field` goes further.
+        """
         found = self.matrices_in_field
-        return None if found is None else (found[0].matrix, found[1].matrix, found[2].matrix)
+        if found is None:
+            return None
+        A_c, B_c, C_c = (matrix.written for matrix in found)
+        return None if A_c is None or B_c is None or C_c is None else (A_c, B_c, C_c)
 
     @cached_property
     def compensator(self) -> TransferFunction | TransferMatrix | None:
@@ -220,8 +233,13 @@ class LQGController(ExactValue):
 
     @property
     def cost(self) -> Expr | None:
-        """The least cost in SymPy's numbers; None beyond a field of degree 64."""
-        return None if self.cost_in_field is None else self.cost_in_field.matrix[0, 0]
+        """The least cost in SymPy's numbers.
+
+        None beyond a field of degree 32, or the budget: :attr:`cost_in_field` goes further, and
+        :attr:`cost_enclosure` as far as the gains.
+        """
+        found = None if self.cost_in_field is None else self.cost_in_field.written
+        return None if found is None else found[0, 0]
 
     @property
     def cost_enclosure(self) -> Enclosure:
@@ -263,14 +281,6 @@ class LQGController(ExactValue):
 
     def _repr_latex_(self) -> str:
         return self.poles._repr_latex_()
-
-
-def _at(entry: flint.fmpq_poly, generator: flint.fmpq_poly, work: Arithmetic) -> flint.fmpq_poly:
-    """Put an element of a larger field in the place of the generator."""
-    value = flint.fmpq_poly()
-    for c in reversed(entry.coeffs()):
-        value = (value * generator + c) % work.minimal
-    return value
 
 
 def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController:

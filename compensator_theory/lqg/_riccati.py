@@ -182,13 +182,13 @@ class RiccatiSolution(ExactValue):
 
     @cached_property
     def K(self) -> ImmutableMatrix | None:
-        """The gain in SymPy's numbers; None beyond the budget."""
-        return None if self.K_in_field is None else self.K_in_field.matrix
+        """The gain in SymPy's numbers; None beyond a field of degree 32, or the budget."""
+        return None if self.K_in_field is None else self.K_in_field.written
 
     @cached_property
     def P(self) -> ImmutableMatrix | None:
-        """The solution in SymPy's numbers; None beyond the budget."""
-        return None if self.P_in_field is None else self.P_in_field.matrix
+        """The solution in SymPy's numbers; None beyond a field of degree 32, or the budget."""
+        return None if self.P_in_field is None else self.P_in_field.written
 
     @property
     def formula(self) -> GainFormula | None:

@@ -121,8 +121,9 @@ class FieldMatrix(ExactValue):
     @property
     def matrix(self) -> ImmutableMatrix:
         """The same in SymPy's numbers: the generator written out."""
-        generator = self.field.generator
-        powers = [generator**k for k in range(self.field.degree)]
+        length = max((len(entry) for row in self.entries for entry in row), default=0)
+        generator = self.field.generator if length > 1 else sympy.Integer(1)
+        powers = [generator**k for k in range(length)]
 
         def written(entry: tuple[flint.fmpq, ...]) -> Expr:
             terms = (rational(c) * power for c, power in zip(entry, powers, strict=False))
@@ -131,6 +132,17 @@ class FieldMatrix(ExactValue):
 
         rows, columns = self.shape
         return ImmutableMatrix(rows, columns, [written(e) for row in self.entries for e in row])
+
+    @property
+    def written(self) -> ImmutableMatrix | None:
+        """The same where SymPy can compute with it, else None.
+
+        Above degree 32, or the budget of it, SymPy isolates the generator for minutes whenever a
+        number is printed or compared; rational entries have no generator.
+        """
+        is_rational = all(len(entry) <= 1 for row in self.entries for entry in row)
+        most = max(LARGEST_FIELD, limit_of("field_degree"))
+        return self.matrix if is_rational or self.field.degree <= most else None
 
     @property
     def polynomials(self) -> tuple[tuple[Poly, ...], ...]:
@@ -542,14 +554,12 @@ def _generated(
     if any(c is None for c in columns):
         return None
     divided = flint.acb_mat(columns)
-    minimal_q = flint.fmpq_poly(minimal)
-    slope = inverse(minimal_q.derivative(), minimal_q)
     starts, start = {}, 0
     for index, group in enumerate(groups):
         starts[index] = start
         start += len(group)
-    factors = []
-    for rest, pairs in parts:
+    found = []
+    for _, pairs in parts:
         chosen = [
             (starts[index] + i, r)
             for f, power in pairs
@@ -564,13 +574,18 @@ def _generated(
         n = len(chosen)
         rows = [[*row, *[flint.acb(0)] * (n + 1 - len(row))] for row in rows]
         product = flint.acb_mat(rows).transpose() * divided
-        irrational = []
-        for k in range(n + 1):
-            whole = [product[k, j].unique_fmpz() for j in range(d)]
-            if any(c is None for c in whole):
-                return None
-            value = flint.fmpq_poly(whole) * slope % minimal_q
-            irrational.append(value / (flint.fmpq(scale) ** (n - k)))
+        whole = [[product[k, j].unique_fmpz() for j in range(d)] for k in range(n + 1)]
+        if any(c is None for row in whole for c in row):
+            return None
+        found.append(whole)
+    minimal_q = flint.fmpq_poly(minimal)
+    slope = inverse(minimal_q.derivative(), minimal_q)  # long: only where the integers are known
+    factors = []
+    for (rest, _), whole in zip(parts, found, strict=True):
+        irrational = [
+            flint.fmpq_poly(row) * slope % minimal_q / (flint.fmpq(scale) ** (len(whole) - 1 - k))
+            for k, row in enumerate(whole)
+        ]
         factors.append(_convolved(irrational, rest.coeffs(), minimal_q))
     return minimal, factors
 

@@ -14,6 +14,7 @@ from compensator_theory import (
     budget,
     lqg_controller,
     lqg_poles,
+    lqg_problem,
     solve_riccati,
     standard_problem,
 )
@@ -187,7 +188,9 @@ def test_beyond_the_budget_there_are_balls():
             continue  # within the budget, and the slowest
         found = solve_riccati(A, B, Q=Q, R=[[2]], time="continuous", digits=40)
         counts.append(found.is_exact)
-        assert (found.K is None) is (found.P is None) is (found.field is None) is not found.is_exact
+        assert (found.K_in_field is None) is (found.field is None) is not found.is_exact
+        small = found.field is not None and found.field.degree <= 32
+        assert (found.K is None) is (found.P is None) is not small
         assert (found.certificate is None) is not found.is_exact
         assert found.formula.certificate.holds
         assert all(0 in entry for row in found.residual for entry in row)
@@ -294,6 +297,28 @@ def test_several_signals_and_stable_hidden_modes_have_controllers():
     expected = [float(c) for c in found.enclosure.coefficients]
     assert np.allclose(np.poly(loop), expected, rtol=1e-8)
     assert found.regulator.factor.enclosure.centre.eval(sympy.Rational(-1, 2)) < 1e-20
+
+
+def test_the_cost_of_a_sampled_plant_with_two_outputs():
+    """Its field has degree 64 and long numbers: SymPy would isolate the generator for minutes."""
+    A, B, C = [[1, -1, -1], [2, 0, 2], [2, 2, -1]], [[0], [2], [2]], [[0, 1, 1], [2, -1, 2]]
+    Q, R = [[3, 2, "5/2"], [2, 6, -1], ["5/2", -1, "17/4"]], [["13/3"]]
+    W = [["21/4", 3, 0], [3, "21/4", "3/2"], [0, "3/2", "5/4"]]
+    plant = lqg_problem((A, B, C), Q, R, W, sympy.eye(2), variable="z")
+    found = lqg_controller(plant)
+    assert found.is_exact and found.matrices_in_field[0].field.degree == 64
+    assert found.cost is found.realisation is None
+    (ball,) = found.cost_in_field.enclosures()[0]
+    assert abs(found.cost_enclosure.centre - ball.centre) <= ball.centre / 10**20
+    with budget(field_degree=64):
+        assert found.cost.atoms(sympy.CRootOf)
+    W, V, Q, R = (as_float(M) for M in (W, sympy.eye(2), Q, R))
+    P = scipy.linalg.solve_discrete_are(*(as_float(M) for M in (A, B)), Q, R)
+    at, ct = as_float(A).T, as_float(C).T
+    S = scipy.linalg.solve_discrete_are(at, ct, W, V)
+    K = centres(found.regulator.K_enclosure)
+    weight = R + as_float(B).T @ P @ as_float(B)
+    assert np.isclose(float(ball), np.trace(P @ W) + np.trace(K.T @ weight @ K @ S), rtol=1e-9)
 
 
 def test_gains_are_exact_where_their_joint_field_is_too_large():
