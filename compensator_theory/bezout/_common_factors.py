@@ -16,6 +16,7 @@ from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     kept_in_flint,
 )
+from compensator_theory.matrices._function_rings import FunctionRing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import canonical, monic, over_one_field
@@ -138,6 +139,8 @@ def bezout_identity(
         raise InputError("a and b are both zero; every polynomial divides them")
     one, two = over_one_field(first, second)
     field = one.unify(two)[0].domain.get_field()
+    if FunctionRing.serves(field) and not first.is_zero and not second.is_zero:
+        return _of_functions(first, second, FunctionRing(first.gen, field))
     over_field = [p.set_domain(field) for p in (one, two)]
     x, y, gcd = over_field[0].gcdex(over_field[1])
     leading = gcd.LC()
@@ -157,3 +160,16 @@ def _of_rationals(
     if gcd.degree() > 0:
         quotients = from_flint_polynomial(a // gcd, s), from_flint_polynomial(b // gcd, s)
     return BezoutIdentity(first, second, divisor, left, right, quotients)
+
+
+def _of_functions(first: Poly, second: Poly, ring: FunctionRing) -> BezoutIdentity:
+    """Coefficients are rational functions of symbols, which python-flint eliminates."""
+    a = ring.read(first)
+    x, y, *quotients = ring.identity(a, ring.read(second))
+    if ring.degree(quotients[1]) == 0:  # b alone, of two that say the same
+        x, y = ring.zero, ring.reciprocal_of_leading(quotients[1])
+    gcd, _ = ring.divide(a, quotients[0])
+    leading, scale = ring.coefficient(gcd, ring.degree(gcd)), ring.reciprocal_of_leading(gcd)
+    divisor, left, right = (canonical(ring.write(p * scale)) for p in (gcd, x, y))
+    one, two = (canonical(ring.write(p * leading)) for p in quotients)
+    return BezoutIdentity(first, second, divisor, left, right, (one, two))

@@ -146,20 +146,17 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
         )
     indices = tuple(sum(pivot % m == i for pivot in first.pivots) for i in range(m))
     columns = [k * m + i for i in range(m) for k in range(indices[i])]
-    inverse = solve(kalman[:, columns], identity_matrix(n))
-    rows, tops, end = [], [], 0
-    for length in indices:
-        end += length
-        row = inverse[end - 1, :] if length else None
+    ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
+    lasts = solve(kalman[:, columns].T, identity_matrix(n)[:, ends]).T  # of the inverse
+    rows, tops = [], []
+    for k, length in enumerate(filter(None, indices)):
+        row = lasts[k, :]
         for _ in range(length):
             rows.append(row)
             row = multiplied(row, a)
-        if length:
-            tops.append(row)  # h A^kappa
+        tops.append(row)  # h A^kappa
     basis_inverse = ImmutableMatrix.vstack(*rows)
-    T = solve(basis_inverse, identity_matrix(n))
     moved = multiplied(basis_inverse, b)
-    ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
     whole, others = identity_matrix(m), [i for i in range(m) if not indices[i]]
@@ -169,6 +166,14 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     right = (-ImmutableMatrix.vstack(*tops)).row_join(whole[used, :] - same)
     solved = multiplied(whole[:, used], solve(gain, right))
     F, W = solved[:, :n], solved[:, n:] + (alone * alone.T if others else zero_matrix(m, m))
+    closed, starts = a + multiplied(b, F), multiplied(b, W)
+    T_columns: list[ImmutableMatrix] = []
+    for i in used:  # (A + B F) t_k = t_(k - 1), from the last, B w, to the first of a chain
+        chain = [starts[:, i]]
+        for _ in range(1, indices[i]):
+            chain.append(multiplied(closed, chain[-1]))
+        T_columns += reversed(chain)
+    T = ImmutableMatrix.hstack(*T_columns)
     divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
     certificate = _certificate(a, b, indices, T, F, W)
     return BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors), certificate)
