@@ -8,7 +8,7 @@ under it as soon as it has a call there; those whose inputs do not grow are name
 an answer computes when it is asked for, its properties and its text, is timed with it, under its
 own name.
 
-Every call runs in a child that is ended after the cap, and its processor time counts. A size that
+Every call runs in a child that is ended after so many seconds of processor time. A size that
 is refused or capped is the last one of its row. The exponent is that of the last step that took
 more than a millisecond. A row that took more than 10 s without a refusal by the budget is a cliff;
 all of them are listed, and the exit status says whether there are any.
@@ -20,6 +20,8 @@ import argparse
 import math
 import multiprocessing
 import random
+import resource
+import signal
 import sys
 import time
 from functools import cached_property
@@ -231,20 +233,22 @@ def asked(result, name):
             yield f"{name}.{attribute}", lambda attribute=attribute: getattr(result, attribute)
 
 
-def work(pipe, name, inputs, skipped):
+def work(pipe, name, inputs, cap, skipped):
     """Call a function, then ask its answer, and say how long each took."""
     function = FUNCTIONS[name]
 
     def timed(label, call):
+        used = math.ceil(time.process_time() + cap)
+        resource.setrlimit(resource.RLIMIT_CPU, (used, resource.RLIM_INFINITY))
         pipe.send((label, None, ""))
-        begin, found, note = time.process_time(), None, ""
+        begin, found, note = time.thread_time(), None, ""
         try:
             found = call()
         except BudgetError:
             note = "budget"
         except CompensatorError as refusal:
             note = type(refusal).__name__
-        pipe.send((label, time.process_time() - begin, note))
+        pipe.send((label, time.thread_time() - begin, note))
         return found, note
 
     try:
@@ -265,27 +269,24 @@ def measure(name, inputs, cap, skipped):
     found, skipped = {}, set(skipped)
     while True:
         here, there = CONTEXT.Pipe(False)
-        child = CONTEXT.Process(target=work, args=(there, name, inputs, skipped), daemon=True)
+        child = CONTEXT.Process(target=work, args=(there, name, inputs, cap, skipped), daemon=True)
         child.start()
         there.close()
         pending = name
         try:
-            while pending and here.poll(3 * cap if pending is None else cap):
+            while pending:
                 label, seconds, note = here.recv()
                 if seconds is not None:
                     found[label] = seconds, note
                 else:
                     pending = label
-        except EOFError:  # a child that ended in an error of its own
-            found[pending] = 0.0, "failed"
-            pending = ""
-        child.kill()
+        except EOFError:  # ended by the cap, or by an error of its own
+            child.join()
+            is_capped = child.exitcode == -signal.SIGXCPU
+            found[pending] = (float(cap), "capped") if is_capped else (0.0, "failed")
+            skipped.add(pending)
         child.join()
-        if not pending:
-            return found
-        found[pending] = float(cap), "capped"
-        skipped.add(pending)
-        if pending == name:
+        if not pending or pending == name:
             return found
 
 

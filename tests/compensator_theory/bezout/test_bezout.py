@@ -2,10 +2,11 @@
 
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from sympy import Poly
 
-from compensator_theory import InputError, polynomial, resultant
+from compensator_theory import InputError, bezout_identity, polynomial, resultant
 from compensator_theory.bezout import (
     bezout_matrix,
     cauchy_index,
@@ -135,3 +136,33 @@ def test_symbols():
 def test_bad_input(call, error):
     with pytest.raises(error):
         call()
+
+
+NUMBERS_AND_FUNCTIONS = sympy.sympify([-2, -1, 0, 1, "a", "2*b/3", "a*b - 1", "(a + 1)/b", "1/a"])
+
+
+@given(*[st.lists(st.sampled_from(NUMBERS_AND_FUNCTIONS), min_size=1, max_size=3)] * 3)
+def test_the_identity_with_symbols_is_that_of_euclid(one, two, common):
+    """The least degrees, in which x and y are unique, by SymPy's division over the fractions."""
+    factors = [sympy.Poly(c, s) for c in (one, two, common)]
+    assume(all(not p.is_zero for p in factors))
+    p, q = (sympy.Poly(sympy.expand((f * factors[2]).as_expr()), s) for f in factors[:2])
+    assume((p.free_symbols | q.free_symbols) - {s})
+    found = bezout_identity(p, q, variable="s")
+    field = p.unify(q)[0].domain.get_field()
+    expected = p.set_domain(field).gcdex(q.set_domain(field))
+    scaled = [side.set_domain(field).quo_ground(expected[2].LC()) for side in expected]
+    for ours, theirs in zip((found.x, found.y, found.gcd), scaled, strict=True):
+        assert sympy.cancel(ours.as_expr() - theirs.as_expr()) == 0
+    assert found.certificate.holds
+
+
+def test_the_identity_with_four_symbols():
+    a, b, c, d = sympy.symbols("a:d")
+    p, q = s**4 + d * s**3 + c * s**2 + b * s + a + 7, s**3 + c * s**2 + b * s + a + d
+    found = bezout_identity(p, q, variable="s")
+    at = {a: 2, b: -1, c: 3, d: 5}
+    there = bezout_identity(p.subs(at), q.subs(at), variable="s")
+    assert [found.x.as_expr().subs(at), found.y.as_expr().subs(at)] == [
+        there.x.as_expr(), there.y.as_expr()
+    ]  # fmt: skip
