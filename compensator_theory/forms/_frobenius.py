@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
+import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
@@ -15,7 +16,12 @@ from compensator_theory.forms._smith import smith_form
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.matrices._flint_matrices import (
+    RationalMatrix,
+    from_flint,
+    identity_matrix,
+    rational_in_flint,
+)
 from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -27,6 +33,7 @@ from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.systems._controllability import PRIME, krylov
 
 IDENTITY = "A T = T A_F, det T not 0, each invariant polynomial a divisor of the next"
 
@@ -118,13 +125,13 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> Frobe
     s = variable_beside(variable, a)
     if a.rows != a.cols or not a.rows:
         raise InputError(f"A is {a.rows} x {a.cols}; a square matrix is needed")
-    ask("entries", 4 * a.rows**3, "the Frobenius form")
     cyclic = _cyclic(a)
     divisors: list[Expr]
     if cyclic is not None:
         T, minor = cyclic
         polynomials, divisors = (characteristic_polynomial(a, s),), [minor]
     else:
+        ask("entries", 4 * a.rows**3, "the Frobenius form")
         T, polynomials, divisors = _by_smith_form(a, s)
         divisors.append(determinant(T))
     form = _companions(polynomials)
@@ -144,11 +151,14 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> Frobe
 
 
 def _cyclic(a: ImmutableMatrix) -> tuple[ImmutableMatrix, Expr] | None:
-    """Return the Krylov matrix of a simple cyclic vector, and its determinant."""
+    """Return the Krylov matrix of a simple cyclic vector, and its determinant or a factor of it."""
+    if (raw := rational_in_flint(a)) is not None:
+        T = _cyclic_of_numbers(raw)
+        return None if T is None else (T, sympy.Integer(1))
     n, symbols = a.rows, sorted(a.free_symbols, key=str)
-    starts = [Matrix(n, 1, lambda i, _, k=k: int(i == k)) for k in range(n)]
-    for start in [*starts, Matrix([1] * n), Matrix(range(1, n + 1))]:
-        columns, degree, written = [start], 0, 0
+    ask("entries", 4 * n**3, "the Frobenius form")
+    for start in _starts(n):
+        columns, degree, written = [Matrix(start)], 0, 0
         for _ in range(n - 1):
             columns.append(multiplied(a, columns[-1]))
             degree += _degree(columns[-1], symbols)
@@ -159,6 +169,25 @@ def _cyclic(a: ImmutableMatrix) -> tuple[ImmutableMatrix, Expr] | None:
         minor = sympy.cancel(determinant(T))
         if minor != 0:
             return ImmutableMatrix(T), minor
+    return None
+
+
+def _starts(n: int) -> list[list[int]]:
+    """Return the vectors that are tried: unit vectors, their sum, and 1, 2, ..., n."""
+    return [*([int(i == k) for i in range(n)] for k in range(n)), [1] * n, [*range(1, n + 1)]]
+
+
+def _cyclic_of_numbers(a: flint.fmpq_mat) -> RationalMatrix | None:
+    """Return the Krylov matrix of the first vector that is cyclic modulo a prime, and so cyclic."""
+    n, whole = int(a.nrows()), a.numer_denom()
+    residues = flint.nmod_mat(whole[0], PRIME)
+    if residues.minpoly().degree() < n:
+        return None
+    for start in _starts(n):
+        if krylov(residues, flint.nmod_mat(n, 1, start, PRIME)).rank() == n:
+            longest = max(int(entry) for entry in (whole[1], *map(abs, whole[0].entries()))) * n
+            ask("entries", n**3 * longest.bit_length() // 512, "the basis in numbers of 512 bits")
+            return from_flint(krylov(a, flint.fmpq_mat(n, 1, start)).transpose())
     return None
 
 

@@ -69,7 +69,7 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     if not A.rows:
         return zero_matrix(0, 0)
     if (pair := rational_pair(A, B)) is not None:
-        return from_flint(_krylov(*pair).transpose())
+        return from_flint(krylov(*pair).transpose())
     blocks = [B]
     for _ in range(A.rows - 1):
         blocks.append(multiplied(A, blocks[-1]))
@@ -142,13 +142,21 @@ def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
     """Tell whether [B AB ...] has full rank: it does where it does modulo a prime."""
     n = int(A.nrows())
     whole = A.numer_denom()[0], B.numer_denom()[0]
-    if _krylov(*(flint.nmod_mat(m, PRIME) for m in whole)).rank() == n:
+    if krylov(*(flint.nmod_mat(m, PRIME) for m in whole)).rank() == n:
         return True
-    return bool(_krylov(*whole).rank() == n)
+    return bool(krylov(*whole).rank() == n)
 
 
-def _krylov(A: Any, B: Any) -> Any:
-    """Return the transpose of [B AB ...], in whichever ring of python-flint."""
+def krylov(A: Any, B: Any) -> Any:
+    """Return the transpose of [B AB ...], in whichever ring of python-flint.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.systems._controllability import krylov
+    >>> krylov(flint.nmod_mat(2, 2, [0, 1, 2, 3], 5), flint.nmod_mat(2, 1, [0, 1], 5)).rank()
+    2
+    """
     block, entries = B, B.transpose().entries()
     for _ in range(int(A.nrows()) - 1):
         block = A * block

@@ -1,8 +1,11 @@
 """Canonical forms of what was built from them and disguised, and against ranks and Jordan forms."""
 
+import random
+
+import flint
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly
 
@@ -19,6 +22,7 @@ from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer, polynomial_matrices
+from tests.support.work import at_most
 
 s = sympy.Symbol("s")
 
@@ -186,6 +190,29 @@ def test_the_examples_of_the_notes():
     assert found.invariant_polynomials == (
         polynomial("s - 2"), polynomial("(s - 2)**2*(s - 3)"),
     )  # fmt: skip
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=2)
+def test_frobenius_form_of_a_large_cyclic_matrix(seed):
+    n, drawn = 80, random.Random(seed)
+    A = flint.fmpz_mat(n, n, [drawn.randint(-3, 3) for _ in range(n * n)])
+    minimal = A.minpoly()
+    assume(minimal.degree() == n)
+    with at_most(600_000):
+        found = frobenius_form(A.tolist())
+    assert found.certificate.holds and found.is_cyclic
+    assert found.minimal_polynomial.all_coeffs() == [int(c) for c in reversed(minimal.coeffs())]
+    T = flint.fmpz_mat(n, n, [int(entry) for entry in found.T])
+    companion_matrix = flint.fmpz_mat(n, n, [int(entry) for entry in found.form])
+    assert T.rank() == n and T * companion_matrix == A * T
+
+
+def test_a_large_basis_is_refused_before_it_is_computed():
+    n = 100
+    A = Matrix(n, n, lambda i, j: 10**90 * (i == j + 1) + (j == n - 1))
+    with at_most(300_000), pytest.raises(BudgetError, match="numbers of 512 bits"):
+        frobenius_form(A)
 
 
 @pytest.mark.slow
