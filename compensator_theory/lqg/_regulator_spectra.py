@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import flint
-import sympy
-from sympy import Matrix, Poly, Symbol
+from sympy import ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.lqg._regulator_data import Weights, read_weights
 from compensator_theory.matrices._exact_matrices import MatrixLike
-from compensator_theory.matrices._flint_matrices import rational, to_flint
+from compensator_theory.matrices._flint_matrices import (
+    identity_matrix,
+    rational,
+    to_flint,
+    zero_matrix,
+)
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._variables import Time, variable_in
 
@@ -84,18 +88,18 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
     """
     a, b, q, r, cross = weights
     n, l_u = b.shape
-    zero, eye = sympy.zeros, sympy.eye
+    zero, eye = zero_matrix, identity_matrix
     discrete = time == "discrete"
-    constant = sympy.BlockMatrix(
-        [[a, zero(n, n), b],
-         [-q, eye(n) if discrete else -a.T, -cross],
-         [cross.T, zero(l_u, n) if discrete else b.T, r]]
-    ).as_explicit()  # fmt: skip
-    slope = sympy.BlockMatrix(
-        [[-eye(n), zero(n, n), zero(n, l_u)],
-         [zero(n, n), -a.T if discrete else -eye(n), zero(n, l_u)],
-         [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)]]
-    ).as_explicit()  # fmt: skip
+    constant = _of_blocks(
+        [a, zero(n, n), b],
+        [-q, eye(n) if discrete else -a.T, -cross],
+        [cross.T, zero(l_u, n) if discrete else b.T, r],
+    )
+    slope = _of_blocks(
+        [-eye(n), zero(n, n), zero(n, l_u)],
+        [zero(n, n), -a.T if discrete else -eye(n), zero(n, l_u)],
+        [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)],
+    )
     return _determinant(constant, slope, n, symbol)
 
 
@@ -117,6 +121,11 @@ def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[fli
     for i in range(len(points) - 2, -1, -1):
         result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
     return list(result.coeffs())
+
+
+def _of_blocks(*rows: list[Matrix]) -> ImmutableMatrix:
+    """Return the matrix of blocks; SymPy's BlockMatrix would look for each entry by comparisons."""
+    return ImmutableMatrix.vstack(*(ImmutableMatrix.hstack(*row) for row in rows))
 
 
 def _determinant(constant: Matrix, slope: Matrix, n: int, variable: Symbol) -> Poly:

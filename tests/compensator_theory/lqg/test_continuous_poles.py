@@ -1,10 +1,13 @@
 """LQG poles in continuous time for several signals, against SciPy's Riccati equation."""
 
+import random
+
+import flint
 import numpy as np
 import pytest
 import scipy.linalg
 import sympy
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from compensator_theory import (
@@ -17,6 +20,7 @@ from compensator_theory import (
 )
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer
+from tests.support.work import at_most
 
 s = sympy.Symbol("s")
 
@@ -94,6 +98,21 @@ def test_scalar_plants_as_by_the_gains(plant):
     found = lqg_poles(plant)
     assert found.polynomial == gains.polynomial
     assert found.enclosure.degree == 2 * plant.n
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=2)
+def test_the_spectrum_of_many_states_is_that_of_the_hamiltonian_matrix(seed):
+    """With R = I it is (-1)^n det(sI - H); counted are the calls that the pencil takes."""
+    n, drawn = 32, random.Random(seed)
+    A, B = (sympy.Matrix(n, width, lambda i, j: drawn.randint(-3, 3)) for width in (n, 2))
+    with at_most(200_000):
+        found = regulator_spectrum(A, B, sympy.eye(n), sympy.eye(2), time="continuous")
+    H = sympy.Matrix.vstack(
+        sympy.Matrix.hstack(A, -B * B.T), sympy.Matrix.hstack(-sympy.eye(n), -A.T)
+    )
+    expected = flint.fmpz_mat(2 * n, 2 * n, [int(entry) for entry in H]).charpoly()
+    assert found.all_coeffs() == [(-1) ** n * int(c) for c in reversed(expected.coeffs())]
 
 
 def test_what_is_refused():
