@@ -15,8 +15,9 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.lqg._locus import R_2
 from compensator_theory.lqg._poles import require_stable_hidden_modes
 from compensator_theory.lqg._regulator_data import regulator_and_estimator
-from compensator_theory.lqg._regulator_spectra import interpolated, regulator_spectrum
+from compensator_theory.lqg._regulator_spectra import regulator_spectrum
 from compensator_theory.matrices._flint_matrices import identity_matrix, rational
+from compensator_theory.matrices._flint_polynomials import interpolated
 from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._numbers import NumberLike, exact_number

@@ -13,6 +13,7 @@ from compensator_theory.matrices._flint_matrices import (
     to_flint,
     zero_matrix,
 )
+from compensator_theory.matrices._flint_polynomials import interpolated
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._variables import Time, variable_in
 
@@ -101,26 +102,6 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
         [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)],
     )
     return _determinant(constant, slope, n, symbol)
-
-
-def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
-    """Return ascending coefficients through the points, by Newton's divided differences.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.lqg._regulator_spectra import interpolated
-    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
-    [2, 3]
-    """
-    table = list(values)
-    for order in range(1, len(points)):
-        for i in range(len(points) - 1, order - 1, -1):
-            table[i] = (table[i] - table[i - 1]) / (points[i] - points[i - order])
-    result = flint.fmpq_poly([table[-1]])
-    for i in range(len(points) - 2, -1, -1):
-        result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
-    return list(result.coeffs())
 
 
 def _of_blocks(*rows: list[Matrix]) -> ImmutableMatrix:

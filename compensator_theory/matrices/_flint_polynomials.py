@@ -51,3 +51,23 @@ def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
         return Poly.new(DUP_Flint.from_rep(poly, QQ), variable)
     descending = [QQ(int(c.p), int(c.q)) for c in reversed(poly.coeffs())]
     return Poly.new(DMP(descending, QQ, 0), variable)
+
+
+def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
+    """Return ascending coefficients through the points, by Newton's divided differences.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.matrices._flint_polynomials import interpolated
+    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
+    [2, 3]
+    """
+    table = list(values)
+    for order in range(1, len(points)):
+        for i in range(len(points) - 1, order - 1, -1):
+            table[i] = (table[i] - table[i - 1]) / (points[i] - points[i - order])
+    result = flint.fmpq_poly([table[-1]])
+    for i in range(len(points) - 2, -1, -1):
+        result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
+    return list(result.coeffs())

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import count, pairwise
 
 import flint
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
-from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    interpolated,
+    to_flint_polynomial,
+)
 from compensator_theory.polynomials._ball_precision import at_growing_precision
+from compensator_theory.polynomials._multivariate import to_flint
 from compensator_theory.roots._certified import decided_balls
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stability._half_plane import half_plane_polynomial
@@ -63,17 +68,74 @@ def critical_polynomials(poly: Poly, parameter: Symbol, *, discrete: bool) -> li
     """
     q = half_plane_polynomial(poly) if discrete else poly
     found = [_in(poly.LC(), parameter)]
-    for factor, _ in Poly(q.as_expr(), q.gen, parameter, domain=QQ).factor_list()[1]:
-        part = Poly(factor.as_expr(), q.gen)
-        even, odd = even_and_odd(part)
-        if part.degree() > 0 and (even.is_zero or odd.is_zero):
+    for part in _factors(q, parameter):
+        even, odd = part[0::2], part[1::2]
+        if len(part) > 1 and not (any(even) and any(odd)):
             return None  # its roots come in pairs that are symmetric about 0, or it is s
-        found += [_in(part.LC(), parameter), _in(part.TC(), parameter)]
-        if part.degree() > 1:
-            found.append(_in(even.resultant(odd), parameter))
+        found += [from_flint_polynomial(c, parameter) for c in (part[-1], part[0])]
+        if len(part) > 2:
+            found.append(from_flint_polynomial(resultant_in_parameter(even, odd), parameter))
     if discrete and q.degree() < poly.degree():
         return None  # -1 is a root for every value
     return list(dict.fromkeys(found))
+
+
+def _factors(poly: Poly, parameter: Symbol) -> list[list[flint.fmpq_poly]]:
+    """Return the irreducible factors as ascending coefficients, polynomials in the parameter."""
+    (whole,) = to_flint(QQ[parameter], poly)
+    found = []
+    for factor, _ in whole.factor()[1]:
+        rows: list[dict[int, flint.fmpq]] = [{} for _ in range(int(factor.degrees()[0]) + 1)]
+        scale = flint.fmpq(int(factor.leading_coefficient().q))
+        for (power, k), c in factor.to_dict().items():
+            rows[int(power)][int(k)] = c * scale
+        found.append([
+            flint.fmpq_poly([row.get(k, 0) for k in range(max(row, default=-1) + 1)])
+            for row in rows
+        ])  # fmt: skip
+    return found
+
+
+def resultant_in_parameter(
+    first: list[flint.fmpq_poly], second: list[flint.fmpq_poly]
+) -> flint.fmpq_poly:
+    """Return the resultant of polynomials in t, whose coefficients are polynomials in a parameter.
+
+    It is interpolated from resultants of numbers, which flint finds modulo primes.
+
+    Parameters
+    ----------
+    first, second : lists of flint.fmpq_poly
+        Ascending powers of t; not all of them zero.
+
+    Examples
+    --------
+    >>> from flint import fmpq_poly
+    >>> from compensator_theory.stability._critical_values import resultant_in_parameter
+    >>> resultant_in_parameter([fmpq_poly([0, 1]), fmpq_poly([1])], [fmpq_poly([1, 1])])
+    x + 1
+    """
+    sides = []
+    for side in (first, second):
+        kept = list(side)
+        while not kept[-1]:
+            kept.pop()
+        sides.append(kept)
+    sizes = [max(int(c.degree()) for c in side) for side in sides]
+    degree = sum(
+        size * (len(other) - 1) for size, other in zip(sizes, reversed(sides), strict=True)
+    )
+    points: list[flint.fmpq] = []
+    values: list[flint.fmpq] = []
+    for point in map(flint.fmpq, (k // 2 if k % 2 else -(k // 2) for k in count(1))):
+        rows = [[c(point) for c in side] for side in sides]
+        if rows[0][-1] == 0 or rows[1][-1] == 0:
+            continue  # a degree drops, and the resultant is another
+        points.append(point)
+        values.append(flint.fmpq_poly(rows[0]).resultant(flint.fmpq_poly(rows[1])))
+        if len(points) > degree:
+            return flint.fmpq_poly(interpolated(points, values))
+    raise AssertionError
 
 
 def even_and_odd(poly: Poly) -> tuple[Poly, Poly]:
@@ -134,6 +196,49 @@ def signs_at_real_roots(poly: Poly, factor: Poly) -> list[int]:
 
     decided = [(b.real, sign) for b, _, sign in decided_balls(factor, decide) if b.imag == 0]
     return [sign for _, sign in sorted(decided, key=lambda pair: pair[0].mid())]
+
+
+def is_less(first: Expr, second: Expr) -> bool:
+    """Compare real numbers, one of them at most a multiple of an indexed root.
+
+    SymPy would isolate all real roots of its polynomial, in Python.
+
+    Examples
+    --------
+    >>> from sympy import CRootOf, Rational
+    >>> from sympy.abc import x
+    >>> from compensator_theory.stability._critical_values import is_less
+    >>> is_less(CRootOf(x**3 - 2, 0), Rational(5, 4)), is_less(Rational(1), CRootOf(x**3 - 2, 0))
+    (False, True)
+    """
+    for value, number, above in ((first, second, False), (second, first, True)):
+        factor, root = value.as_coeff_Mul()  # SymPy takes common powers out of the polynomial
+        if not isinstance(root, sympy.CRootOf):
+            continue
+        if number in (-sympy.oo, sympy.oo):
+            return bool(number < 0) == above
+        if number.is_Rational:
+            gap = Poly(root.poly.gen - number / factor, root.poly.gen, domain=QQ)
+            sign = signs_at_real_roots(gap, root.poly)[root.index]
+            return (sign * factor > 0) == above  # not 0: of degree 3 or more, and irreducible
+    return bool(first < second)
+
+
+def approximation(value: Expr) -> Rational:
+    """Return a rational number in place of the real roots in a value, 30 digits as good as each.
+
+    Examples
+    --------
+    >>> from sympy import CRootOf
+    >>> from sympy.abc import x
+    >>> from compensator_theory.stability._critical_values import approximation
+    >>> float(approximation(CRootOf(x**3 - 2, 0)))
+    1.2599210498948732
+    """
+    roots = value.atoms(sympy.CRootOf)
+    return value.xreplace({
+        root: _roots_of_factor(root.poly, 128)[root.index].enclosure.centre for root in roots
+    })  # fmt: skip
 
 
 def cells_between(ends: list[CriticalValue]) -> list[tuple[Expr, Expr, Rational]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import flint
@@ -35,6 +37,8 @@ from compensator_theory.stability._stabilising_gains import intervals_of_gains
 from compensator_theory.stability._stability_intervals import StabilityCell
 
 SQUARE = Symbol("x")
+Balls = Callable[[Poly, int], list[flint.arb]]
+"""`real_root_balls`, remembered as long as one loop is looked at."""
 
 
 @dataclass(frozen=True)
@@ -315,13 +319,14 @@ def stability_margins(
             "|L| is 1 at all frequencies, so that no crossover and no phase margin is defined; "
             "stabilising_gains has the gains for which the loop is stable"
         )
+    balls = cache(real_root_balls)  # a factor is isolated once for all its roots
     gain_crossovers = [
-        _gain_crossover(factor, index, value, top, bottom, time)
+        _gain_crossover(factor, index, value, top, bottom, time, balls)
         for factor, index, value in positive_roots(through[0] - through[1])
     ]
     phase_crossovers = []
     if not imaginary.is_zero:
-        phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
+        phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time, balls)
     cells = intervals_of_gains(G, G_c, feedback=feedback).intervals
     around = next((cell for cell in cells if 1 in cell), None)
     return StabilityMargins(
@@ -370,18 +375,18 @@ def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
     return [(factor, index, value) for _, factor, index, value in sorted(found, key=lambda r: r[0])]
 
 
-def real_root_ball(factor: Poly, index: int, bits: int) -> flint.arb:
-    """Return a ball around a real root; inside of a block of that precision.
+def real_root_balls(factor: Poly, bits: int) -> list[flint.arb]:
+    """Return balls around the real roots, ascending; inside of a block of that precision.
 
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import real_root_ball
-    >>> bool(real_root_ball(polynomial("x**2 - 2"), 1, 53) > 1)
-    True
+    >>> from compensator_theory.stability._margins import real_root_balls
+    >>> [bool(ball > 1) for ball in real_root_balls(polynomial("x**2 - 2"), 53)]
+    [False, True]
     """
     real = [ball.real for ball, _ in root_balls(factor, bits) if ball.imag == 0]
-    return sorted(real, key=lambda ball: ball.mid())[index]
+    return sorted(real, key=lambda ball: ball.mid())
 
 
 def _value_at(poly: Poly, point: flint.acb) -> flint.acb:
@@ -440,13 +445,13 @@ def vanishes_at(poly: Poly, factor: Poly) -> bool:
 
 
 def _gain_crossover(
-    factor: Poly, index: int, value: Expr, top: Poly, bottom: Poly, time: Time
+    factor: Poly, index: int, value: Expr, top: Poly, bottom: Poly, time: Time, balls: Balls
 ) -> GainCrossover:
     """N and D are coprime, so that neither is zero where their moduli are equal."""
     is_minus_one, is_one = vanishes_at(top + bottom, factor), vanishes_at(top - bottom, factor)
 
     def attempt(bits: int) -> tuple[Enclosure, ...] | None:
-        square = real_root_ball(factor, index, bits)
+        square = balls(factor, bits)[index]
         omega = frequency_of(square, time)
         if is_minus_one:  # a root on the boundary
             return narrow(omega, flint.arb(0), flint.arb(0))
@@ -465,7 +470,7 @@ def _gain_crossover(
 
 
 def _phase_crossovers(
-    real: Poly, imaginary: Poly, below: Poly, size: int, time: Time
+    real: Poly, imaginary: Poly, below: Poly, size: int, time: Time, balls: Balls
 ) -> list[PhaseCrossover]:
     zero = Enclosure(Rational(0), Rational(0))
     found = []
@@ -473,13 +478,18 @@ def _phase_crossovers(
     if under != 0 and at_zero < 0:
         factor = -under / at_zero
         found.append(PhaseCrossover(Rational(0), zero, factor, Enclosure(factor, Rational(0))))
+    signs, quotients = {}, {}
     for factor, index, value in positive_roots(imaginary):
         if below.rem(factor).is_zero:
             continue  # a pole of L on the boundary
         if real.rem(factor).is_zero:
             continue  # a zero of L
-        if (crossover := _phase_crossover(factor, index, value, real, below, time)) is not None:
-            found.append(crossover)
+        if factor not in signs:
+            signs[factor] = signs_at_real_roots(real, factor)
+            quotients[factor] = -quotient_modulo(factor, below, real)
+        if signs[factor][index] < 0:
+            quotient = quotients[factor]
+            found.append(_phase_crossover(factor, index, value, real, below, quotient, time, balls))
     last, least = (p.coeff_monomial(SQUARE**size) for p in (real, below))
     if least != 0 and last < 0:
         factor, edge = -least / last, None
@@ -491,35 +501,49 @@ def _phase_crossovers(
 
 
 def _phase_crossover(
-    factor: Poly, index: int, value: Expr, real: Poly, below: Poly, time: Time
-) -> PhaseCrossover | None:
-    if signs_at_real_roots(real, factor)[index] > 0:
-        return None
+    factor: Poly, index: int, value: Expr, real: Poly, below: Poly, quotient: Poly, time: Time,
+    balls: Balls,
+) -> PhaseCrossover:  # fmt: skip
+    above, under = (to_flint_polynomial(p.rem(factor)) for p in (real, below))
 
     def attempt(bits: int) -> tuple[Enclosure, ...] | None:
-        square = real_root_ball(factor, index, bits)
-        above, under = (
-            flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
-        )
-        if above.contains(0):  # it is not zero: the factor does not divide it
+        square = balls(factor, bits)[index]
+        top, bottom = (flint.arb_poly(p)(square) for p in (under, above))
+        if bottom.contains(0):  # it is not zero: the factor does not divide it
             return None
-        return narrow(frequency_of(square, time), -under / above)
+        return narrow(frequency_of(square, time), -top / bottom)
 
     frequency, enclosure = at_growing_precision(attempt, 160, "a gain margin")
-    gain = -real_root_quotient(factor, value, below, real)
-    return PhaseCrossover(value, frequency, gain, enclosure)
+    return PhaseCrossover(value, frequency, value_at_root(quotient, value), enclosure)
 
 
-def real_root_quotient(factor: Poly, value: Expr, top: Poly, bottom: Poly) -> Expr:
-    """Return a quotient at a root, as a polynomial in the root.
+def quotient_modulo(factor: Poly, top: Poly, bottom: Poly) -> Poly:
+    """Return a quotient as a polynomial that has its values at the roots of an irreducible one.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stability._margins import quotient_modulo
+    >>> quotient_modulo(*map(polynomial, ("x**2 - 2", "x", "x + 1"))).as_expr()
+    2 - x
+    """
+    return (top * bottom.invert(factor)).rem(factor)
+
+
+def value_at_root(poly: Poly, root: Expr) -> Expr:
+    """Return the value of a polynomial at a rational number, a square root or an indexed root.
 
     Examples
     --------
     >>> from sympy import sqrt
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import real_root_quotient
-    >>> real_root_quotient(polynomial("x**2 - 2"), sqrt(2), polynomial("x"), polynomial("x + 1"))
+    >>> from compensator_theory.stability._margins import value_at_root
+    >>> value_at_root(polynomial("2 - x"), sqrt(2))
     2 - sqrt(2)
     """
-    quotient = (top * bottom.invert(factor)).rem(factor)
-    return sympy.expand(quotient.as_expr().subs(quotient.gen, value))
+    if root.is_Rational:
+        return poly.eval(root)
+    if not root.has(sympy.CRootOf):
+        return sympy.expand(poly.as_expr().subs(poly.gen, root))
+    # SymPy's expand asks an indexed root for its polynomial again and again.
+    return sympy.Add(*(c * root ** int(k) for (k,), c in poly.terms()))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+from itertools import zip_longest
 from typing import Any
 
 import flint
@@ -16,7 +18,10 @@ from compensator_theory._showing import picture_of
 from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.matrices._certificates import Certified
-from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.polynomials._ball_precision import (
     at_growing_precision,
     ball_precision,
@@ -30,14 +35,19 @@ from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import Root, certified_roots, root_balls
 from compensator_theory.roots._counts import half_plane_image
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
-from compensator_theory.stability._critical_values import real_roots
+from compensator_theory.stability._critical_values import (
+    approximation,
+    real_roots,
+    resultant_in_parameter,
+)
 from compensator_theory.stability._margins import (
     frequency_of,
     narrow,
     positive_roots,
-    real_root_ball,
-    real_root_quotient,
+    quotient_modulo,
+    real_root_balls,
     squared,
+    value_at_root,
 )
 from compensator_theory.stability._stabilising_gains import intervals_of_loop
 from compensator_theory.stability._stability_intervals import StabilityIntervals
@@ -73,8 +83,8 @@ class LocusBreak(ExactValue):
     def __str__(self) -> str:
         place = f"{self.value.real:.6g}" if self.value.imag == 0 else f"{self.value:.6g}"
         gain = text(self.gain)
-        if isinstance(self.gain, sympy.CRootOf):  # its own value sets mpmath's precision
-            gain = f"{float(self.gain.eval_rational(n=20)):.6g}"
+        if self.gain.has(sympy.CRootOf):  # its own value sets mpmath's precision
+            gain = f"{float(approximation(self.gain)):.6g}"
         return f"{self.order} branches meet at {place} for k = {gain}"
 
     def _repr_latex_(self) -> str:
@@ -336,14 +346,13 @@ def _breaks(N: Poly, D: Poly) -> tuple[LocusBreak, ...]:
     for factor, power in W.factor_list()[1] if not W.is_zero else []:
         if N.rem(factor).is_zero:
             continue  # a multiple zero, where k is infinite
-        gain = (-D * N.invert(factor)).rem(factor)
-        minimal = _minimal_polynomial(gain, factor)
+        minimal = _gain_polynomial(N, D, factor)
         real = real_roots([minimal])
         for bits in BITS:
             with ball_precision(bits):
                 balls = [b for b, _ in root_balls(factor, bits) if not b.imag < 0]
                 values = root_balls(minimal, bits)
-                matched = [_matched(gain, ball, [v for v, _ in values]) for ball in balls]
+                matched = [_matched(N, D, ball, [v for v, _ in values]) for ball in balls]
                 if all(len(m) == 1 for m in matched):
                     ascending = sorted((v for v, _ in values if v.imag == 0), key=_middle)
                     for ball, (value,) in zip(balls, matched, strict=True):
@@ -369,22 +378,18 @@ def _break(factor: Poly, ball: flint.acb, order: int, gain: Expr) -> LocusBreak:
     return LocusBreak(canonical(factor), value, float(error) * (1 + 2**-50), order, gain)
 
 
-def _matched(gain: Poly, ball: flint.acb, values: list[flint.acb]) -> list[flint.acb]:
-    there = flint.acb_poly(to_flint_polynomial(gain))(ball)
-    return [value for value in values if value.overlaps(there)]
+def _matched(N: Poly, D: Poly, ball: flint.acb, values: list[flint.acb]) -> list[flint.acb]:
+    above, below = (flint.acb_poly(to_flint_polynomial(p))(ball) for p in (D, N))
+    return [] if below.contains(0) else [v for v in values if v.overlaps(-above / below)]
 
 
-def _minimal_polynomial(value: Poly, factor: Poly) -> Poly:
-    """Return that of an element of Q[s]/w: the irreducible factor of its norm."""
-    n = int(factor.degree())
-    modulus, entry = to_flint_polynomial(factor), to_flint_polynomial(value)
-    column, rows = entry % modulus, []
-    for _ in range(n):
-        rows.append([*column.coeffs(), *[0] * (n - column.length())])
-        column = column.left_shift(1) % modulus
-    found = flint.fmpq_mat(rows).charpoly()
-    whole = Poly([QQ(int(c.p), int(c.q)) for c in reversed(found.coeffs())], GAIN, domain=QQ)
-    ((irreducible, _),) = whole.factor_list()[1]
+def _gain_polynomial(N: Poly, D: Poly, factor: Poly) -> Poly:
+    """Return the minimal polynomial of -D/N at the roots of a factor, from Res_s(w, D + k N)."""
+    modulus, above, below = (to_flint_polynomial(p).coeffs() for p in (factor, D, N))
+    constants = [flint.fmpq_poly([c]) for c in modulus]
+    moved = [flint.fmpq_poly([*pair]) for pair in zip_longest(above, below, fillvalue=0)]
+    norm = resultant_in_parameter(constants, moved)
+    ((irreducible, _),) = from_flint_polynomial(norm, GAIN).factor_list()[1]
     return irreducible
 
 
@@ -400,6 +405,8 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
     if below.eval(0) != 0:
         gain = -real.eval(0) / below.eval(0)
         found.append(LocusCrossing(Rational(0), zero, gain, Enclosure(gain, Rational(0))))
+    balls = cache(real_root_balls)  # a factor is isolated once for all its roots
+    quotients: dict[Poly, Poly] = {}
     for factor, index, value in positive_roots(imaginary):
         if below.rem(factor).is_zero:
             continue  # a zero of the loop: an infinite gain
@@ -407,7 +414,7 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
         def attempt(
             bits: int, factor: Poly = factor, index: int = index
         ) -> tuple[Enclosure, ...] | None:
-            square = real_root_ball(factor, index, bits)
+            square = balls(factor, bits)[index]
             above, under = (
                 flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
             )
@@ -416,7 +423,9 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
             return narrow(frequency_of(square, time), -above / under)
 
         frequency, enclosure = at_growing_precision(attempt, 160, "the gain of a crossing")
-        gain = -real_root_quotient(factor, value, real, below)
+        if factor not in quotients:
+            quotients[factor] = -quotient_modulo(factor, real, below)
+        gain = value_at_root(quotients[factor], value)
         found.append(LocusCrossing(value, frequency, gain, enclosure))
     last, least = (p.coeff_monomial(p.gen**size) for p in (real, below))
     if least != 0:

@@ -24,8 +24,10 @@ from compensator_theory.roots._counts import RootCount, count_roots
 from compensator_theory.stability._conditions import stability_conditions
 from compensator_theory.stability._critical_values import (
     CriticalValue,
+    approximation,
     cells_between,
     critical_polynomials,
+    is_less,
     real_roots,
     signs_at_real_roots,
 )
@@ -62,9 +64,10 @@ class StabilityCell(ExactValue):
         return self.count.stable == self.count.total
 
     def __contains__(self, value: object) -> bool:
+        number = exact_number(value)
         if self.lower == self.upper:
-            return bool(sympy.Eq(self.lower, exact_number(value)))
-        return bool(self.lower < value) and bool(value < self.upper)
+            return bool(sympy.Eq(self.lower, number))
+        return is_less(self.lower, number) and is_less(number, self.upper)
 
     def __str__(self) -> str:
         if self.lower == self.upper:
@@ -249,5 +252,4 @@ def _written(end: Expr) -> str:
     if end.is_Rational or not end.is_finite:
         return text(end)
     # SymPy's own value of an indexed root sets mpmath's precision, which all threads share.
-    near = {root: root.eval_rational(n=20) for root in end.atoms(sympy.CRootOf)}
-    return f"{text(end)} = {float(end.xreplace(near)):.6g}"
+    return f"{text(end)} = {float(approximation(end)):.6g}"

@@ -15,7 +15,7 @@ HOME = ("compensator_theory/polynomials/_ball_precision.py", "at_growing_precisi
 # What computes at a precision that can be asked again at a higher one.
 BALLS = {
     "ball_precision", "root_balls", "decided_balls", "complex_roots", "factor_spectrum",
-    "real_root_ball", "refined", "ball", "evalf", "eval_rational",
+    "real_root_balls", "balls", "refined", "ball", "evalf", "eval_rational",
 }  # fmt: skip
 ENDLESS = {"count", "cycle", "repeat"}
 
