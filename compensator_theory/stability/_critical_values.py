@@ -220,7 +220,7 @@ def is_less(first: Expr, second: Expr) -> bool:
         if number.is_Rational:
             gap = Poly(root.poly.gen - number / factor, root.poly.gen, domain=QQ)
             sign = signs_at_real_roots(gap, root.poly)[root.index]
-            return (sign * factor > 0) == above  # not 0: of degree 3 or more, and irreducible
+            return bool(sign * factor > 0) == above  # not 0: of degree 3 or more, and irreducible
     return bool(first < second)
 
 

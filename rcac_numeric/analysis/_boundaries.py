@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -143,7 +144,8 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     omega = np.unique(points[(points > 0) & (points < np.pi)])
     with np.errstate(all="ignore"):
         value = value_of(loop.at(np.exp(1j * omega)))
-        omega, value = (part[np.abs(value) > _rounding(loop, omega)] for part in (omega, value))
+        told = _told_from_rounding(loop, omega, value)
+        omega, value = omega[told], value[told]
         changes = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
         low, high, below = omega[changes], omega[changes + 1], np.sign(value[changes])
         for _ in range(24 if len(changes) else 0):
@@ -151,6 +153,29 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
             same = np.sign(value_of(loop.at(np.exp(1j * middle)))) == below
             low, high = np.where(same, middle, low), np.where(same, high, middle)
     return np.asarray((low + high) / 2)
+
+
+def _told_from_rounding(loop: OpenedLoop, omega: Array, value: Array) -> Array:
+    """The first and the last value of each run of one sign that rounding cannot have made.
+
+    What rounding makes of a value is looked at from the ends of its run inwards, until one is told.
+    """
+    edges = [0, *(1 + np.flatnonzero(np.sign(value[1:]) != np.sign(value[:-1]))), len(value)]
+    runs = [np.arange(low, high) for low, high in pairwise(edges) if high > low]
+    waiting = [ends for run in runs for ends in (run, run[::-1])]
+    found, width = [], 1
+    while waiting:
+        tried = np.unique(np.concatenate([run[:width] for run in waiting]))
+        told = tried[np.abs(value[tried]) > _rounding(loop, omega[tried])]
+        firsts = [run[:width][np.isin(run[:width], told)] for run in waiting]
+        found += [first[0] for first in firsts if len(first)]
+        waiting = [
+            run[width:]
+            for run, first in zip(waiting, firsts, strict=True)
+            if not len(first) and len(run) > width
+        ]
+        width *= 2
+    return np.unique(np.array(found, dtype=np.intp))
 
 
 def _polished(omega: Array, gap: Gap, tolerance: Array | float) -> Array:
@@ -180,12 +205,7 @@ def _rounding(loop: OpenedLoop, omega: Array) -> Array:
     """What share of L is rounding at these frequencies: much next to a multiple pole."""
     if not (len(loop.A) and len(omega)):
         return np.full(len(omega), 1e-14)
-    pencils = np.exp(1j * omega)[:, None, None] * np.eye(len(loop.A)) - loop.A
-    size = 1 + np.linalg.norm(loop.A, 1)
-    try:
-        nearness = np.linalg.norm(np.linalg.inv(pencils), 1, axis=(1, 2))
-    except np.linalg.LinAlgError:  # a pole among the points
-        nearness = np.array([1 / max(np.linalg.svd(p)[1][-1], 1e-300) for p in pencils])
+    size, nearness = loop.nearness(np.exp(1j * omega))
     with np.errstate(over="ignore"):  # infinite: no digit of L is known
         return np.asarray(10 * np.finfo(float).eps * size * nearness)
 

@@ -17,6 +17,12 @@ from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, closed_loop
+from rcac_numeric.analysis._resolvents import (
+    MANY_STATES,
+    hessenberg_form,
+    inverse_norms,
+    responses,
+)
 from rcac_numeric.analysis._stability import decide_stability
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -47,10 +53,30 @@ class OpenedLoop(Value):
         """dL/dz at points of the plane."""
         return self._resolvent(z, 2)
 
+    def nearness(self, z: ComplexArray) -> tuple[float, Array]:
+        """1 + norm(A), and norm((zI - A)^{-1}), of many states an estimate in other coordinates."""
+        if len(self.A) >= MANY_STATES:
+            H = self._by_hessenberg[0]
+            with np.errstate(all="ignore"):
+                return 1 + float(np.linalg.norm(H, 1)), inverse_norms(H, np.asarray(z))
+        pencils = np.asarray(z)[:, None, None] * np.eye(len(self.A)) - self.A
+        try:
+            found = np.linalg.norm(np.linalg.inv(pencils), 1, axis=(1, 2))
+        except np.linalg.LinAlgError:  # a pole among the points
+            found = np.array([1 / max(np.linalg.svd(p)[1][-1], 1e-300) for p in pencils])
+        return 1 + float(np.linalg.norm(self.A, 1)), found
+
+    @cached_property
+    def _by_hessenberg(self) -> tuple[Array, Array, Array]:
+        return hessenberg_form(self.A, self.B, self.C)
+
     def _resolvent(self, z: ComplexArray, power: int) -> ComplexArray:
         direct = self.D[0, 0] if power == 1 else 0.0
         if not len(self.A):
             return np.full(len(z), direct, dtype=np.complex128)
+        if len(self.A) >= MANY_STATES:
+            found = responses(*self._by_hessenberg, np.asarray(z), slopes=power == 2)
+            return np.asarray(found[:, 0, 0] + direct)
         pencils = np.asarray(z)[:, None, None] * np.eye(len(self.A)) - self.A
         try:
             states = self._states(pencils, power)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import eigvals
 
+from rcac_numeric.analysis._resolvents import MANY_STATES, hessenberg_form, responses
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 
 Matrices = tuple[Array, Array, Array, Array]
@@ -23,8 +24,10 @@ def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
     equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
     to the best value at the midpoints between them until there is none.
     """
+    n = len(system[0])
+    if n >= MANY_STATES:
+        system = (*hessenberg_form(*system[:3]), system[3])
     A = system[0]
-    n = len(A)
 
     def highest(omegas: Array) -> tuple[float, float]:
         values = np.linalg.norm(responses_of(system, omegas), 2, axis=(1, 2))
@@ -60,6 +63,8 @@ def responses_of(system: Matrices, omegas: Array) -> ComplexArray:
     A, B, C, D = (np.asarray(part) for part in system)
     if not len(A):
         return np.broadcast_to(D.astype(np.complex128), (len(omegas), *D.shape))
+    if len(A) >= MANY_STATES:
+        return responses(*hessenberg_form(A, B, C), np.exp(1j * omegas)) + D
     z = np.exp(1j * omegas)[:, None, None]
     return np.asarray(C @ np.linalg.solve(z * np.eye(len(A)) - A, B[None] + 0j) + D)
 
