@@ -249,7 +249,7 @@ def _cells(
 
 
 def _written(end: Expr) -> str:
-    if end.is_Rational or not end.is_finite:
+    if end.is_Rational or end in (-sympy.oo, sympy.oo):  # is_finite would isolate an indexed root
         return text(end)
     # SymPy's own value of an indexed root sets mpmath's precision, which all threads share.
     return f"{text(end)} = {float(approximation(end)):.6g}"
