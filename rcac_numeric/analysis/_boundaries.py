@@ -144,7 +144,7 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     omega = np.unique(points[(points > 0) & (points < np.pi)])
     with np.errstate(all="ignore"):
         value = value_of(loop.at(np.exp(1j * omega)))
-        told = _told_from_rounding(loop, omega, value)
+        told = _told_from_rounding(omega, value, lambda points: _rounding(loop, points))
         omega, value = omega[told], value[told]
         changes = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
         low, high, below = omega[changes], omega[changes + 1], np.sign(value[changes])
@@ -155,7 +155,7 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     return np.asarray((low + high) / 2)
 
 
-def _told_from_rounding(loop: OpenedLoop, omega: Array, value: Array) -> Array:
+def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], Array]) -> Array:
     """The first and the last value of each run of one sign that rounding cannot have made.
 
     What rounding makes of a value is looked at from the ends of its run inwards, until one is told.
@@ -166,7 +166,7 @@ def _told_from_rounding(loop: OpenedLoop, omega: Array, value: Array) -> Array:
     found, width = [], 1
     while waiting:
         tried = np.unique(np.concatenate([run[:width] for run in waiting]))
-        told = tried[np.abs(value[tried]) > _rounding(loop, omega[tried])]
+        told = tried[np.abs(value[tried]) > rounding(omega[tried])]
         firsts = [run[:width][np.isin(run[:width], told)] for run in waiting]
         found += [first[0] for first in firsts if len(first)]
         waiting = [
