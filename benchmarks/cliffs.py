@@ -1,0 +1,208 @@
+"""The sizes that people bring: seconds of processor time of each row, before and after.
+
+Run with: python benchmarks/cliffs.py [ROW ...] [--before PYTHON] [--repeats 3] [--limit 60]
+
+A row is a call of a public function on data of the kind that was found slow. `--before` names the
+interpreter of another environment, in which an older state is installed: both take turns, each in a
+process of its own and after one call that is not counted, and the medians are printed. A row that
+takes longer than the limit is printed as such. OpenBLAS keeps its threads, which are a part of what
+is measured; OPENBLAS_NUM_THREADS=1 leaves them out.
+
+A row more is a function under `@row` that returns the call.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+from typing import Any
+
+Call = Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is called, and the seconds that it is to take at most."""
+
+    call: Callable[[], Call]
+    aim: float
+
+
+ROWS: dict[str, Row] = {}
+
+
+def row(aim: float) -> Callable[[Callable[[], Call]], Callable[[], Call]]:
+    """Enter a function under its name, with its aim in seconds."""
+
+    def entered(make: Callable[[], Call]) -> Callable[[], Call]:
+        ROWS[make.__name__] = Row(make, aim)
+        return make
+
+    return entered
+
+
+def _integers(count: int, seed: str, largest: int = 9) -> list[int]:
+    drawn = random.Random(seed)
+    return [1, *(drawn.randint(-largest, largest) for _ in range(count))]
+
+
+def _loop(function: str, family: str, n: int) -> Call:
+    import sympy
+
+    import compensator_theory as exact
+
+    s, z = sympy.symbols("s z")
+    half = sympy.Rational(1, 2)
+    if family == "random":
+        N, D = (sympy.Poly(_integers(m, f"{m}"), s) for m in (n - 2, n))
+    elif family == "chain":
+        N, D = sympy.Poly(1, s), sympy.Poly(sympy.prod([s + k for k in range(n)]), s)
+    elif family == "lags":
+        N, D = sympy.Poly(2, s), sympy.Poly((s + 1) ** n, s)
+    elif family == "delays":
+        N, D = sympy.Poly(half / 25, z), sympy.Poly((z - 49 * half / 25) * z ** (n - 1), z)
+    else:  # lightly damped modes, driven and measured at one place
+        N, D = sympy.Poly(1, s), sympy.Poly(s * (s + 1), s)
+        for k in range((n - 2) // 2):
+            w, c = sympy.Rational(10 + 7 * k, 5), sympy.Rational(1 + k % 9, 200)
+            D *= sympy.Poly(s**2 + 2 * c * w * s + w**2, s)
+            if k:
+                w -= half
+                N *= sympy.Poly(s**2 + 2 * c * w * s + w**2, s)
+    loop = exact.transfer_function((N, D))
+    return lambda: getattr(exact, function)(loop, feedback=-1)
+
+
+for _function, _size, _aim in (
+    ("stability_margins", 40, 1.0), ("root_locus", 24, 0.2), ("stabilising_gains", 40, 0.7),
+):  # fmt: skip
+    for _family in ("random", "modes", "chain", "lags", "delays"):
+        _call = partial(_loop, _function, _family, _size)
+        ROWS[f"{_function}_{_family}_{_size}"] = Row(_call, _aim)
+
+
+@row(aim=1.0)
+def lqg_poles_32() -> Call:
+    import sympy
+
+    import compensator_theory as exact
+
+    drawn, n = random.Random("lqg_poles"), 32
+    A, B, C = (
+        [[drawn.randint(-3, 3) for _ in range(columns)] for _ in range(rows)]
+        for rows, columns in ((n, n), (n, 1), (1, n))
+    )
+    eye = sympy.eye(n).tolist()
+    plant = exact.lqg_problem((A, B, C), eye, [[1]], eye, [[1]], variable="s")
+    return lambda: exact.lqg_poles(plant)
+
+
+@row(aim=1.0)
+def frobenius_form_80() -> Call:
+    from compensator_theory.forms import frobenius_form
+
+    drawn, n = random.Random("frobenius_form"), 80
+    A = [[drawn.randint(-3, 3) for _ in range(n)] for _ in range(n)]
+    return lambda: frobenius_form(A)
+
+
+@row(aim=1.0)
+def solve_care_heat_100() -> Call:
+    """The heat flow of CAREX 18."""
+    import numpy as np
+
+    from rcac_numeric import solve_care
+
+    n = 100
+    A = 0.01 * (n + 1) ** 2 * (np.eye(n, k=1) - 2 * np.eye(n) + np.eye(n, k=-1))
+    x = np.arange(1, n + 1) / (n + 1)
+    B = ((x >= 0.2) & (x <= 0.3)).astype(float)[:, None]
+    C = ((x >= 0.5) & (x <= 0.6)).astype(float)[None] / n
+    return lambda: solve_care(A, B, C.T @ C, np.eye(1))
+
+
+def _dead_time(steps: int) -> Call:
+    import control
+
+    from rcac_numeric import stability_margins
+
+    loop = control.tf([0.004], [1, -0.995] + [0] * steps, 0.1)
+    return lambda: stability_margins(loop, feedback=-1)
+
+
+@row(aim=0.2)
+def margins_of_dead_time_90() -> Call:
+    return _dead_time(90)
+
+
+@row(aim=0.2)
+def margins_of_dead_time_100() -> Call:
+    return _dead_time(100)
+
+
+def _timed(name: str, repeats: int) -> list[float]:
+    """Seconds of processor time of calls after a first one, of which SymPy remembers nothing."""
+    found = []
+    ROWS[name].call()()
+    from sympy import CRootOf
+    from sympy.core.cache import clear_cache
+
+    for _ in range(repeats):
+        call = ROWS[name].call()
+        clear_cache()
+        CRootOf.clear_cache()
+        start = time.process_time()
+        call()
+        found.append(time.process_time() - start)
+    return found
+
+
+def _asked(python: str, name: str, repeats: int, limit: float) -> str | list[float]:
+    """The seconds by another process, or why there are none."""
+    command = [python, __file__, name, "--child", "--repeats", str(repeats)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        return f"over {limit:g}"
+    if done.returncode:
+        return done.stderr.strip().splitlines()[-1].split(":")[0].split(".")[-1]
+    found: list[float] = json.loads(done.stdout)
+    return found
+
+
+def main() -> None:
+    reader = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    reader.add_argument("rows", nargs="*", help="all that contain one of these words")
+    reader.add_argument(
+        "--before", help="a Python interpreter in whose environment the old state is"
+    )
+    reader.add_argument("--repeats", type=int, default=3)
+    reader.add_argument("--limit", type=float, default=60.0, help="seconds for a row")
+    reader.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    given = reader.parse_args()
+    if given.child:
+        print(json.dumps(_timed(given.rows[0], given.repeats)))
+        return
+    chosen = [n for n in ROWS if not given.rows or any(word in n for word in given.rows)]
+    pythons = [python for python in (given.before, sys.executable) if python]
+    print(f"{'':32}" + "".join(f"{'before' if p == given.before else 'now':>14}" for p in pythons)
+          + f"{'aim':>8}")  # fmt: skip
+    for name in chosen:
+        shown = []
+        for python in pythons:
+            found = _asked(python, name, given.repeats, given.limit)
+            shown.append(found if isinstance(found, str) else f"{median(found):.3f}")
+        print(f"{name:32}" + "".join(f"{s:>14}" for s in shown) + f"{ROWS[name].aim:8.2g}",
+              flush=True)  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
