@@ -16,6 +16,7 @@ from rcac_experiments.cli._check import (
     written_rows,
     written_system,
 )
+from rcac_experiments.cli._exits import DONE, NO
 from rcac_experiments.cli._output import as_json_option, picture_option, show
 from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
@@ -33,7 +34,7 @@ from rcac_numeric.signals._waveforms import Step
 
 # What only the owner of the plant knows: the option, the question, and what is taken unasked.
 ASKED = {
-    "disturbance": ("Size of the disturbance, in units of u", "unknown"),
+    "disturbance": ("Size of the disturbance, in units of u, or none", "unknown"),
     "noise": ("Standard deviation of the sensor noise, in units of y", "unknown"),
     "u_limits": ("Limits of u, as LOW,HIGH", "none"),
 }
@@ -46,7 +47,7 @@ PLANT = (
         "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
         help="Write the experiment file here; rcac verify runs it.",
     ),
-    click.option("--disturbance", help='Its size in units of u, or "unknown".'),
+    click.option("--disturbance", help='Its size in units of u, "unknown", or "none".'),
     click.option(
         "--noise", help='Standard deviation of the sensor, in units of y, or "unknown".'
     ),
@@ -88,7 +89,7 @@ def plant_options(command: Callable[..., None]) -> Callable[..., None]:
 @as_json_option
 def design(
     *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **options: Any
-) -> None:
+) -> int:
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
@@ -96,10 +97,11 @@ def design(
     "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a .csv, .mat or .npz
     file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
     What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
-    with --assume.
+    with --assume. Where u = 0 leaves a smaller error than the controller, the status is 1.
     """
     found = designed(**_known(**options), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+    return _status(found)
 
 
 @click.command("tune")
@@ -118,7 +120,7 @@ def design(
 def tune_command(
     *, budget: int, held_out: int, seed: int, store: Path | None, workers: int | None,
     output: Path | None, picture: Path | None, as_json: bool, **options: Any,
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """From a plant to a controller as rcac design, with settings found by trying.
 
     The best of many settings is judged on plants and noise that chose nothing; those of rcac design
@@ -133,6 +135,12 @@ def tune_command(
         if line is not None:
             line.end()
     show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+    return _status(found.design)
+
+
+def _status(found: Design) -> int:
+    """That of a no where the controller is worse than none."""
+    return NO if found.verdict.is_worse_than_none else DONE
 
 
 def _known(
@@ -214,6 +222,8 @@ def at_a_terminal() -> bool:
 def _numbers(name: str, text: str) -> float | tuple[float, ...]:
     """A number, or two between commas."""
     option = f"--{name.replace('_', '-')}"
+    if name == "disturbance" and text.strip() == "none":
+        return 0.0
     try:
         values = tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -221,6 +231,7 @@ def _numbers(name: str, text: str) -> float | tuple[float, ...]:
     if len(values) != (1 if name in ("disturbance", "noise") else 2):
         form = "a number" if name in ("disturbance", "noise") else "LOW,HIGH"
         instead = f", or {ASKED[name][1]!r}" if name in ASKED else ""
+        instead += ', or "none"' * (name == "disturbance")
         raise InputError(f"{option} {text}: write {form}{instead}.")
     return values if len(values) > 1 else values[0]
 

@@ -17,7 +17,7 @@ from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays._wording import printable, shortened
 
 DONE = 0  # what was asked is answered
-NO = 1  # the answer is no: a verdict has changed, a log contradicts itself
+NO = 1  # the answer is no: a verdict has changed, a log contradicts itself, no control is better
 BAD_INPUT = 2  # what was given cannot be used, read, written or held in memory
 DIVERGED = 3  # a loop diverged that was not expected to
 UNSTABLE = 5  # the loop of a log is unstable
@@ -28,8 +28,8 @@ INTERRUPTED = 130  # as of any program that Ctrl-C ends: 128 + SIGINT
 CLOSED_PIPE = 141  # 128 + SIGPIPE: who read the output has seen enough
 
 EXIT_STATUS = """
-Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradicts itself); 2 bad
-input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; of
+Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradicts itself, a design
+is worse than u = 0); 2 bad input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; of
 rcac check 5 the loop is unstable, 6 poles were missed, 7 undecided; 130 interrupted; 141 the output
 was closed.
 """

@@ -43,7 +43,16 @@ from rcac_numeric.designing._reduced import (
 from rcac_numeric.designing._reference import MOST, Ladder, Reference, sensitivity_peak
 from rcac_numeric.designing._road import Knobs, settings_of
 from rcac_numeric.designing._simc import simc
-from rcac_numeric.designing._trials import FIXED, FULL, PID, RCAC, Trial, Trials, tail_rms
+from rcac_numeric.designing._trials import (
+    FIXED,
+    FULL,
+    PID,
+    RCAC,
+    Trial,
+    Trials,
+    tail_rms,
+    whole_rms,
+)
 from rcac_numeric.designing._truncation import Truncation, truncated
 from rcac_numeric.engine._batches import SimulationCase, simulate_many
 from rcac_numeric.engine._compatibility import AnyController
@@ -61,6 +70,7 @@ INTEGRATES = (
     "a step of u"
 )
 RESPONSE = 500  # steps of that response
+NONE = 1.005  # of the error without control: above it no control is better, to three digits
 LEFT = 0.7  # of the error without control: what is worth a word
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
@@ -152,15 +162,30 @@ class Verdict:
         RCAC beside the fixed controller.
     Ms : float
         Median peak of S with the adapted controllers on the nominal plant.
+    over_none : float or None
+        Rms of the error with that controller over the one with u = 0, on the nominal plant: over
+        the whole run or over its last quarter, whichever is larger, the geometric mean of the
+        held-out draws. None where the plant is unstable or integrates, or nothing acts on it.
     """
 
     use: str
     why: str
     rcac: Comparison
     Ms: float
+    over_none: float | None = None
+
+    @property
+    def is_worse_than_none(self) -> bool:
+        """Whether the error is larger with the controller than without any."""
+        return self.over_none is not None and self.over_none > NONE
 
     def __str__(self) -> str:
         name = "RCAC" if self.use == RCAC else "the fixed controller"
+        if self.is_worse_than_none:
+            return (
+                f"Use no controller: {name}, the better of the two, makes the rms error "
+                f"{self.over_none:.3g} times what it is with u = 0. {self.why}"
+            )
         return f"Use {name}: {self.why}"
 
 
@@ -290,10 +315,10 @@ def design(
         `identify_output_error` makes a model of an open loop, `identify_in_closed_loop` one of a
         closed loop, which an unstable plant needs. What it leaves of y is noise and disturbance
         unless they are given, and the gain is as uncertain as parts of the log disagree.
-    disturbance : "unknown", number or Signal
+    disturbance : "unknown", number, Signal or None
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
-        the size of one that is not known otherwise. It acts on every input; so do noise and
-        command on every output.
+        the size of one that is not known otherwise; 0 or None where there is none, and a command.
+        It acts on every input; so do noise and command on every output.
     noise : float, optional
         Standard deviation of the sensor noise, in units of y.
     command : Signal, optional
@@ -377,11 +402,11 @@ def design(
     options = {"saturation": saturation}
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     by_name = dict(zip(controllers, runs, strict=True))
+    verdict = verdict_of(evidence, trials)
     questions = _questions(basis, fixed, saturation)
-    questions += _what_is_left(model, expected, by_name[FIXED])
+    questions += _what_is_left(model, expected, by_name[FIXED], verdict)
     return Design(
-        plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=questions,
+        plant=servo, settings=settings, fixed=fixed, verdict=verdict, questions=questions,
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
@@ -438,12 +463,27 @@ def _basis_of(
             "that cancels the integrator: a mode that nothing moves. Take one without, such as "
             "pid('P') or fir(20)."
         )
-    reference = ladder.best() if own is None else reduced_reference(ladder, own)
+    reference = _reference_of(ladder, own)
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
     return _Basis(
         model, uncertain, expected, assumed, cases, reference, logged, blocked=ladder.blocked
     )
+
+
+def _reference_of(ladder: Ladder, own: Structure | None) -> Reference:
+    """The reference: that without limits, where its runs do not reach them; else one for them."""
+
+    def best(one: Ladder) -> Reference:
+        return one.best() if own is None else reduced_reference(one, own)
+
+    if ladder.saturation is None:
+        return best(ladder)
+    try:
+        free = best(ladder.without_limits())
+    except NoSolutionError:
+        return best(ladder)
+    return best(ladder) if ladder.reaches_limits(free.compensator) else free
 
 
 def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
@@ -524,17 +564,35 @@ def _range(saturation: Saturation | None) -> float:
     return float((saturation.high - saturation.low).min()) / 2
 
 
-def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
+def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Verdict:
     """RCAC where it is better than the fixed controller with confidence, and at no price.
 
     At no price: stable on the nominal plant and not less often on the others, and peaks of at most
     1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
-    plant are alike.
+    plant are alike. Of `trials` the controllers are run on the nominal plant beside u = 0.
     """
     found = compared(evidence, RCAC)
     nominal = next(t for t in evidence if t.controller == RCAC)
     use, why = _choice(nominal, found)
-    return Verdict(use, why, found, float(np.median(nominal.Ms)))
+    over = None if trials is None else _over_none(trials, use)
+    return Verdict(use, why, found, float(np.median(nominal.Ms)), over)
+
+
+def _over_none(trials: Trials, name: str) -> float | None:
+    """The error with a controller over that with u = 0, where that stays bounded."""
+    m = trials.plant.m
+    if not trials.plant.is_stable:
+        return None
+    still = FixedController(Compensator(np.zeros((1, m, m)), np.zeros((2, m, m))))
+    runs, free = (trials.nominal_runs(one) for one in (trials.controllers[name], still))
+    ratios = []
+    for size in (whole_rms, tail_rms):
+        sizes = np.array([[size(a), size(b)] for a, b in zip(runs, free, strict=True)])
+        if not sizes[:, 1].all():
+            return None
+        with np.errstate(divide="ignore"):
+            ratios.append(float(np.exp(np.mean(np.log(sizes[:, 0] / sizes[:, 1])))))
+    return max(ratios)
 
 
 def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comparison:
@@ -716,7 +774,9 @@ def _control_at_rest(model: DesignPlant, last: Array, is_known: bool) -> float:
     return asked - float(d) * is_known
 
 
-def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Question, ...]:
+def _what_is_left(
+    model: DesignPlant, expected: Expected, run: Run, verdict: Verdict
+) -> tuple[Question, ...]:
     """Where control cannot do its work: by the actuator, or at all."""
     found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
     limits = run.saturation
@@ -734,7 +794,7 @@ def _what_is_left(model: DesignPlant, expected: Expected, run: Run) -> tuple[Que
                 f"what lasts of r and d asks for u = {at_rest:.3g} at rest, which the actuator "
                 "cannot give: the error stays. Count u from the working point",
             ))  # fmt: skip
-    if model.is_stable:
+    if model.is_stable and not verdict.is_worse_than_none:
         still = Compensator(np.zeros((1, m, m)), np.zeros((2, m, m)))
         free = simulate(run.plant, FixedController(still), run.w)
         left = tail_rms(run) / (tail_rms(free) or 1.0)

@@ -188,8 +188,9 @@ def read_expected(
 
     Parameters
     ----------
-    disturbance : "unknown", number or Signal
-        A number is the size of one that is not known otherwise; in units of u.
+    disturbance : "unknown", number, Signal or None
+        A number is the size of one that is not known otherwise; in units of u. None, like 0: there
+        is none.
     noise : float or None
         Standard deviation of the sensor noise, in units of y.
     command : Signal or None
@@ -201,6 +202,10 @@ def read_expected(
         The number of inputs and of outputs.
     """
     assumed = []
+    if disturbance is None or (
+        not isinstance(disturbance, Signal | str) and not number(disturbance, "disturbance")
+    ):
+        disturbance = Step(0.0)
     signal = disturbance if isinstance(disturbance, Signal) else None
     if command is not None:
         instance_of(command, "command", Signal)
@@ -211,15 +216,13 @@ def read_expected(
             one.std * abs(f) if isinstance(one, WhiteNoise) else _size(f, one)
             for f, one in parts_of(signal)
         )
-        if not size and command is None:
-            raise InputError("the disturbance is zero and there is no command: nothing to control.")
     elif disturbance == UNKNOWN:
         assumed += ["disturbance", "size"]
         size = _assumed_size(noise, command, u_range, gain)
     elif isinstance(disturbance, str) or number(disturbance, "disturbance") <= 0:
         raise InputError(
             f"disturbance = {disturbance!r}: give a Signal such as Step(0.5), its size as a "
-            'positive number, in units of u, or "unknown".'
+            'positive number, in units of u, "unknown", or 0 where there is none.'
         )
     else:
         assumed.append("disturbance")
@@ -227,6 +230,12 @@ def read_expected(
     told = size
     if command is not None:
         size = max(size, _size(1.0, command) / gain)
+    if not size:
+        raise InputError(
+            f"the disturbance is zero and there is no command{' but 0' * (command is not None)}: "
+            "nothing to control. Give a command such as Step(1.0), in units of y, or the size of "
+            "what disturbs u."
+        )
     if noise is None:
         assumed.append("noise")
         noise = QUIET * gain * size

@@ -26,6 +26,7 @@ from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._expected import KINDS, Expected
 from rcac_numeric.designing._plants import DesignPlant, Variation, balanced
 from rcac_numeric.engine._batches import SimulationCase, simulate_many
+from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 
@@ -228,19 +229,9 @@ class Ladder:
         within a tenth of the least. Else of those that are the one whose u moves least is: linear
         theory knows nothing of what it does at a limit.
         """
-        draws = range(1 if self.expected.is_known else len(KINDS))
-        plants = [Variation(), *self.others]
-        ws = {one.noise: [self.expected.w(TRIED, LEARNING + i, one.noise) for i in draws]
-              for one in plants}  # fmt: skip
-        options, m = {"saturation": self.saturation}, self.plant.m
-        cases = [
-            SimulationCase(servo, FixedController(G_c), w, options)
-            for G_c in made
-            for servo, one in zip(map(self.plant.servo, plants), plants, strict=True)
-            for w in ws[one.noise]
-        ]
-        runs = simulate_many(cases, threads=1)
-        errors, moves = np.full((2, len(cases)), np.inf)
+        m = self.plant.m
+        runs = self._runs(made)
+        errors, moves = np.full((2, len(runs)), np.inf)
         for i, run in enumerate(runs):
             if run.outcome == "completed":
                 errors[i] = np.mean((run.z + run.w[:, -m:]) ** 2)
@@ -250,6 +241,32 @@ class Ladder:
         if near[:1].any():
             move[0] = -1.0
         return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
+
+    def _runs(self, made: Sequence[Compensator]) -> list[Run]:
+        """Each controller on the nominal plant and the others, for every draw, with the limits."""
+        draws = range(1 if self.expected.is_known else len(KINDS))
+        plants = [Variation(), *self.others]
+        ws = {one.noise: [self.expected.w(TRIED, LEARNING + i, one.noise) for i in draws]
+              for one in plants}  # fmt: skip
+        options = {"saturation": self.saturation}
+        cases = [
+            SimulationCase(servo, FixedController(G_c), w, options)
+            for G_c in made
+            for servo, one in zip(map(self.plant.servo, plants), plants, strict=True)
+            for w in ws[one.noise]
+        ]
+        return simulate_many(cases, threads=1)
+
+    def without_limits(self) -> Ladder:
+        """The same for an actuator without limits."""
+        return Ladder(self.plant, self.expected, others=self.others)
+
+    def reaches_limits(self, G_c: Compensator) -> bool:
+        """Whether a controller's u is ever cut on one of the plants, or such a run ends early."""
+        return any(
+            run.outcome != "completed" or bool((run.u != run.u_applied).any())
+            for run in self._runs([G_c])
+        )
 
     def best(self) -> Reference:
         """The controller of nearly the least error whose loop is robust, else the most robust one.

@@ -127,6 +127,13 @@ class Trials(Value):
         )
         return self.of((whole_rms(run), largest_error(run), sensitivity(run)) for run in runs)
 
+    def nominal_runs(self, controller: AnyController) -> tuple[Run, ...]:
+        """Runs of another controller on the first plant, with the same draws."""
+        first = self.variations[0]
+        servo, options = self.plant.servo(first), {"saturation": self.saturation}
+        ws = [self.expected.w(self.steps, self.first + i, first.noise) for i in range(self.seeds)]
+        return tuple(simulate_many([SimulationCase(servo, controller, w, options) for w in ws]))
+
     def _case(self, servo: Plant, controller: str, w: Array) -> SimulationCase:
         options = {"stride": self.steps, "saturation": self.saturation}
         return SimulationCase(servo, self.controllers[controller], w, options)

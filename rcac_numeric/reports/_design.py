@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from rcac_numeric.designing._design import ADAPTED, Design, compared
+from rcac_numeric.designing._design import ADAPTED, Design, Verdict, compared
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
-from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._loop import poles_reached
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 
 def design_sheet(design: Design) -> Sheet:
@@ -18,7 +19,7 @@ def design_sheet(design: Design) -> Sheet:
     rcac = verdict.rcac
     lines = [Text(no_room, "bad")] if (no_room := design.no_room) else []
     lines += [
-        Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
+        Text(str(verdict), _level(verdict)),
         Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
     ]
     if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
@@ -42,6 +43,7 @@ def design_sheet(design: Design) -> Sheet:
         Text(f"Assumed: {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
     ]
     if verdict.use == RCAC:
+        lines += poles_reached(design.runs[RCAC], design.health)
         lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
     return Sheet(
         "From a plant to a controller",
@@ -50,6 +52,12 @@ def design_sheet(design: Design) -> Sheet:
         health=tuple(lines),
         sections=(_verdict(design), _evidence(design), _reasons(design), _alternatives(design)),
     )
+
+
+def _level(verdict: Verdict) -> Level:
+    if verdict.is_worse_than_none:
+        return "bad"
+    return "good" if verdict.use == RCAC else "plain"
 
 
 def _verdict(design: Design) -> Section:

@@ -32,6 +32,9 @@ from rcac_numeric.reports._sheet import (
     rounded,
 )
 
+# The backward error that needs no word beside "reached", and the one that is no small one.
+EXACTLY, NEARLY = 1e-3, 1e-2
+
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:
     """Stability, every warning with its remedy, then sizes of signals, margins and excitation."""
@@ -229,10 +232,13 @@ def missed_poles(c: ExactComparison | None, structure: Structure | None = None) 
     """The line that a report begins with where poles asked for are not reached.
 
     `ExactComparison.is_reached` decides. What no theta of the structure places is no fault of the
-    run.
+    run. Poles that are reached, but not to the digits that anybody would print, are said with how
+    far they are off.
     """
-    if c is None or not (missed := c.missed):
+    if c is None:
         return ()
+    if not (missed := c.missed):
+        return _nearly_reached(c)
     words = ", ".join(
         f"{complex_list([a])} by {abs(a - b):.2g} (the loop has {complex_list([b])})"
         for a, b in missed[:4]
@@ -247,6 +253,32 @@ def missed_poles(c: ExactComparison | None, structure: Structure | None = None) 
         return (Text(f"{why}{count} are missed, {words}{more}.", "warning"),)
     changed = f"The closed-loop polynomial differs by {c.backward_error:.2g} of itself"
     return (Text(f"NOT reached: {count} are missed, {words}{more}. {changed}.", "bad"),)
+
+
+def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
+    """The number beside "reached", where it is no number of rounding or of a short run."""
+    if not c.target_poles.any() or not c.judged or c.backward_error <= EXACTLY:
+        return ()
+    asked, found = max(c.judged, key=lambda pair: abs(pair[0] - pair[1]))
+    off, change = abs(asked - found), 100 * c.backward_error
+    passes = (
+        f"up to {100 * REACHED:g} % counts as reached"
+        if c.backward_error <= REACHED
+        else f"and poles that are off by no more than {NEAR:g} count as reached"
+    )
+    words = (
+        f"Poles reached within a backward error of {change:.2g} %: the closed-loop polynomial "
+        f"differs by so much of itself at the worst frequency, {passes}. Largest pole error "
+        f"{off:.2g}, at {complex_list([asked])} (the loop has {complex_list([found])})."
+    )
+    return (Text(words, "warning" if c.backward_error > NEARLY else "plain"),)
+
+
+def poles_reached(run: Run, health: LoopHealth) -> tuple[Text, ...]:
+    """How near a run's last controller comes to the poles of its target, where they are reached."""
+    found = LoopAnalysis(run)
+    comparison = None if health.is_held or found.obstacle else _or_none(found)
+    return () if comparison is None or comparison.missed else missed_poles(comparison)
 
 
 def reached_facts(c: ExactComparison) -> tuple[Fact, ...]:
@@ -312,7 +344,7 @@ def comparison_sheet(c: ExactComparison) -> Sheet:
     """A compensator beside the exact prediction: stability, missed poles, the numbers."""
     radius = float(np.abs(c.poles).max(initial=0.0))
     is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
-    health = (stability_line(is_stable, radius), *missed_poles(c))
+    health = (*missed_poles(c), stability_line(is_stable, radius))
     return Sheet(
         "The loop beside the exact prediction", health=health, sections=(comparison_section(c),)
     )

@@ -5,6 +5,7 @@ import pytest
 
 from rcac_numeric import (
     Compensator,
+    ControllerLog,
     Step,
     TargetModel,
     check_controller,
@@ -119,3 +120,25 @@ def test_a_design_with_dead_time_has_no_false_warning():
     found = design("1.7/(55*s+1)", sample_time=3.0, dead_time=12.0, disturbance=Step(0.4),
                    noise=0.02, seeds=1, steps=600)  # fmt: skip
     assert not found.health.warnings
+
+
+@pytest.mark.parametrize("d", [0.0, 1e-6, 0.004, 0.012, 0.02])
+@pytest.mark.parametrize("p", [-0.5, 0.0, 0.5])
+def test_poles_that_are_reached_nearly_are_said_with_the_number_first(p, d):
+    """As above: one of two simple poles is moved inwards by d."""
+    plant, rest = standard_plant("1/(q - 1/2)"), 0.3
+    moved = p - d if p > 0 else p + d
+    P = moved + rest - 0.5
+    c = Compensator(past_u=[[[P]]], past_y=[[[0.0]], [[0.5 * P - moved * rest]]])
+    target = pole_placement_target(plant, [f"{p}", f"{rest}"])
+    found = compare_exactly(plant, c, target)
+    assert found.is_reached
+    u, y = np.zeros((50, 1)), np.zeros((50, 1))
+    log = ControllerLog(u=u, y=y, D_c=c.denominator, N_c=c.numerator)
+    check = check_controller(log, plant=plant, target=target)
+    for report in (found.report(), check.report()):
+        first = next(line for line in report.splitlines()[:3] if "oles" in line or "stable" in line)
+        number = f"{100 * found.backward_error:.2g} %"
+        assert ("reached within" in first and number in first) == (found.backward_error > 1e-3)
+        if d > 1e-3:
+            assert f"error {d:.2g}" in " ".join(report.split())
