@@ -29,9 +29,9 @@ CLOSED_PIPE = 141  # 128 + SIGPIPE: who read the output has seen enough
 
 EXIT_STATUS = """
 Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradicts itself, a design
-is worse than u = 0); 2 bad input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; of
-rcac check 5 the loop is unstable, 6 poles were missed, 7 undecided; 130 interrupted; 141 the output
-was closed.
+is worse than u = 0); 2 bad input, or what cannot be read or written; 3 a loop diverged
+unexpectedly; 4 a defect of rcac; of rcac check 5 the loop is unstable, 6 poles were missed, 7
+undecided; 130 interrupted; 141 the output was closed.
 """
 # What errors tell a reader of Python to do, and what does the same at the shell.
 AT_THE_SHELL = {

@@ -409,7 +409,7 @@ def test_a_design_pickles_and_draws():
     [
         ({"noise": -1.0}, "negative"),
         ({"disturbance": "steps"}, "Signal such as"),
-        ({"disturbance": 0}, "positive"),
+        ({"disturbance": -1.0}, "positive"),
         ({"disturbance": Step(0.0)}, "nothing to control"),
         ({"u_limits": (1.0,)}, "low, high"),
         ({"command": 3.0}, "Signal"),

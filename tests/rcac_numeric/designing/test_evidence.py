@@ -1,4 +1,4 @@
-"""What a design owes its user: no controller where none is better, and limits that are no limits."""
+"""No controller where none is better, limits that are never reached, and no disturbance."""
 
 import numpy as np
 import pytest
