@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import ContextDecorator, contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import ContextDecorator, contextmanager, suppress
+from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 
 from compensator_theory.errors import InputError
 
@@ -55,6 +57,36 @@ def require_library(library: str) -> None:
     """
     if find_spec(library) is None:
         raise InputError(_missing(library))
+
+
+def absent(name: str, *packages: ModuleType) -> AttributeError:
+    """The error of the first package for a name that it has not: where it is, if it is anywhere.
+
+    Examples
+    --------
+    >>> import compensator_theory
+    >>> from compensator_theory.libraries import absent
+    >>> print(absent("tustin", compensator_theory))
+    module 'compensator_theory' has no attribute 'tustin'; it is compensator_theory.sampling.tustin
+    """
+    found = None if name.startswith("_") else next(_places(name, packages), None)
+    hint = "" if found is None else f"; it is {found}.{name}"
+    return AttributeError(f"module {packages[0].__name__!r} has no attribute {name!r}{hint}")
+
+
+def _places(name: str, packages: Iterable[ModuleType]) -> Iterator[str]:
+    """The packages and their public namespaces that have a name."""
+    for package in packages:
+        if name in package.__all__:
+            yield package.__name__
+        for space in package.__all__:
+            path = f"{package.__name__}.{space}"
+            if space.islower() and find_spec(path) is not None:
+                with suppress(ImportError, InputError):  # a library that only this one needs
+                    module = import_module(path)
+                    own = getattr(getattr(module, name, None), "__module__", None) == path
+                    if name in getattr(module, "__all__", ()) or own:
+                        yield path
 
 
 def _missing(library: str) -> str:

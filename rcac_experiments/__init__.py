@@ -18,4 +18,14 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""
     if name == "__version__":
         return _exact.__version__
-    return _public(name)
+    try:
+        return _public(name)
+    except AttributeError:
+        if name in __all__:
+            raise
+    import sys
+
+    import rcac_numeric
+    from compensator_theory.libraries import absent
+
+    raise absent(name, sys.modules[__name__], rcac_numeric, _exact)

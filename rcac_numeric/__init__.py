@@ -16,4 +16,13 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""
     if name == "__version__":
         return _exact.__version__
-    return _public(name)
+    try:
+        return _public(name)
+    except AttributeError:
+        if name in __all__:
+            raise
+    import sys
+
+    from compensator_theory.libraries import absent
+
+    raise absent(name, sys.modules[__name__], _exact)

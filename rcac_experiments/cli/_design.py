@@ -22,12 +22,12 @@ from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
 from rcac_experiments.sweeps._progress import ProgressLine
 from rcac_experiments.sweeps._tuning import Tuned, tune
-from rcac_numeric.checks._logs import read_log
+from rcac_numeric.checks._logs import ControllerLog, read_log
 from rcac_numeric.controllers._kinds import fir, fir_integrator, pid
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._design import Design
 from rcac_numeric.designing._design import design as designed
-from rcac_numeric.designing._plants import Uncertainty
+from rcac_numeric.designing._plants import Uncertainty, read_plant
 from rcac_numeric.reports._design import design_sheet
 from rcac_numeric.signals._data_files import read_variables
 from rcac_numeric.signals._waveforms import Step
@@ -161,6 +161,9 @@ def _known(
         known["plant"] = read_case(plant, "standard")[0]
     else:
         known["plant"] = read_log(plant)
+    late = _dead_time(dead_time)
+    if not isinstance(known["plant"], ControllerLog):  # what cannot be read is said before asking
+        read_plant(known["plant"], known["sample_time"], late)
     given = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
     missing = [name for name, value in given.items() if value is None and name not in known]
     if missing and not assume:
@@ -179,7 +182,7 @@ def _known(
             known[name] = _numbers(name, value)
     if height is not None:
         known["command"] = Step(height)
-    return known | {"dead_time": _dead_time(dead_time)}
+    return known | {"dead_time": late}
 
 
 def _dead_time(text: str) -> float | list[list[float]]:

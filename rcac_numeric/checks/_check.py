@@ -29,6 +29,7 @@ from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks._regressor import require_fit
 from rcac_numeric.checks._replays import ControlReplay, replay, replay_compensator
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
+from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._structure import Structure
@@ -81,6 +82,8 @@ class ControllerCheck(Result):
         with its own plant.
     decision : Decision or str or None
         Which problem the log is of, where that was to be decided; a text says why it could not be.
+    is_fixed : bool
+        Whether the controller is one that does not adapt: given as a compensator, or a run's.
     unanswered : mapping
         From what could not be answered to the reason.
     """
@@ -104,6 +107,7 @@ class ControllerCheck(Result):
     unanswered: dict[str, str] = field(default_factory=dict)
     plant_residual: PlantResidual | None = None
     decision: Decision | str | None = None
+    is_fixed: bool = False
 
     @property
     def is_undecided(self) -> bool:
@@ -132,7 +136,7 @@ class ControllerCheck(Result):
         return self.report()
 
     def __repr__(self) -> str:
-        verdict = "consistent" if self.is_consistent else "u is not the output of theta"
+        verdict = "consistent" if self.is_consistent else "u is not the controller's output"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
         return f"ControllerCheck({verdict}, {loop}, {len(self.unanswered)} unanswered)"
 
@@ -220,6 +224,8 @@ def check_controller(
     """
     plant = None if plant is None else linear_plant(plant)
     knows_its_plant = isinstance(u, Run) and plant is None
+    is_fixed = isinstance(u.settings, FixedController) if isinstance(u, Run) else False
+    is_fixed |= compensator is not None
     if isinstance(u, Run):
         own = arguments_of_run(u)
         u = own["log"]
@@ -236,7 +242,7 @@ def check_controller(
         integer(k_w, "k_w")
     fixed = fixed_compensator(log, structure, compensator)
     _require_bounded(log, fixed)
-    check = ControllerCheck(log, structure, fixed, plant, target)
+    check = ControllerCheck(log, structure, fixed, plant, target, is_fixed=is_fixed)
     used = None if compensator is not None else structure
     if compensator is None and (log.theta is None or structure is None):
         k_w = None  # polynomials of a log are those that it ended with

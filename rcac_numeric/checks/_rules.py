@@ -17,6 +17,7 @@ from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.checks._trials import what_places_them
+from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
 from rcac_numeric.engine._runs import Run
@@ -78,7 +79,33 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
         warnings += [_of_target(error) for error in errors]
     warnings += [_of_target(error) for error in directed]  # what hides from z is said in any case
     warnings = _with_road(warnings, found)
+    if isinstance(run.settings, FixedController):
+        warnings = [_of_fixed(warning) for warning in warnings]
     return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))
+
+
+# What there is to change of a controller that does not adapt: it has no R_theta, no k_w, no G_f.
+OTHER = "another controller: design(plant), lqg(plant), or a smaller gain of this one"
+OF_A_FIXED_ONE = {
+    "diverged": f"its sign, u = G_c y; then {OTHER}",
+    "unstable": f"its sign, u = G_c y, and the plant's; then {OTHER}",
+    "large transient": f"a saturation of u, handed over as u_applied; then {OTHER}",
+    "large control": f"a saturation of u, handed over as u_applied; then {OTHER}",
+    "worse than without control": f"its sign, u = G_c y; then {OTHER}",
+    "small margins": OTHER,
+    "costly": "lqg(plant), whose cost it is measured by",
+    "saturated": "smaller commands or a stronger actuator; a smaller gain",
+    "slow": "more steps; a controller with faster closed-loop poles",
+    "inconsistent log": "its transfer function and sign, u = G_c y, what it reads, and the columns "
+    "of the log",
+}
+
+
+def _of_fixed(warning: HealthWarning) -> HealthWarning:
+    """The same of a controller that does not adapt: what can be done about it is another thing."""
+    interrupted = warning.next_step in (OUTCOMES["interrupted"], "correct the function that failed")
+    step = warning.next_step if interrupted else OF_A_FIXED_ONE.get(warning.code)
+    return warning if step is None else replace(warning, next_step=step)
 
 
 # Where settings that begin at theta = 0 went wrong, and the plant is known.
@@ -138,6 +165,8 @@ def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[Healt
         ))  # fmt: skip
     if check.drift is not None and check.drift.relative > UNSETTLED:
         found.append(_unsettled(check.drift.relative))
+    if check.is_fixed:
+        found = [_of_fixed(warning) for warning in found]
     return tuple(sorted(found, key=lambda warning: not warning.is_grave))
 
 
@@ -171,10 +200,11 @@ def _transients(health: LoopHealth, run: Run, remedies: list[str]) -> Iterator[H
         return
     from_outside = max(_peak(run.w), _peak(run.x_0), z.before.peak if z.before else 0.0)
     scale = max(from_outside, z.late.peak, health.free.peak if health.free else 0.0)
+    when = "Under control" if isinstance(run.settings, FixedController) else "While theta adapted"
     if scale and z.after.peak > TRANSIENT * scale:
         yield HealthWarning(
             "large transient",
-            f"While theta adapted |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
+            f"{when} |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
             "all that acts on the loop or is left at its end.",
             _or(remedies, SOFTER, "a saturation of u, handed over as u_applied"),
             is_grave=z.after.peak > GRAVE * scale or not _ends_well(health),

@@ -106,7 +106,8 @@ def _log(check: ControllerCheck) -> Section:
         blocks.append(Text(str(drift), "plain" if drift.is_converged else "bad"))
         record["drift"] = {n: getattr(drift, n) for n in ("is_converged", "relative", "start")}
     if not check.is_consistent:
-        words = "What follows is about theta; the logged u came from something else."
+        what = "theta" if replay is None or check.structure is not None else replay.of
+        words = f"What follows is about {what}; the logged u came from something else."
         blocks.append(Text(words))
     return Section(blocks=tuple(blocks), record=record)
 

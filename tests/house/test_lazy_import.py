@@ -1,7 +1,9 @@
 """Importing the package is cheap; its names arrive on demand."""
 
+import pkgutil
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
@@ -62,3 +64,21 @@ def test_no_submodule_shadows_a_function(first):
         "assert all(callable(getattr(s, n)) or s is c for s, n in names)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("package", ["compensator_theory", "rcac_numeric", "rcac_experiments"])
+def test_a_name_that_stands_in_a_namespace_is_found_from_the_package(package):
+    """`compensator_theory.tustin` names compensator_theory.sampling.tustin."""
+    module = import_module(package)
+    known = set(module.__all__)
+    places = {n.rpartition(".")[2]: n for n in public_objects("compensator_theory")}
+    inner = [name for name in public_objects(package) if "." in name] or ["sampling.tustin"]
+    for name in (one.rpartition(".")[2] for one in [*inner, *places]):
+        if name in known or name in vars(module):  # a folder that was imported is an attribute
+            continue
+        with pytest.raises(AttributeError, match=rf"it is [\w.]+\.{name}$") as caught:
+            getattr(module, name)
+        told = str(caught.value).rpartition(" ")[2]
+        assert pkgutil.resolve_name(":".join(told.rsplit(".", 1))) is not None
+    with pytest.raises(AttributeError, match=r"has no attribute 'nowhere'$"):
+        getattr(module, "now" + "here")

@@ -54,6 +54,47 @@ def test_at_a_terminal_it_is_asked(monkeypatch):
     assert "noise: 0.00" in result.output and "u_limits" not in result.output
 
 
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("2/(10 s+1)",), "spell products out"),
+        (("1/(8*s + 1)",), "sample_time"),
+        (("1/(q - 1",), "cannot read"),
+        ((*LAG[:-1], "1, x"), "--dead-time"),
+        (("nowhere.toml",), "nowhere.toml"),
+    ],
+)
+def test_what_cannot_be_read_is_said_before_anything_is_asked(
+    arguments, words, terminal, monkeypatch
+):
+    monkeypatch.setattr(command, "at_a_terminal", lambda: terminal)
+    result = run(*arguments)
+    assert result.exit_code == 2 and words in result.stderr
+    assert "Size of" not in result.output and "not given" not in result.stderr
+
+
+@pytest.mark.parametrize("said", ["none", "0"])
+def test_no_disturbance_can_be_said(said):
+    given = ("--noise", "0.01", "--u-limits", "none", "--seeds", "1", "--command", "1")
+    result = run(*LAG, "--disturbance", said, *given)
+    assert result.exit_code == 0, result.output
+    assert "Assumed: disturbance" not in result.output
+    nothing = run(*LAG, "--disturbance", said, *given[:-2])
+    assert nothing.exit_code == 2 and "nothing to control" in nothing.stderr
+
+
+def test_where_no_control_is_better_the_status_is_1(tmp_path):
+    file = tmp_path / "square.toml"
+    values = ", ".join(["1.0, 1.0, -1.0, -1.0"] * 1000)
+    file.write_text(
+        '[plant]\nproblem = "servo"\nG = "0.5/(q**3*(q - 0.5))"\n'
+        f"[signals]\nd = {{ recorded = [{values}] }}\nv = {{ white_noise = 0.01 }}\n"
+    )
+    result = run(file, "--u-limits", "none", "--seeds", "1")
+    assert result.exit_code == 1 and "Use no controller" in result.output, result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

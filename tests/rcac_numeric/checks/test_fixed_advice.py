@@ -1,0 +1,83 @@
+"""A controller that does not adapt gets no advice about what adapts."""
+
+import re
+
+import numpy as np
+import pytest
+
+from rcac_numeric import (
+    UD,
+    Compensator,
+    ControllerSettings,
+    FixedController,
+    Saturation,
+    Step,
+    WhiteNoise,
+    check_controller,
+    exogenous,
+    fir_target,
+    iir,
+    loop_health,
+    simulate,
+    standard_plant,
+)
+from rcac_numeric.checks._rules import OF_A_FIXED_ONE
+
+OF_ADAPTATION = re.compile(r"R_theta|k_w|n_c|k_c|lambda|theta|G_f|\bH\b|d_zu|target|R_u|dither")
+PLANTS = (
+    "1/(q - 2)",
+    "0.1/(q - 0.999)",
+    "(q - 1.5)/(q*(q - 0.5))",
+    "1/(q**3*(q - 0.9))",
+    "0.01/(q-1)",
+)
+GAINS = (-1.5, 0.0, 0.4)
+CASES = [(G, gain) for G in PLANTS for gain in GAINS]
+
+
+def loop_of(G, gain, steps=300, saturation=None):
+    c = Compensator(past_u=np.zeros((1, 1, 1)), past_y=[[[0.0]], [[gain]]])
+    w = exogenous([Step(1.0) + WhiteNoise(0.01)], steps)
+    return c, simulate(standard_plant(G), FixedController(c), w, saturation=saturation)
+
+
+def said(found):
+    return [(one.code, one.sentence, one.next_step) for one in loop_health(found).warnings]
+
+
+def every_warning():
+    for G, gain in CASES:
+        c, run = loop_of(G, gain)
+        yield from said(run)
+        yield from said(loop_of(G, gain, 30, Saturation(low=-0.1, high=0.1))[1])
+        u, y = run.u[np.abs(run.u[:, 0]) < 1e9], run.y[np.abs(run.u[:, 0]) < 1e9]
+        for wrong in (1.0, 1.1):
+            log = check_controller(u * wrong, y, compensator=c, plant=standard_plant(G))
+            yield from said(log)
+            assert "about theta" not in log.report()
+
+
+@pytest.mark.costly
+def test_nothing_that_is_said_of_a_fixed_controller_speaks_of_adaptation():
+    seen = set()
+    for code, sentence, step in every_warning():
+        seen.add(code)
+        assert code in OF_A_FIXED_ONE, (code, step)
+        assert not OF_ADAPTATION.search(step), (code, step)
+        assert not OF_ADAPTATION.search(sentence), (code, sentence)
+    assert seen >= {"unstable", "slow", "inconsistent log", "saturated"}
+
+
+def test_an_adapting_one_still_gets_it():
+    plant = standard_plant("(q - 1.5)/(q*(q - 0.5))")
+    settings = ControllerSettings(
+        structure=iir(2), target=fir_target(standard_plant("-1/q")), update=UD(R_theta=1e-8)
+    )
+    run = simulate(plant, settings, exogenous([Step(1.0)], 200))
+    steps = " ".join(step for _, _, step in said(run))
+    assert "R_theta" in steps
+
+
+@pytest.mark.parametrize("code", sorted(OF_A_FIXED_ONE))
+def test_every_remedy_of_the_table_is_for_a_fixed_one(code):
+    assert not OF_ADAPTATION.search(OF_A_FIXED_ONE[code])
