@@ -11,7 +11,7 @@ from compensator_theory.bezout._sylvester import holds_while_degrees_do
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._budget import ask
-from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
 
 
@@ -112,7 +112,7 @@ def cauchy_index(
     if D.is_zero:
         raise InputError("the denominator is zero")
     if not (is_rational(N) and is_rational(D)):
-        raise InputError("the Cauchy index needs rational coefficients; substitute numbers")
+        raise InputError(f"the Cauchy index needs rational coefficients; {way_to_rational(N, D)}")
     rest = N.rem(D)  # the polynomial part has no jumps
     if rest.is_zero:
         return 0

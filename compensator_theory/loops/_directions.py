@@ -13,7 +13,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, listed, quoted, shown
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
@@ -74,11 +74,13 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
 
 def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
     """G(z0) over the Gaussian rationals."""
-    if not all(map(is_rational, (G.denominator, *(e for row in G.numerators for e in row)))):
-        raise InputError(f"a direction at {z0} needs rational coefficients; substitute numbers")
+    parts = (G.denominator, *chain(*G.numerators))
+    if not all(map(is_rational, parts)):
+        raise InputError(
+            f"a direction at {z0} needs rational coefficients, and those of {quoted(G)} are not; "
+            f"{way_to_rational(*parts)}"
+        )
     point = QQ_I.from_sympy(z0)
-    if not all(map(is_rational, (G.denominator, *chain(*G.numerators)))):
-        raise InputError(f"{quoted(G)} has coefficients that are not rational; substitute numbers")
 
     def at(polynomial: Poly) -> DomainElement:
         value = QQ_I.zero

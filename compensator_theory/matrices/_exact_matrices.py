@@ -54,6 +54,7 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     >>> exact_matrix([[0.1, "a"]], "A")
     Matrix([[1/10, a]])
     """
+    value = _in_rows(value, name)
     if (read := _read_at_once(value, name)) is not None:
         return read
     rows, shape = _rows_of(value, name)
@@ -64,6 +65,18 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     found = ImmutableMatrix(*shape, flat)
     kept = symbolic_matrix(found)
     return found if kept is None else kept
+
+
+def _in_rows(value: Any, name: str) -> Any:
+    """A flat B as a column and a flat C as a row, as in a system (A, B, C)."""
+    is_flat = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
+    if name not in ("B", "C") or not is_flat:
+        return value
+    entries = [*value]
+    if not entries or any(hasattr(e, "__len__") and not isinstance(e, str) for e in entries):
+        return value
+    ask("entries", len(entries), f"the matrix {name}")
+    return [[entry] for entry in entries] if name == "B" else [entries]
 
 
 def _read_at_once(value: Any, name: str) -> KeptMatrix | None:

@@ -339,7 +339,7 @@ def _product(work: RationalFunctions, factors: Sequence[Numerators]) -> Immutabl
     for other in others:
         found, below = multiplied_grids(work, found, other.grid()), below * other.below
     flat = [x for row in found for x in row]
-    return of_numerators(work, flat, below, (len(found), len(found[0])))
+    return of_numerators(work, flat, below, (first.rows, factors[-1].columns))
 
 
 def multiplied_grids(work: RationalFunctions, left: Grid, right: Grid) -> Grid:

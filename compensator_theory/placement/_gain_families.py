@@ -260,7 +260,10 @@ def state_feedback_family(
     [ 0, -4, -7]])
     """
     if (poles is None) == (Lambda is None):
-        raise InputError("give either the poles or Lambda=, the matrix that A + BK is similar to")
+        raise InputError(
+            "give either the poles or, as Lambda= to state_feedback_family, the matrix that A + BK "
+            "is similar to"
+        )
     form = brunovsky_form(A, B)
     n = form.A.rows
     wanted = None if Lambda is None else exact_matrix(Lambda, "Lambda")

@@ -186,7 +186,10 @@ def _goal(
 ) -> tuple[Poly, tuple[Expr, ...] | None]:
     """Return the monic target, and its roots if a list of them was given."""
     if (target is None) == (coefficients is None):
-        raise InputError("give either the target (a polynomial or a list of roots) or polynomial=")
+        raise InputError(
+            "give either the target (a polynomial or a list of roots) or, as polynomial= to "
+            "place_poles, its coefficients"
+        )
     roots = None
     if coefficients is not None:
         goal = read_polynomial(coefficients, G.variable)

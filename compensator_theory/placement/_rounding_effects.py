@@ -15,7 +15,7 @@ from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._budget import quoted
 from compensator_theory.polynomials._numbers import exact_number
-from compensator_theory.polynomials._poly import canonical, is_rational, monic
+from compensator_theory.polynomials._poly import canonical, is_rational, monic, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import is_discrete, time_of
 from compensator_theory.roots._certified import Root, certified_roots, root_balls
@@ -128,7 +128,10 @@ def rounding_effect(
 def rounded_polynomial(poly: Poly) -> Poly:
     """Round every coefficient to float64 and return the exact polynomial that results."""
     if not is_rational(poly):
-        raise InputError(f"{quoted(poly)} has symbols in it; substitute numbers before rounding")
+        raise InputError(
+            f"{quoted(poly)} has coefficients that are not rational; {way_to_rational(poly)} "
+            "before rounding"
+        )
     try:
         coefficients = [int(c.p) / int(c.q) for c in poly.all_coeffs()]
     except OverflowError as error:

@@ -25,6 +25,7 @@ from compensator_theory.polynomials._quotients import (
     multiplied_out,
 )
 from compensator_theory.polynomials._sympy_trees import (
+    DEAD_TIME,
     indexed_root,
     real_power,
     square_root,
@@ -258,10 +259,7 @@ class _Reader:
         if before and before.kind == found.kind == "number":
             hint = "put commas between several numbers"
         elif before and before.text == "exp" and found.text == "(":
-            hint = (
-                "a dead time is given apart: as dead_time= to design, sampled as 1/q**d, or as a "
-                "list of polynomials to stability_delays"
-            )
+            hint = DEAD_TIME
         elif before and before.kind == "name" and found.text == "(":
             hint = f"{before.text} is no function that is known here; {hint}"
         raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; {hint}")

@@ -19,6 +19,7 @@ from compensator_theory.polynomials._multivariate import common_divisor_by_flint
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._sympy_trees import (
+    DEAD_TIME,
     by_powers,
     irrational_parts,
     require_small_field,
@@ -258,6 +259,24 @@ def is_rational(poly: Poly) -> bool:
     return bool(require_poly(poly).domain.is_QQ)
 
 
+def way_to_rational(*parts: Poly) -> str:
+    """What to do where coefficients are no rational numbers: they have symbols, or are irrational.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials._poly import way_to_rational
+    >>> way_to_rational(polynomial("s + a*sqrt(2)", "s"))
+    'substitute numbers for a'
+    >>> way_to_rational(polynomial("s + sqrt(2)"))
+    'give rational numbers close to the irrational ones'
+    """
+    names = sorted({symbol.name for part in parts for symbol in part.free_symbols_in_domain})
+    if names:
+        return f"substitute numbers for {', '.join(names)}"
+    return "give rational numbers close to the irrational ones"
+
+
 def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
     """Return numerator and denominator of a quotient as polynomials, common factors kept.
 
@@ -274,7 +293,10 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
         return sides
     top, bottom = (by_powers(side, variable) for side in quotient.sides())
     if top is None or bottom is None:
-        raise InputError(f"{quoted(quotient.value())} is no quotient of polynomials in {variable}")
+        raise InputError(
+            f"{quoted(quotient.value())} is no quotient of polynomials in {variable}"
+            f"{_dead_time_in(quotient.value(), variable)}"
+        )
     return _from_powers(top, variable), _from_powers(bottom, variable)
 
 
@@ -302,9 +324,16 @@ def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
         if rest.is_zero:
             return canonical(exact)
     raise InputError(
-        f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one; give "
-        "numerator and denominator of a rational function separately"
+        f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one; of a "
+        "rational function give the numerator or the denominator"
+        f"{_dead_time_in(reduced.value(), variable)}"
     )
+
+
+def _dead_time_in(value: Expr, variable: Symbol) -> str:
+    """The way on where an exponential of the variable stands for a dead time; else nothing."""
+    delays = [one for one in value.atoms(sympy.exp) if variable in one.free_symbols]
+    return f"; {DEAD_TIME}" if delays else ""
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:

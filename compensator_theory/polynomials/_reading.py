@@ -91,7 +91,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     if variable is None:
         raise InputError(
             f"the variable of a list of {len(coefficients)} coefficients is not evident; name it, "
-            "as in variable='s', polynomial(..., 's') or transfer_function(..., 's')"
+            "as in polynomial(..., 's') or transfer_function(..., 's')"
         )
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):

@@ -89,7 +89,8 @@ def with_values(
             f"{variable} is the variable of {whole}; a transfer function is called for a value, "
             "as in G(1), and compose(...) puts another one in its place"
         )
-    require_names(names, names_in(whole) - {variable.name}, whole)
+    if value is not None:  # of many, as SymPy has it, those that do not occur change nothing
+        require_names(names, names_in(whole) - {variable.name}, whole)
     if any(variable in number.free_symbols for number in given.values()):
         raise InputError(f"a value contains {variable}, the variable of {whole}")
     unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
@@ -97,7 +98,7 @@ def with_values(
 
 
 def require_names(names: Set[str], known: Set[str], whole: object) -> None:
-    """Refuse values for symbols that do not occur.
+    """Refuse a value for a symbol that does not occur.
 
     Examples
     --------

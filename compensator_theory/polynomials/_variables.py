@@ -202,18 +202,19 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     """
     if variable is not None:
         return as_symbol(variable)
+    parts = [*parts]
     known = [part for part in parts if part is not None]
     expressions = [part for part in known if not isinstance(part, Poly)]
     fixed = {part.gen for part in known if isinstance(part, Poly)}
     occurring = fixed.union(*(part.free_symbols for part in expressions))
-    what = _Names(known)
+    what = _Names([*known] if len(known) == len(parts) else [None, *known])
     found = evident_variable(occurring, what, fixed)
     for part in expressions:
         if part.free_symbols and found not in part.free_symbols:
             raise InputError(
                 f"the variable of {what} is not evident: {_written(part)} does not contain "
                 f"{found}, so that it may be a constant or a polynomial in another variable; name "
-                f"the variable, for instance variable='{found}'"
+                f"the variable, as in polynomial(..., '{found}')"
             )
     return found
 
@@ -236,7 +237,7 @@ def evident_variable(
         names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
         raise InputError(
             f"the variable of {what} is not evident (symbols: {names}); name it, as in "
-            "variable='s', polynomial(..., 's') or transfer_function(..., 's')"
+            "polynomial(..., 's') or transfer_function(..., 's')"
         )
     (found,) = candidates
     return found
@@ -286,11 +287,15 @@ def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
 class _Names:
     """The arguments in words, written only where a message needs them: that takes a while."""
 
-    def __init__(self, parts: Sequence[Poly | Expr]) -> None:
+    def __init__(self, parts: Sequence[Readable]) -> None:
         self.parts = parts
 
     def __str__(self) -> str:
-        return " and ".join(map(_written, self.parts)) or "a list of coefficients"
+        given = [part for part in self.parts if part is not None]
+        shown = [part for part in given if isinstance(part, Poly) or part.free_symbols]
+        if None in self.parts:  # numbers beside it may be defaults, or denominators of 1
+            return " and ".join([*map(_written, shown), "a list of coefficients"])
+        return " and ".join(map(_written, shown or given)) or "a list of coefficients"
 
 
 def _written(part: Poly | Expr) -> str:

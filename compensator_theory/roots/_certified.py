@@ -17,7 +17,7 @@ from compensator_theory.polynomials._ball_precision import (
     ball_precision,
 )
 from compensator_theory.polynomials._budget import quoted
-from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
 
@@ -181,7 +181,7 @@ def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
     if not is_rational(poly):
         raise InputError(
             f"the roots of {quoted(poly)} cannot be certified: its coefficients are not all "
-            "rational numbers; substitute numbers for the symbols"
+            f"rational numbers; {way_to_rational(poly)}"
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")

@@ -17,7 +17,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import (
     PolynomialLike,
     PolynomialOrSystem,
@@ -224,7 +224,7 @@ def require_rational(poly: PolynomialLike) -> Poly:
     if not is_rational(poly):
         raise InputError(
             f"the roots of {format_polynomial(poly)} cannot be counted: its coefficients are not "
-            "all rational numbers; substitute numbers for the symbols"
+            f"all rational numbers; {way_to_rational(poly)}"
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")

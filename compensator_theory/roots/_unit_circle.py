@@ -7,7 +7,13 @@ from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials._budget import quoted
-from compensator_theory.polynomials._poly import canonical, is_rational, monic, require_poly
+from compensator_theory.polynomials._poly import (
+    canonical,
+    is_rational,
+    monic,
+    require_poly,
+    way_to_rational,
+)
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import decided_balls
 
@@ -62,7 +68,7 @@ def split_at_unit_circle(
     if not is_rational(poly):
         raise InputError(
             f"{quoted(poly)} has coefficients that are not rational numbers, so its roots cannot "
-            "be located; substitute numbers for the symbols"
+            f"be located; {way_to_rational(poly)}"
         )
     if poly.is_zero:
         raise InputError("the zero polynomial cannot be split at the unit circle")

@@ -8,7 +8,7 @@ from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials._budget import ask
-from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._variables import is_discrete
 from compensator_theory.roots._counts import RootCount, count_roots, half_plane_image
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -67,7 +67,9 @@ def half_plane_matrix(
     discrete = is_discrete(s, what)
     entries = [entry for row in source.numerators for entry in row]
     if not all(map(is_rational, [*entries, source.denominator])):
-        raise InputError(f"{what} needs rational coefficients; substitute numbers for the symbols")
+        raise InputError(
+            f"{what} needs rational coefficients; {way_to_rational(*entries, source.denominator)}"
+        )
     common = source.denominator
     for entry in entries:
         common = common.gcd(entry)

@@ -22,7 +22,12 @@ from compensator_theory.polynomials._ball_precision import (
     ball_precision,
 )
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._poly import common_divisor, exact_quotient, is_rational
+from compensator_theory.polynomials._poly import (
+    common_divisor,
+    exact_quotient,
+    is_rational,
+    way_to_rational,
+)
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import root_balls
@@ -298,7 +303,7 @@ def stability_margins(
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
     if not (is_rational(N) and is_rational(D)):
-        raise InputError("margins need rational coefficients; substitute numbers for the symbols")
+        raise InputError(f"margins need rational coefficients; {way_to_rational(N, D)}")
     time = time_of(G.variable, "a margin")
     if N.degree() > D.degree():
         raise ImproperError(f"the loop {N.as_expr()} over {D.as_expr()} is improper")

@@ -14,7 +14,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, solve
-from compensator_theory.polynomials._poly import is_rational
+from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount
 from compensator_theory.stability._critical_values import number_between, real_roots
@@ -144,8 +144,11 @@ def decide_positive_real(
     if source.shape != (m, m):
         raise InputError(f"the transfer matrix is {m} x {source.shape[1]}; it must be square")
     N, d = source.numerator_matrix(), source.denominator.as_expr()
-    if not all(map(is_rational, (source.denominator, *chain(*source.numerators)))):
-        raise InputError("positive realness needs rational coefficients; substitute numbers")
+    parts = (source.denominator, *chain(*source.numerators))
+    if not all(map(is_rational, parts)):
+        raise InputError(
+            f"positive realness needs rational coefficients; {way_to_rational(*parts)}"
+        )
     plus = N + d * identity_matrix(m)
     if sympy.expand(plus.det(method="berkowitz")) == 0:
         return RealnessDecision("positive real", False, None, (), None)

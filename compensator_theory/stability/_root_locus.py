@@ -29,7 +29,7 @@ from compensator_theory.polynomials._ball_precision import (
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import canonical, is_rational
+from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._certified import Root, certified_roots, root_balls
@@ -313,7 +313,7 @@ def root_locus(
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator
     if not (is_rational(N) and is_rational(D)):
-        raise InputError("a locus needs rational coefficients; substitute numbers for the symbols")
+        raise InputError(f"a locus needs rational coefficients; {way_to_rational(N, D)}")
     if N.degree() > D.degree() or D.degree() == 0 or N.is_zero:
         raise InputError(f"the loop {N.as_expr()} over {D.as_expr()} is improper or constant")
     time = time_of(G.variable, "the boundary of stability")

@@ -184,7 +184,10 @@ def _from_roots(
     if poles is None:
         raise InputError("give a transfer function, or at least its poles")
     if variable is None:
-        raise InputError("zeros and poles do not show the variable; name it, as in variable='s'")
+        raise InputError(
+            "zeros and poles do not show the variable; name it, as in transfer_function(zeros=z, "
+            "poles=p, gain=k, variable='s')"
+        )
     symbol = as_symbol(variable)
     numerator = polynomial_from_roots(() if zeros is None else zeros, symbol)
     factor = exact_number(1 if gain is None else gain)

@@ -54,9 +54,8 @@ class States:
         """The realisation, whose time domain has to be known."""
         if variable is None and self.sample_time is None:
             raise InputError(
-                "matrices (A, B, C) do not show the time domain; write variable='s' for "
-                "continuous time, 'z' or 'q' for discrete time, or give Realisation(A, B, C, D, "
-                "'s')"
+                "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, "
+                "'s') for continuous time, with 'z' or 'q' for discrete time"
             )
         symbol = "z" if variable is None else variable
         return Realisation(self.A, self.B, self.C, self.D, symbol, sample_time=self.sample_time)

@@ -227,6 +227,21 @@ def control_state_space(
     return control.StateSpace(*rounded, dt)
 
 
+def way_to_numbers(value: Expr) -> str:
+    """What to do about a coefficient that is no rational number: it has symbols, or is irrational.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from sympy.abc import a
+    >>> from compensator_theory.systems._sample_times import way_to_numbers
+    >>> way_to_numbers(a + 1), way_to_numbers(sqrt(2))
+    ('substitute numbers for a', 'give a rational number close to it')
+    """
+    names = ", ".join(sorted(map(str, value.free_symbols)))
+    return f"substitute numbers for {names}" if names else "give a rational number close to it"
+
+
 def to_float(value: Expr) -> float:
     """A rational number, rounded once to float64.
 
@@ -240,7 +255,7 @@ def to_float(value: Expr) -> float:
     number = sympy.sympify(value)
     if not isinstance(number, Rational):
         raise InputError(
-            f"the coefficient {quoted(number)} is not a rational number; substitute numbers"
+            f"the coefficient {quoted(number)} is not a rational number; {way_to_numbers(number)}"
         )
     try:
         return int(number.p) / int(number.q)

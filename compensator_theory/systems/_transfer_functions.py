@@ -32,6 +32,7 @@ from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._reading import polynomial
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
+    DISCRETE,
     as_symbol,
     evident_variable,
     require_no_other_operator,
@@ -389,9 +390,12 @@ def require_proper(G: TransferFunction, name: str) -> None:
     >>> require_proper(transfer_function("s/(s + 1)"), "plant")
     """
     if not G.is_proper:
+        s = G.variable
+        pole = f"{s}" if s.name in DISCRETE else f"(1 + {s}/100)"
         raise ImproperError(
             f"the {name} {G} is improper: its numerator has degree {G.numerator.degree()} and its "
-            f"denominator {G.order}; a realisable {name} has at least as many poles as zeros"
+            f"denominator {G.order}; a realisable {name} has at least as many poles as zeros: "
+            f"divide by a fast pole for each that is missing, as in G/{pole}"
         )
 
 

@@ -36,11 +36,11 @@ undecided; 130 interrupted; 141 the output was closed.
 # What errors tell a reader of Python to do, and what does the same at the shell.
 AT_THE_SHELL = {
     r"with (?:compensator_theory\.budget|Budget)\((\w+)=([^()]*)\)": r"with --budget \1=\2",
-    r"Sample it first: servo_plant\(.*?\)\), or write it in q": (
+    r"Sample it first: .*?, or write it in q": (
         "Sample it first, by the c2d of MATLAB, Octave or python-control, and write it in q"
     ),
-    r"name (it|the variable), (?:for instance|as in) variable='(\w+)'"
-    r"(?:, polynomial\(\.\.\., '\w+'\) or transfer_function\(\.\.\., '\w+'\))?": (
+    r"name (it|the variable), as in polynomial\(\.\.\., '(\w+)'\)"
+    r"(?: or transfer_function\(\.\.\., '\w+'\))?": (
         r"name \1 by --variable \2 (rcac place, rcac observer); a plant of RCAC is written in q"
     ),
     r" or reduce the plant with \.reduced\(\)": ", or cancel the factor in the plant",

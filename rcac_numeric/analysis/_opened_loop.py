@@ -191,9 +191,11 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
             "decided here: control.stability_margins interpolates it, or fit a StateSpace to it."
         )
     if is_continuous(system):
+        is_control = hasattr(system, "isctime")
+        of_control = "system" if is_control else "transfer_function(loop).to_control()"
         raise InputError(
             f"the {kind} is in continuous time, whose margins compensator_theory.stability_margins "
-            "finds exactly; or discretise it with control.c2d(system, sample_time)."
+            f"finds exactly; or discretise it with control.c2d({of_control}, sample_time)."
         )
     if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
         if not is_description(system) or any(isinstance(p, Compensator) for p in _parts(system)):

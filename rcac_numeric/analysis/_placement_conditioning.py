@@ -15,6 +15,7 @@ from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.placement._rounding_effects import is_stable
 from compensator_theory.polynomials._poly import canonical, scaled
 from compensator_theory.results import PolePlacement, Root
+from compensator_theory.systems._sample_times import way_to_numbers
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Result
 
@@ -183,7 +184,9 @@ def _descending(poly: Poly, degree: int) -> list[Any]:
 def _float(value: Any) -> float:
     number = exact_number(value)
     if not number.is_Rational:
-        raise InputError(f"the coefficient {number} is not a rational number; substitute numbers")
+        raise InputError(
+            f"the coefficient {number} is not a rational number; {way_to_numbers(number)}"
+        )
     try:
         return int(number.p) / int(number.q)
     except OverflowError as error:

@@ -49,7 +49,10 @@ def _of_control(system: Any) -> StateSpace:
     import control  # it is there: the system is of it
 
     if system.isctime(strict=True):
-        raise InputError("the compensator is in continuous time; discretise it first, with c2d.")
+        raise InputError(
+            "the compensator is in continuous time; discretise it first, with "
+            "control.c2d(system, sample_time)."
+        )
     system = control.ss(system)
     return system.A, system.B, system.C, system.D
 

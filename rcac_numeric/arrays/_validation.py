@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import compensator_theory as exact
 from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.polynomials._budget import shown
 from rcac_numeric.arrays._array_types import Array
 
 MOST_STATES = 1000
@@ -88,7 +89,7 @@ def float_array(value: ArrayLike, name: str) -> Array:
         return np.array(given, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
-            f"{name} must be an array of real numbers, not {value!r}: {error}."
+            f"{name} must be an array of real numbers, not {shown(value)}: {error}."
         ) from None
 
 
@@ -147,11 +148,14 @@ def rounded(entries: Sequence[Any], name: str) -> Array:
 def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) -> Array:
     """`value` as a matrix of `shape`, in which None leaves a dimension free.
 
-    A scalar stands for a 1 x 1 matrix; nothing else is reshaped.
+    A scalar stands for a 1 x 1 matrix, and a flat array for the column of size x any or the row of
+    any x size, as B and C have them; nothing else is reshaped.
     """
     array = real_array(value, name)
     if array.ndim == 0:
         array = array.reshape(1, 1)
+    elif array.ndim == 1 and (None in shape) and array.size in shape:
+        array = array.reshape((-1, 1) if shape[1] is None else (1, -1))
     fits = array.ndim == 2 and all(
         want in (None, have) for want, have in zip(shape, array.shape, strict=True)
     )
@@ -207,7 +211,7 @@ def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
     try:
         iterator = iter(value)
     except TypeError:
-        raise InputError(f"{name} = {value!r} must be a list.") from None
+        raise InputError(f"{name} = {shown(value)} must be a list.") from None
     entries = tuple(iterator)
     for entry in entries:
         instance_of(entry, f"an entry of {name}", kind or object)
@@ -219,14 +223,14 @@ def instance_of(value: Any, name: str, kind: type | UnionType) -> Any:
     if not isinstance(value, kind):
         kinds = kind.__args__ if isinstance(kind, UnionType) else (kind,)
         needed = " or ".join(k.__name__ for k in kinds)
-        raise InputError(f"{name} = {value!r} is not a {needed}.")
+        raise InputError(f"{name} = {shown(value)} is not a {needed}.")
     return value
 
 
 def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -> int:
     """`value` as an int in a range; booleans and fractions are refused."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InputError(f"{name} must be an integer, not {value!r}.")
+        raise InputError(f"{name} must be an integer, not {shown(value)}.")
     if value < at_least:
         raise InputError(f"{name} = {value} must be at least {at_least}.")
     if value > at_most:
@@ -237,7 +241,7 @@ def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -
 def number(value: object, name: str) -> float:
     """`value` as a finite float."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise InputError(f"{name} must be a real number, not {value!r}.")
+        raise InputError(f"{name} must be a real number, not {shown(value)}.")
     return float(real_array(value, name))  # type: ignore[arg-type]
 
 
@@ -262,7 +266,9 @@ def complex_number(value: object, name: str) -> complex:
 def one_of(value: str, name: str, choices: Sequence[str]) -> str:
     """`value` if it is among `choices`."""
     if value not in choices:
-        raise InputError(f"{name} = {value!r} is not known; choose one of {', '.join(choices)}.")
+        raise InputError(
+            f"{name} = {shown(value)} is not known; choose one of {', '.join(choices)}."
+        )
     return value
 
 
@@ -281,6 +287,8 @@ def by_step(changes: object, name: str) -> dict[int, Any]:
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):
-        raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
+        raise InputError(
+            f"{name} = {shown(changes)} must map steps to values, such as {{1000: ...}}."
+        )
     read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
     return dict(sorted(read.items()))

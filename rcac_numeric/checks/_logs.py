@@ -114,7 +114,10 @@ class ControllerLog(Value):
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
         value = gaps_as_nan(value)
-        array = np.asarray(value)
+        try:
+            array = np.asarray(value)
+        except ValueError:  # rows of several lengths
+            return real_array(value, f"{self.source}: {name}")
         if has_mask(value) or array.dtype.kind == "O":
             return real_array(value, f"{self.source}: {name}")
         if array.dtype.kind == "c":

@@ -16,6 +16,7 @@ from rcac_numeric.arrays._validation import (
     array_like,
     instance_of,
     integer,
+    items,
     number,
     optional_array_like,
     reads,
@@ -157,7 +158,7 @@ def repeated_parameters(
            [-0.1]]))
     """
     symbols = list(parameters)
-    values = [number(value, "at") for value in at]
+    values = [number(value, "at") for value in items(at, "at")]
     if len(symbols) != len(values) or not symbols:
         raise InputError(f"{len(symbols)} parameters and {len(values)} values in at.")
     period = number(h, "h")

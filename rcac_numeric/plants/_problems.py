@@ -42,7 +42,7 @@ def standard_plant(G: Any, *, variable: str | None = None) -> Plant:
     >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
-    return from_problem(_discrete(exact.standard_problem(G, variable)))
+    return from_problem(_discrete(exact.standard_problem(G, variable), "{}"))
 
 
 def servo_plant(G: Any = None, **matrices: Any) -> Plant:
@@ -96,7 +96,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
         own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
         own |= {"variable": found.variable, "sample_time": found.sample_time}
         matrices, G = {**own, **matrices}, None
-    problem = _discrete(exact.servo_problem(G, **matrices))
+    problem = _discrete(exact.servo_problem(G, **matrices), "servo_plant({})")
     l_y = problem.C.shape[0]
     blocks = {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y}
     return from_problem(problem, blocks)
@@ -165,11 +165,12 @@ def sample_time_of(system: Any) -> float | None:
     return None if period is None else float(period)
 
 
-def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:
-    """The problem in q, as compensators and target models are."""
+def _discrete(problem: exact.StandardProblem, call: str) -> exact.StandardProblem:
+    """The problem in q, as compensators and target models are; `call` makes it of a plant."""
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
             f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. "
-            "Sample it first: servo_plant(plant_of(system, sample_time=0.01)), or write it in q."
+            f"Sample it first: {call.format('plant_of(system, sample_time=0.01)')}, or write it in "
+            "q."
         )
     return replaced(problem, variable="q")

@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import ComplexArray
-from rcac_numeric.arrays._validation import instance_of, number
+from rcac_numeric.arrays._validation import instance_of, items, number
 from rcac_numeric.plants.gallery._continuous import ContinuousPlant
 from rcac_numeric.plants.gallery._zeros import plant_zeros
 
@@ -71,7 +71,7 @@ def sampling_zeros(plant: ContinuousPlant, periods: Sequence[float]) -> list[Com
     [3.46, 0.6]
     """
     instance_of(plant, "plant", ContinuousPlant)
-    return [plant_zeros(plant.sampled(h)) for h in periods]
+    return [plant_zeros(plant.sampled(h)) for h in items(periods, "periods")]
 
 
 def critical_period(plant: ContinuousPlant, shortest: float, longest: float) -> float:

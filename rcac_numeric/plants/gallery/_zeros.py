@@ -13,7 +13,7 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._showing import picture_of
-from rcac_numeric.arrays._validation import integer
+from rcac_numeric.arrays._validation import integer, items
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
@@ -107,7 +107,7 @@ def zero_path(schedule: PlantSchedule, steps: Sequence[int]) -> ZeroPath:
     >>> path.magnitudes.max(axis=1).round(3)
     array([1.   , 1.004, 1.136])
     """
-    steps = [integer(step, "steps") for step in steps]
+    steps = [integer(step, "steps") for step in items(steps, "steps")]
     if not steps:
         raise InputError("steps is empty; give at least one step.")
     rows: list[ComplexArray] = []

@@ -143,7 +143,7 @@ def test_symbols_get_values():
     with pytest.raises(InputError, match="divides by zero there"):
         G.subs({"b": 0})
     with pytest.raises(InputError, match="has no symbol c; its symbols: a, b"):
-        G.subs({"c": 0})
+        G.subs("c", 0)
     with pytest.raises(InputError, match=r"compose\(...\)"):
         G.subs({"s": 0})
     with pytest.raises(InputError, match="contains s"):
