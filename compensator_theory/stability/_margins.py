@@ -160,11 +160,25 @@ class StabilityMargins(ExactValue):
     @property
     def is_real(self) -> bool:
         """Whether L is real at all frequencies, so that none of them is a crossover by itself."""
+        return bool(squared(*self._in_half_plane())[1].is_zero)
+
+    @property
+    def is_all_pass(self) -> bool:
+        """Whether abs(L) is 1 at all frequencies, so that none is a gain crossover by itself.
+
+        Such a loop is stable for L = 1 alone (hidden roots apart), with a phase margin of 180
+        degrees at each of them: on the unit circle an L that keeps from -1 does not turn about it,
+        and an L with poles turns about 0 as often as it has more stable than unstable ones.
+        """
+        N, D = self._in_half_plane()
+        return squared(N, N)[0] == squared(D, D)[0]
+
+    def _in_half_plane(self) -> tuple[Poly, Poly]:
+        """N and D, in discrete time mapped to the half plane."""
         size = int(self.denominator.degree())
-        N, D = self.numerator, self.denominator
-        if self.time == "discrete":
-            N, D = half_plane_image(N, size), half_plane_image(D, size)
-        return bool(squared(N, D)[1].is_zero)
+        if self.time == "continuous":
+            return self.numerator, self.denominator
+        return half_plane_image(self.numerator, size), half_plane_image(self.denominator, size)
 
     @property
     def encirclements(self) -> int:
@@ -237,6 +251,12 @@ class StabilityMargins(ExactValue):
             lines.append(f"L is real at all frequencies, and {pairs}")
         if self.gains is not None:
             lines.append(f"stable for gain factors in {self.gains}")
+        if self.is_all_pass:
+            angle = (
+                "a phase margin of 180 degrees at each of them" if self.is_stable else
+                "no phase margin; stabilising_gains has the gains, if any, for which it is stable"
+            )  # fmt: skip
+            lines.append(f"|L| is 1 at all frequencies: {angle}")
         return "\n".join(
             [*lines, *map(str, self.gain_crossovers), *map(str, self.phase_crossovers)]
         )
@@ -276,8 +296,8 @@ def stability_margins(
     Raises
     ------
     InputError, ImproperError
-        If a coefficient is symbolic, the variable says nothing about time, :math:`|L|` is 1 at all
-        frequencies, L is improper, or :math:`1 + L` is zero identically.
+        If a coefficient is symbolic, the variable says nothing about time, L is improper, or
+        :math:`1 + L` is zero identically.
 
     Notes
     -----
@@ -286,7 +306,9 @@ def stability_margins(
     way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
     itself: `phase_crossovers` is empty and `is_real` true, and a root s that is not hidden comes
     with -s, in discrete time with 1/s, so that no gain makes a loop stable whose L has poles. Where
-    :math:`1 + L` is zero at infinity the loop is not well posed, and so not stable.
+    :math:`1 + L` is zero at infinity the loop is not well posed, and so not stable. Where
+    :math:`|L|` is 1 at all frequencies `gain_crossovers` is empty and `is_all_pass` true; no such
+    loop is stable but that of L = 1.
 
     Examples
     --------
@@ -319,15 +341,10 @@ def stability_margins(
     top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
     through = squared(top, top)[0], squared(bottom, bottom)[0]
     real, imaginary = squared(top, bottom)
-    if through[0] == through[1]:
-        raise InputError(
-            "|L| is 1 at all frequencies, so that no crossover and no phase margin is defined; "
-            "stabilising_gains has the gains for which the loop is stable"
-        )
     balls = cache(real_root_balls)  # a factor is isolated once for all its roots
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time, balls)
-        for factor, index, value in positive_roots(through[0] - through[1])
+        for factor, index, value in _frequencies_of_gain_1(*through)
     ]
     phase_crossovers = []
     if not imaginary.is_zero:
@@ -337,6 +354,11 @@ def stability_margins(
     return StabilityMargins(
         N, D, hidden, time, opened, closed, tuple(gain_crossovers), tuple(phase_crossovers), around
     )
+
+
+def _frequencies_of_gain_1(top: Poly, bottom: Poly) -> list[tuple[Poly, int, Expr]]:
+    """The positive roots of |N|^2 - |D|^2; none by itself where all frequencies are."""
+    return [] if top == bottom else positive_roots(top - bottom)
 
 
 def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:

@@ -94,3 +94,12 @@ def test_a_formula_names_what_is_missing():
     with pytest.raises(exact.InputError, match="give a value for b, too"):
         formula.at("a", 2)
     assert formula.at({"a": 2, "b": 1, "c": 3}) == formula.at({"a": 2, "b": 1})
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda one: type(one).__name__)
+def test_of_several_values_those_of_symbols_that_do_not_occur_change_nothing(example):
+    """As in SymPy, where one table of values serves many expressions."""
+    for name in methods(type(example)):
+        plain, more = {"a": 2, "b": "1/2"}, {"a": 2, "c": 7, "b": "1/2", "tau": 0}
+        assert getattr(example, name)(more) == getattr(example, name)(plain)
+        assert getattr(example, name)([*more.items()]) == getattr(example, name)(plain)

@@ -1,5 +1,7 @@
 """Margins: textbooks, python-control's in floats, and the loops themselves at the margins."""
 
+import itertools
+
 import control
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import compensator_theory as exact
 from compensator_theory import InputError, stability_margins
 from compensator_theory.errors import ImproperError
 from compensator_theory.strategies import strictly_proper_plants
@@ -134,10 +137,54 @@ def test_a_loop_that_is_real_at_all_frequencies_has_no_single_crossover(variable
 
 
 def test_what_is_refused():
-    for loop in ("a/(s + 1)", "1/(x + 1)", "1", "(1 - s)/(1 + s)"):
+    for loop in ("a/(s + 1)", "1/(x + 1)"):
         with pytest.raises(InputError):
             stability_margins(loop, feedback=-1, variable="x" if "x" in loop else "s")
     with pytest.raises(ImproperError):
         stability_margins("s**2/(s + 1)", feedback=-1)
     assert str(stability_margins("2/(s - 1)", feedback=-1)).startswith("the loop is stable")
     assert stability_margins("(s + 3)/(s + 1)", feedback=-1).delay_margin.centre == 0
+
+
+ALL_PASS = {
+    "s": [("s - 1", "s + 1"), ("s**2 - s + 3", "s**2 + s + 3"), ("s + 2", "s - 2"), ("1", "1")],
+    "z": [("1", "z"), ("1 - z/2", "z - 1/2"), ("1 + 3*z", "z + 3"), ("z", "1"), ("1", "1")],
+}
+
+
+@pytest.mark.parametrize("feedback", [-1, 1])
+@pytest.mark.parametrize("sign", ["", "-"])
+@pytest.mark.parametrize(
+    ("x", "places"),
+    [(x, p) for x, rows in ALL_PASS.items()
+     for p in itertools.combinations_with_replacement(range(len(rows)), 2)],
+)  # fmt: skip
+def test_a_loop_of_gain_1_everywhere_is_answered(x, places, sign, feedback):
+    """The closed loop, its gains and the angles of L on a grid are the oracle."""
+    tops, bottoms = zip(*(ALL_PASS[x][p] for p in places), strict=True)
+    N, D = (exact.polynomial("*".join(f"({f})" for f in parts), x) for parts in (tops, bottoms))
+    N = -N if sign else N
+    if N.degree() > D.degree():
+        return
+    G = exact.transfer_function((N, D), x)
+    L = (-feedback * N, D)
+    if (L[0] + L[1]).is_zero:
+        with pytest.raises(ImproperError, match="1 \\+ L is zero"):
+            stability_margins(G, feedback=feedback)
+        return
+    found = stability_margins(G, feedback=feedback)
+    assert found.is_all_pass and not found.gain_crossovers
+    cells = exact.stabilising_gains(G, feedback=feedback)
+    around = next((cell for cell in cells.intervals if 1 in cell), None)
+    assert found.gains == around and found.is_stable == (around is not None)
+    omega = np.tan(np.linspace(0.01, 1.56, 200)) if x == "s" else np.linspace(0.01, 3.13, 200)
+    point = 1j * omega if x == "s" else np.exp(1j * omega)
+    values = [np.polyval([float(c) for c in p.all_coeffs()], point) for p in L]
+    np.testing.assert_allclose(np.abs(values[0] / values[1]), 1)
+    if found.is_stable:
+        np.testing.assert_allclose(values[0] / values[1], 1)
+        assert "phase margin of 180 degrees" in str(found)
+        assert found.delay_margin == (exact.results.Enclosure(0, 0) if x == "s" else None)
+    else:
+        assert "no phase margin" in str(found)
+    assert not stability_margins((2 * N, D), feedback=feedback, variable=x).is_all_pass

@@ -294,7 +294,7 @@ def test_all_kinds_are_read(name):
 @pytest.mark.parametrize("name", TIMED)
 @pytest.mark.parametrize("kind", sorted(BARE))
 def test_bare_matrices_are_asked_for_their_time(name, kind):
-    with pytest.raises(InputError, match=r"time domain.*write variable='s'"):
+    with pytest.raises(InputError, match=r"time domain.*'s'.*for\s+continuous time"):
         asked(name, KINDS[kind])
 
 

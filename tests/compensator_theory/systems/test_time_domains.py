@@ -50,8 +50,9 @@ def test_the_advice_about_variables_works(function, options):
     text = "4*q**2 - q + 2"
     assert function([4, -1, 2], variable="q", **options) == function(text, **options)
     if not options and function is not exact.roots.reflection_coefficients:
-        with pytest.raises(InputError, match="as in variable='s'"):
+        with pytest.raises(InputError, match=r"as in polynomial\(..., 's'\)"):
             function([4, -1, 2])
+        assert function(exact.polynomial([4, -1, 2], "q")) == function(text)
     else:
         function([4, -1, 2], **options)
 

@@ -1,0 +1,65 @@
+"""A flat B is a column and a flat C a row, in every function that takes them beside A."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+import rcac_numeric as rcac
+from compensator_theory.errors import CompensatorError
+from tests.support.bad_inputs import GOOD
+from tests.support.example_calls import example_calls
+from tests.support.public import public_objects
+
+EXACT = public_objects("compensator_theory")
+AXES = {"B": 1, "C": 0}
+
+
+def exact_doors():
+    """Functions with a B or C of one column or row in their call, and its place."""
+    for name, (arguments, keywords) in GOOD.items():
+        if not inspect.isfunction(EXACT[name]):
+            continue
+        parameters = inspect.signature(EXACT[name]).parameters
+        names = [k for k, one in parameters.items() if str(one.annotation).startswith("MatrixLike")]
+        names = [k if k in names else "" for k in parameters]
+        for place, given in enumerate(arguments):
+            letter = names[place] if place < len(names) else ""
+            is_matrix = letter in AXES and isinstance(given, list) and isinstance(given[0], list)
+            if is_matrix and np.shape(given)[AXES[letter]] == 1:
+                case = f"{name} {letter}"
+                yield pytest.param(name, place, letter, arguments, keywords, id=case)
+
+
+@pytest.mark.parametrize(("name", "place", "letter", "arguments", "keywords"), [*exact_doors()])
+def test_in_the_exact_half(name, place, letter, arguments, keywords):
+    wanted = EXACT[name](*arguments, **keywords)
+    flat = [entry for row in arguments[place] for entry in row]
+    for given in (flat, tuple(flat), np.array(flat, dtype=object)):
+        changed = [*arguments[:place], given, *arguments[place + 1 :]]
+        assert EXACT[name](*changed, **keywords) == wanted
+
+
+def numeric_doors():
+    for name, (one, call) in example_calls("rcac_numeric").items():
+        for letter in AXES.keys() & call.keys():
+            value = np.asarray(call[letter]) if call[letter] is not None else np.zeros(0)
+            if value.ndim == 2 and value.shape[AXES[letter]] == 1 and value.dtype.kind in "if":
+                yield pytest.param(one, call, letter, id=f"{name} {letter}")
+
+
+@pytest.mark.parametrize(("one", "call", "letter"), [*numeric_doors()])
+def test_in_the_numeric_half(one, call, letter):
+    wanted = one(**call)
+    flat = one(**{**call, letter: np.ravel(np.asarray(call[letter]))})
+    assert repr(flat) == repr(wanted)
+
+
+def test_what_does_not_fit_is_refused():
+    with pytest.raises(CompensatorError):
+        EXACT["is_controllable"]([[0, 1], [0, 0]], [0, 1, 2])
+    with pytest.raises(CompensatorError):
+        rcac.solve_care([[0.0, 1.0], [0.0, 0.0]], [0.0, 1.0, 2.0], R_1=np.eye(2), R_2=[[1.0]])
+    a, b = [[0.0, 1.0], [0.0, 0.0]], [0.0, 1.0]
+    column = rcac.solve_care(a, np.reshape(b, (2, 1)), R_1=np.eye(2), R_2=[[1.0]])
+    assert np.array_equal(rcac.solve_care(a, b, R_1=np.eye(2), R_2=[[1.0]]).P, column.P)
