@@ -6,7 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from functools import reduce
-from typing import TypeAlias, cast
+from numbers import Real
+from typing import Any, TypeAlias, cast
 
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
@@ -203,7 +204,7 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
 
     A list, tuple, array, set or generator holds *roots*, and so does a text with commas, or with
     one number, which are no polynomials to be placed; coefficients are written as a polynomial,
-    one of NumPy or python-flint for instance.
+    one of NumPy or python-flint for instance. An array that begins with 1 may be either.
 
     Examples
     --------
@@ -218,6 +219,19 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     return polynomial(cast(PolynomialLike, value), variable)
 
 
+def _require_no_doubt(value: object) -> None:
+    """Refuse an array that begins with 1, as np.poly and every monic polynomial's coefficients."""
+    if getattr(value, "ndim", 0) != 1 or isinstance(value, list | tuple):
+        return
+    entries = list(cast(Iterable[Any], value))
+    if len(entries) > 1 and isinstance(entries[0], Real) and entries[0] == 1:
+        raise InputError(
+            f"{shown(value)} may be roots, one of them 1, or the coefficients of a monic "
+            "polynomial, such as numpy.poly makes; give a list of the roots, or the coefficients "
+            "as numpy.poly1d(...)"
+        )
+
+
 def lists_roots(value: object) -> bool:
     """Tell whether roots are listed: in a collection, or in a text with commas, or of one number.
 
@@ -228,6 +242,7 @@ def lists_roots(value: object) -> bool:
     (True, True, True, False)
     """
     if not isinstance(value, str):
+        _require_no_doubt(value)
         return is_collection(value)
     return bool(SEPARATOR.search(value)) or _is_number(value)
 

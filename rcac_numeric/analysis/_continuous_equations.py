@@ -372,11 +372,11 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
             own = float(np.linalg.svd(balanced_pencil(pencil), compute_uv=False)[-1])
             if least <= 100 * len(A) * EPS * size and own <= 100 * len(A) * EPS:
                 raise UnitCircleError(
-                    f"[A - sI, B; E_1, E_2] has a zero on the imaginary axis at {words(at)}, E_1 "
-                    "and E_2 the factors of the weights (a mode of A there that they do not weight "
-                    f"included; smallest singular value {least:.1e}). A closed-loop pole would "
-                    "have to lie on it, so no solution is stabilising. Weight the states that it "
-                    "moves (R_1)."
+                    "[A - sI, B; E_1, E_2], with E_1 and E_2 the factors of the weights, has a "
+                    f"zero on the imaginary axis at {words(at)} (a mode of A there that has no "
+                    f"weight included; smallest singular value {least:.1e}). A closed-loop pole "
+                    "would have to lie on it, so no solution is stabilising. Weight the states "
+                    "that it moves (R_1)."
                 )
 
 

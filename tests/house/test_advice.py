@@ -16,6 +16,7 @@ import pytest
 import sympy
 
 import compensator_theory as exact
+import rcac_numeric as rcac
 from compensator_theory.errors import CompensatorError
 from tests.rcac_numeric.test_natural_inputs import DOORS as NUMERIC
 from tests.support.advice import known, wrong_advice
@@ -150,3 +151,28 @@ def test_nobody_is_told_to_substitute_numbers_where_there_is_no_symbol(in_full):
                 assert re.search(r"numbers for \w", said), (name, said)
                 letter = re.search(r"numbers for (\w+)", said)[1]
                 assert letter not in ("s", "z", "the"), (name, said)
+
+
+SPECTRA = {
+    "place_poles": lambda p: exact.place_poles("1/((s + 1)*(s + 2))", p, feedback=-1),
+    "regulator_gain": lambda p: EXACT["regulator_gain"]([[0, 1], [0, 0]], [[0], [1]], p),
+    "observer_gain": lambda p: EXACT["observer_gain"]([[0, 1], [0, 0]], [[1, 0]], p),
+    "state_feedback_family": lambda p: EXACT["state_feedback_family"](
+        [[0, 1], [0, 0]], [[0], [1]], p),
+    "pole_placement_target": lambda p: numeric_names()["pole_placement_target"](
+        rcac.standard_plant("1/(q - 2)"), p),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(SPECTRA))
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_an_array_that_numpy_poly_may_have_made_is_asked_about(name, count):
+    roots = [0.5, 0.25, 0.125][:count]
+    with pytest.raises(CompensatorError, match="may be roots, one of them 1, or the coefficients"):
+        SPECTRA[name](np.poly(roots))
+    as_roots = refusal(lambda: SPECTRA[name]([*np.poly(roots)]))
+    assert as_roots is None or "may be roots" not in as_roots
+    as_polynomial = refusal(lambda: SPECTRA[name](np.poly1d(np.poly(roots))))
+    assert as_polynomial is None or "may be roots" not in as_polynomial
+    as_array = refusal(lambda: SPECTRA[name](np.array(roots)))
+    assert as_array is None or "may be roots" not in as_array

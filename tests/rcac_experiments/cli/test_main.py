@@ -307,10 +307,11 @@ def test_a_mistyped_command_is_answered_with_the_one_meant():
 
 @pytest.mark.parametrize("plant", ["-0.7*(q - 1.7)/(q - 0.5)", "-(q - 2)/q", "-s/(s + 1)"])
 def test_a_plant_with_a_minus_sign_is_no_option(rcac, plant):
-    """It is read, and what it lacks is asked for; a value of an option stays as it is."""
+    """It is read, and what it lacks is said; a value of an option stays as it is."""
     result = rcac("design", plant)
     assert result.exit_code == 2 and "No such option" not in result.stderr
-    assert "--noise" in result.stderr
+    assert "not strictly proper" in result.stderr
+    assert "--noise" in rcac("design", "-0.7/(q - 0.5)").stderr
     options = ("--plant", "1/s", "--poles", "-1", "--order", "0", "--feedback", "-1")
     assert rcac("place", *options).exit_code == 0
     assert "No such option" in rcac("design", "-x", plant).stderr
