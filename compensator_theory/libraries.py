@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from contextlib import ContextDecorator, contextmanager, suppress
-from importlib import import_module
+from contextlib import ContextDecorator, contextmanager
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 
 from compensator_theory.errors import InputError
@@ -75,18 +75,15 @@ def absent(name: str, *packages: ModuleType) -> AttributeError:
 
 
 def _places(name: str, packages: Iterable[ModuleType]) -> Iterator[str]:
-    """The packages and their public namespaces that have a name."""
+    """The packages and their public namespaces that have a name, by their lists of names."""
+    line = re.compile(rf"(?: as |^class ){re.escape(name)}\b", re.MULTILINE)
     for package in packages:
-        if name in package.__all__:
-            yield package.__name__
-        for space in package.__all__:
-            path = f"{package.__name__}.{space}"
-            if space.islower() and find_spec(path) is not None:
-                with suppress(ImportError, InputError):  # a library that only this one needs
-                    module = import_module(path)
-                    own = getattr(getattr(module, name, None), "__module__", None) == path
-                    if name in getattr(module, "__all__", ()) or own:
-                        yield path
+        folder = Path(str(package.__file__)).parent
+        lists = ("__init__.pyi", "[a-z]*.pyi", "*/__init__.py*", "errors.py")
+        for file in (one for pattern in lists for one in sorted(folder.glob(pattern))):
+            if line.search(file.read_text(encoding="utf-8")):
+                inner = file.relative_to(folder).with_suffix("").parts
+                yield ".".join((package.__name__, *(p for p in inner if p != "__init__")))
 
 
 def _missing(library: str) -> str:

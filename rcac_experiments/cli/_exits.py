@@ -46,6 +46,12 @@ AT_THE_SHELL = {
     r" or reduce the plant with \.reduced\(\)": ", or cancel the factor in the plant",
     r"; reduce it, or use realisation_is_observer_based": "; cancel the common factor",
     r"From n_c = (\d+) and numerator_degree = \d+ on": r"From --order \1 on",
+    r"give a text, a pair \(num, den\), .*, or a system": (
+        'write a transfer function such as "1/(q - 0.5)", or rows of them, "1/q, 0; 0, 2/q" '
+        '(in a file [["1/q", 0], [0, "2/q"]])'
+    ),
+    r", and lists of coefficients as a tuple, \(\[1\], \[1, 2\]\)": ', such as "1/(q + 2)"',
+    r", or as a list of polynomials to stability_delays": "",
     r"check_controller\(log, \*\*check_arguments\(file\)\)": "rcac check LOG --plant FILE",
     r"Use Decentralized\(\.\.\., shared_u=True\)": "Write shared_u = true in [[controllers]]",
     r"dead_time= to design": "--dead-time to rcac design",

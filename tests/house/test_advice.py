@@ -1,8 +1,8 @@
 """A message advises what can be done: keywords that the function has, functions that exist.
 
 Every public function of the exact half gets every malformed input at every place of its call in
-tests/support/bad_inputs.py, those of the numeric half in that of tests/rcac_numeric. A draw of the
-inputs is tried in each run, all of them under `--long`.
+tests/support/bad_inputs.py, those of the numeric half in tests/support/numeric_doors.py. A draw of
+the inputs is tried in each run, all of them under `--long`.
 """
 
 import inspect
@@ -18,10 +18,10 @@ import sympy
 import compensator_theory as exact
 import rcac_numeric as rcac
 from compensator_theory.errors import CompensatorError
-from tests.rcac_numeric.test_natural_inputs import DOORS as NUMERIC
 from tests.support.advice import known, wrong_advice
 from tests.support.bad_inputs import GOOD
 from tests.support.example_calls import doors, is_array
+from tests.support.numeric_doors import DOORS as NUMERIC
 from tests.support.public import public_objects
 
 s, a, T, z = sympy.symbols("s a T z")
