@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 import compensator_theory as exact
 from compensator_theory.errors import BudgetError, InputError
-from compensator_theory.polynomials._budget import shown
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._wording import shortened
 
 MOST_STATES = 1000
 LARGEST_SQUARED = 1e140  # its square, times any number of rows, is within float64
@@ -62,6 +62,11 @@ def optional_integer(value: int | None) -> int:
     return cast(int, value)
 
 
+def _shown(value: object) -> str:
+    """What was given, in a line of a message."""
+    return shortened(repr(value), 60)
+
+
 def real_array(value: ArrayLike, name: str) -> Array:
     """`value` as a new read-only C-contiguous float64 array with finite entries.
 
@@ -89,7 +94,7 @@ def float_array(value: ArrayLike, name: str) -> Array:
         return np.array(given, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
-            f"{name} must be an array of real numbers, not {shown(value)}: {error}."
+            f"{name} must be an array of real numbers, not {_shown(value)}: {error}."
         ) from None
 
 
@@ -211,7 +216,7 @@ def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
     try:
         iterator = iter(value)
     except TypeError:
-        raise InputError(f"{name} = {shown(value)} must be a list.") from None
+        raise InputError(f"{name} = {_shown(value)} must be a list.") from None
     entries = tuple(iterator)
     for entry in entries:
         instance_of(entry, f"an entry of {name}", kind or object)
@@ -223,14 +228,14 @@ def instance_of(value: Any, name: str, kind: type | UnionType) -> Any:
     if not isinstance(value, kind):
         kinds = kind.__args__ if isinstance(kind, UnionType) else (kind,)
         needed = " or ".join(k.__name__ for k in kinds)
-        raise InputError(f"{name} = {shown(value)} is not a {needed}.")
+        raise InputError(f"{name} = {_shown(value)} is not a {needed}.")
     return value
 
 
 def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -> int:
     """`value` as an int in a range; booleans and fractions are refused."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InputError(f"{name} must be an integer, not {shown(value)}.")
+        raise InputError(f"{name} must be an integer, not {_shown(value)}.")
     if value < at_least:
         raise InputError(f"{name} = {value} must be at least {at_least}.")
     if value > at_most:
@@ -241,7 +246,7 @@ def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -
 def number(value: object, name: str) -> float:
     """`value` as a finite float."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise InputError(f"{name} must be a real number, not {shown(value)}.")
+        raise InputError(f"{name} must be a real number, not {_shown(value)}.")
     return float(real_array(value, name))  # type: ignore[arg-type]
 
 
@@ -267,7 +272,7 @@ def one_of(value: str, name: str, choices: Sequence[str]) -> str:
     """`value` if it is among `choices`."""
     if value not in choices:
         raise InputError(
-            f"{name} = {shown(value)} is not known; choose one of {', '.join(choices)}."
+            f"{name} = {_shown(value)} is not known; choose one of {', '.join(choices)}."
         )
     return value
 
@@ -288,7 +293,7 @@ def by_step(changes: object, name: str) -> dict[int, Any]:
         return {}
     if not isinstance(changes, Mapping):
         raise InputError(
-            f"{name} = {shown(changes)} must map steps to values, such as {{1000: ...}}."
+            f"{name} = {_shown(changes)} must map steps to values, such as {{1000: ...}}."
         )
     read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
     return dict(sorted(read.items()))
