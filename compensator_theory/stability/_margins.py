@@ -171,7 +171,7 @@ class StabilityMargins(ExactValue):
         and an L with poles turns about 0 as often as it has more stable than unstable ones.
         """
         N, D = self._in_half_plane()
-        return squared(N, N)[0] == squared(D, D)[0]
+        return bool(squared(N, N)[0] == squared(D, D)[0])
 
     def _in_half_plane(self) -> tuple[Poly, Poly]:
         """N and D, in discrete time mapped to the half plane."""

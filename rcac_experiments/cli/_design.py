@@ -74,7 +74,7 @@ PLANT = (
 )  # fmt: skip
 
 
-def plant_options(command: Callable[..., None]) -> Callable[..., None]:
+def plant_options(command: Callable[..., int]) -> Callable[..., int]:
     """A command that reads a plant, with what acts on it."""
     for option in reversed(PLANT):
         command = option(command)

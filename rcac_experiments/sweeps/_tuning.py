@@ -363,11 +363,11 @@ def _judged(
         name: one for name, one in design.alternatives.items() if not isinstance(one, str)
     }
     plants = (Variation(), *drawn(design.model, design.uncertainty, count, seed))
-    held_out = Trials(
+    judging = Trials(
         controllers, design.model, design.expected, plants, steps, seeds,
         saturation=design.saturation,
     )  # fmt: skip
-    trials = runner("held-out", held_out)
+    trials = runner("held-out", judging)
     over_rule = compared(trials, RCAC, RULE)
     saved = over_rule.wins - over_rule.losses
     if saved < 0 or (saved == 0 and not over_rule.ratio <= 1):  # it does not carry over
@@ -378,7 +378,7 @@ def _judged(
         trials = (*(replace(one, controller=RCAC) for one in rule), *others)
     assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     evidence = tuple(one for one in trials if one.controller != RULE)
-    own = replace(held_out, controllers={RCAC: settings, FIXED: design.fixed})
+    own = replace(judging, controllers={RCAC: settings, FIXED: design.fixed})
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)
     reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs)
