@@ -67,6 +67,7 @@ from .controllers._weights import SignalWeight as SignalWeight
 from .designing._cold_start import cold_start as cold_start
 from .designing._design import design as design
 from .designing._plants import Uncertainty as Uncertainty
+from .engine._batch_runs import simulate_batch as simulate_batch
 from .engine._batches import SimulationCase as SimulationCase
 from .engine._batches import simulate_many as simulate_many
 from .engine._batches import simulate_stream as simulate_stream

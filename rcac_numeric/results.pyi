@@ -21,6 +21,7 @@ from .controllers._supervision import SupervisionRecord as SupervisionRecord
 from .controllers._supervision import TroubleCount as TroubleCount
 from .designing._design import Design as Design
 from .designing._logs import LoggedPlant as LoggedPlant
+from .engine._batch_runs import BatchRun as BatchRun
 from .engine._batches import CaseResult as CaseResult
 from .engine._changes import AppliedChange as AppliedChange
 from .engine._run import ReferenceRun as ReferenceRun

@@ -97,12 +97,12 @@ std::unique_ptr<OwnedController> make_controller(
         require_window(steps, "the window of a rule");
     plan.dither = {std::get<0>(dither), std::get<1>(dither), std::get<2>(dither),
                    std::get<3>(dither)};
-    const std::size_t l_theta = regressor.size() * l_u, P_size = length_of({l_theta, l_theta}, "P_0");
+    const std::size_t l_theta = regressor.size() * l_u;
+    const std::vector<double> P = covariance_of(P_0, l_theta);
     plan.bounds = bounds_of(bounds, l_theta);
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
     std::vector<double> theta = copied(theta_0, l_theta, "theta_0");
-    const std::vector<double> P = copied(P_0, P_size, "P_0");
     bool penalises = false;
     for (const double s : plan.penalty.base) penalises = penalises || s != 0.0;
     const std::size_t rows = penalises ? l_z + l_u : l_z;
@@ -136,13 +136,14 @@ nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::hand
     return nb::make_tuple(to_numpy(std::move(u), {size}), status);
 }
 
-// Counts by kind, (steps, episodes, first, last, worst); the last entries, (step, kind, value); the
+// Counts by kind, (steps, episodes, first, last, worst), none where nothing was noted; the last entries, (step, kind, value); the
 // largest growth of a variance; whether theta is held, and whether the fallback runs.
 nb::tuple troubles(const OwnedController& owned) {
     const Supervisor& supervisor = owned.controller.supervisor();
     nb::list counts, entries;
+    const bool is_new = supervisor.noted() > 0;  // else a list of zeros would be made of every run
     for (const Supervisor::Count& c : supervisor.counts())
-        counts.append(nb::make_tuple(c.steps, c.episodes, c.first, c.last, c.worst));
+        if (is_new) counts.append(nb::make_tuple(c.steps, c.episodes, c.first, c.last, c.worst));
     for (const Supervisor::Entry& e : supervisor.entries())
         entries.append(nb::make_tuple(e.step, e.kind, e.value));
     return nb::make_tuple(counts, entries, supervisor.worst_growth(), owned.controller.stopped(),

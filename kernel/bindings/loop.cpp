@@ -2,13 +2,16 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 
 #include "bindings/bindings.hpp"
 #include "bindings/owned.hpp"
+#include "bindings/plan.hpp"
 #include "lanes/loop.hpp"
+#include "updates/ud.hpp"
 
 namespace rcac {
 namespace {
@@ -42,6 +45,17 @@ public:
                           "the command lies beyond w");
         }
     }
+    // Of copies of what another loop is made of.
+    OwnedLoop(std::vector<nb::object> controllers, nb::object plant, const OwnedLoop& like,
+              double limit)
+        : objects_(std::move(controllers)),
+          plant_object_(std::move(plant)),
+          owned_plant_(object_of<OwnedPlant>(plant_object_, "Plant")),
+          owned_(owners(objects_)),
+          actuator_(like.actuator_),
+          loop_(pointers(owned_), this->plant(), actuator_,
+                {limit, like.loop_.options().stop_where_unsupported,
+                 like.loop_.options().shared_u, like.loop_.options().r_in_w}) {}
 
     // Everything that a step of this loop changes.
     void hold(Hold& all) {
@@ -49,6 +63,7 @@ public:
         for (OwnedController* c : owned_) all.add(c->use);
     }
 
+    const std::vector<nb::object>& objects() const { return objects_; }
     Loop& loop() { return loop_; }
     InUse& front() { return owned_.front()->use; }
     Plant& plant() { return *owned_plant_.plant; }
@@ -84,6 +99,78 @@ private:
     Actuator actuator_;
     Loop loop_;
 };
+
+// (P_0, theta_0, lambda, R_z, R_u, [(numerator, denominator)]).
+using Numbers = std::tuple<Array, Array, double, nb::object, nb::object, nb::list>;
+
+// A controller at step 0 with the plan, theta and P of this one, or with other numbers in it: then
+// the update is UD, the weights are none of functions and the target model is the one that it keeps.
+std::unique_ptr<OwnedController> copied_controller(const Controller& from,
+                                                          const nb::object& numbers) {
+    refuse_unless(!from.has_left_its_plan(), "its plan no longer says what this controller does");
+    ControllerPlan plan = from.plan();
+    refuse_unless(!plan.R_z.function && !plan.R_u.function,
+                  "a controller with a weight that is a function cannot be copied");
+    std::unique_ptr<Update> update = from.update().copy();
+    std::vector<double> theta = from.theta();
+    if (!numbers.is_none()) {
+        const auto [P_0, theta_0, lambda, R_z, R_u, targets] =
+            read<Numbers>(numbers, "numbers", "(P_0, theta_0, lambda, R_z, R_u, targets)");
+        auto* ud = dynamic_cast<UdUpdate*>(update.get());
+        refuse_unless(ud != nullptr && plan.targets.size() == 1,
+                      "numbers are those of a UD update with one target model");
+        for (const nb::object& R : {R_z, R_u})
+            refuse_unless(!PyCallable_Check(R.ptr()), "a weight is a function");
+        require_forgetting(lambda, "lambda");
+        const std::size_t l_z = from.l_z(), order = plan.targets[0].order;
+        plan.lambda = lambda;
+        plan.R_z = weight_of(R_z, plan.structure, l_z, "R_z");
+        plan.R_u = weight_of(R_u, plan.structure, l_z, "R_u");
+        plan.targets = targets_of(targets, plan.structure, l_z);
+        refuse_unless(plan.targets.size() == 1 && plan.targets[0].order == order,
+                      "the target model is not one of the same order");
+        theta = copied(theta_0, theta.size(), "theta_0");
+        ud->begin_from(covariance_of(P_0, theta.size()).data());
+    }
+    return std::make_unique<OwnedController>(std::move(plan), std::move(update), std::move(theta));
+}
+
+// A loop at its first step, made of copies: with this limit, x(0) (zero: None) and, of its one
+// controller, P(0), theta(0), lambda, R_z, R_u and G_f of the same order, where they are given.
+// What steps have changed of `from` beside theta and P is not in it.
+std::unique_ptr<OwnedLoop> copied_loop(OwnedLoop& from, double limit, nb::object x_0,
+                                       nb::object numbers) {
+    refuse_unless(limit > 0.0, "limit is not positive");
+    Hold all;
+    from.hold(all);
+    const std::size_t n = from.plant().sizes().n;
+    std::unique_ptr<Plant> plant = from.plant().copy(
+        x_0.is_none() ? std::vector<double>(n)
+                      : copied(read<Array>(x_0, "x_0", "an array"), n, "x_0"));
+    refuse_unless(plant != nullptr, "a plant that is made of functions cannot be copied");
+    refuse_unless(numbers.is_none() || from.objects().size() == 1,
+                  "the numbers are those of one controller");
+    std::vector<nb::object> controllers;
+    for (const Controller* c : from.loop().controllers())
+        controllers.push_back(nb::cast(copied_controller(*c, numbers)));
+    return std::make_unique<OwnedLoop>(std::move(controllers),
+                                       nb::cast(std::make_unique<OwnedPlant>(std::move(plant))),
+                                       from, limit);
+}
+
+// Guards, the first step of one (-1: none), reflections, resets and moves into bounds, of all
+// controllers together.
+nb::tuple counts(OwnedLoop& self) {
+    std::int64_t guards = 0, first = -1, reflections = 0, resets = 0, bounded = 0;
+    for (const Controller* c : self.loop().controllers()) {
+        const Guard& guard = c->update().guard();
+        guards += guard.count;
+        if (guard.first_step >= 0 && (first < 0 || guard.first_step < first))
+            first = guard.first_step;
+        reflections += c->reflections(), resets += c->resets(), bounded += c->bounded();
+    }
+    return nb::make_tuple(guards, first, reflections, resets, bounded);
+}
 
 // A job with the arrays that it reads and writes.
 class OwnedJob {
@@ -158,6 +245,10 @@ void bind_loop(nb::module_& m) {
              nb::kw_only(), nb::arg("controllers"), nb::arg("plant"), nb::arg("low"),
              nb::arg("high"), nb::arg("rate"), nb::arg("limit"), nb::arg("stop_where_unsupported"),
              nb::arg("shared_u"), nb::arg("r_in_w"))
+        .def("copy", &copied_loop, nb::arg("limit"), nb::arg("x_0").none() = nb::none(),
+             nb::arg("numbers").none() = nb::none())
+        .def_prop_ro("controllers", [](const OwnedLoop& self) { return self.objects(); })
+        .def_prop_ro("counts", &counts)
         .def("theta_before",
              [](OwnedLoop& self) {
                  const std::vector<double>& theta = self.loop().theta_before();

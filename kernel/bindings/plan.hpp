@@ -162,6 +162,15 @@ inline std::vector<double> square_or_zero(const Array& values, std::size_t size,
     return values.size() == 0 ? std::vector<double>(length) : copied(values, length, name);
 }
 
+// P(0), l_theta x l_theta, or its diagonal.
+inline std::vector<double> covariance_of(const Array& P_0, std::size_t l_theta) {
+    const std::size_t length = length_of({l_theta, l_theta}, "P_0");
+    if (P_0.size() != l_theta) return copied(P_0, length, "P_0");
+    std::vector<double> P(length, 0.0);
+    for (std::size_t j = 0; j < l_theta; ++j) P[j * (l_theta + 1)] = P_0.data()[j];
+    return P;
+}
+
 inline Normalization normalization_of(int function, double limit, double slope) {
     require_range<int>(function, Normalization::none, Normalization::erf, "the normalisation");
     refuse_unless(limit > 0.0 && slope > 0.0, "limit and slope of a normalisation are not positive");

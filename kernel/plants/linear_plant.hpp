@@ -38,6 +38,10 @@ public:
         }
     }
 
+    std::unique_ptr<Plant> copy(std::vector<double> x_0) const override {
+        return std::make_unique<LinearPlant>(sizes_, segments_, std::move(x_0));
+    }
+
     bool begin(std::int64_t k, const double* w) override {
         k_ = k;
         while (number_ + 1 < segments_.size() && segments_[number_ + 1].start <= k) enter(number_ + 1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include "memory/history.hpp"
 
@@ -19,6 +20,8 @@ public:
         : sizes_(sizes), x_(std::move(x_0)), next_(x_.size()) {}
     virtual ~Plant() = default;
 
+    // The same plant at step 0 with another state; null where it is made of functions.
+    virtual std::unique_ptr<Plant> copy(std::vector<double> /*x_0*/) const { return nullptr; }
     // False where a function of the user has failed.
     virtual bool begin(std::int64_t k, const double* w) = 0;
     virtual void receive(const double* u) = 0;

@@ -17,6 +17,7 @@ public:
     CovarianceUpdate(const double* P0, std::size_t l_theta)
         : n_(l_theta), P_0_(P0, P0 + l_theta * l_theta), P_(P_0_) {}
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<CovarianceUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         const std::size_t m = data.l_z;
         PPhi_.assign(n_ * m, 0.0);  // P Phi_f'

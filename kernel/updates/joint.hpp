@@ -19,6 +19,7 @@ public:
           both_(l_theta + n_d, 0.0),
           row_(l_theta + n_d, 0.0) {}
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<JointUpdate>(*this); }
     void see(const double* z) override {
         for (std::size_t i = n_d_; i > 0; --i) past_[i] = past_[i - 1];
         past_[0] = z[0];

@@ -15,6 +15,7 @@ public:
     InstantaneousUpdate(const double* P0, std::size_t l_theta)
         : n_(l_theta), P_(P0, P0 + l_theta * l_theta) {}
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<InstantaneousUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t, double* theta) override {
         const std::size_t m = data.l_z;
         PPhi_.assign(n_ * m, 0.0);
@@ -64,6 +65,7 @@ class GradientUpdate final : public Update {
 public:
     GradientUpdate(double step_size, std::size_t l_theta) : n_(l_theta), step_size_(step_size) {}
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<GradientUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t, double* theta) override {
         const std::size_t m = data.l_z;
         answer_.assign(m, 0.0);

@@ -22,6 +22,7 @@ public:
             for (std::size_t j = 0; j < i; ++j) diagonal_ = diagonal_ && initial_.u(j, i) == 0.0;
     }
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<SubspaceUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         if (!rows_.take(data)) return false;
         const double share = static_cast<double>(n_) / static_cast<double>(data.l_z),

@@ -25,6 +25,12 @@ public:
           D_(padded_to_tiles(n_), 0.0),
           gain_(padded_to_tiles(n_), 0.0),
           row_(padded_to_tiles(n_), 0.0) {
+        begin_from(P0);
+    }
+
+    // As if made with this P(0).
+    void begin_from(const double* P0) {
+        std::fill(U_.begin(), U_.end(), 0.0);
         for (std::size_t j = 0; j < padded_to_tiles(n_); ++j) U_[place_in_tiles(j, j)] = 1.0;
         factorise(P0);
         U_0_ = U_;
@@ -33,6 +39,7 @@ public:
         for (std::size_t j = 0; j < n_; ++j) inverse_D_0_[j] = 1.0 / D_0_[j];
     }
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<UdUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         if (!measure(data, step, theta)) return false;
         if (data.lambda == 1.0) return true;
@@ -150,8 +157,12 @@ public:
         for (std::size_t j = n_; j-- > 0;) {
             D_[j] = P[j * n_ + j];
             if (!(D_[j] > 0.0)) throw std::domain_error("P(0) is not positive definite");
-            for (std::size_t i = 0; i < j; ++i) u(i, j) = P[i * n_ + j] / D_[j];
-            for (std::size_t i = 0; i < j; ++i)
+            bool is_diagonal = std::isfinite(D_[j]);
+            for (std::size_t i = 0; i < j; ++i) {
+                u(i, j) = P[i * n_ + j] / D_[j];
+                is_diagonal = is_diagonal && u(i, j) == 0.0;
+            }
+            for (std::size_t i = 0; i < j && !is_diagonal; ++i)
                 for (std::size_t m = 0; m <= i; ++m) P[m * n_ + i] -= u(m, j) * D_[j] * u(i, j);
         }
     }

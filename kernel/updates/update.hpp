@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "memory/archive.hpp"
@@ -36,6 +37,7 @@ constexpr double no_past_left = 0.999;
 class Update {
 public:
     virtual ~Update() = default;
+    virtual std::unique_ptr<Update> copy() const = 0;
     // theta(k) -> theta(k+1) and P(k) -> P(k+1), (2.42)-(2.45). False where a number has left the
     // range of float64; nothing is valid afterwards.
     virtual bool operator()(const Data& data, std::int64_t step, double* theta) = 0;

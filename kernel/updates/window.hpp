@@ -19,6 +19,7 @@ public:
           kept_(window * item_),
           arithmetic_(P0, l_theta) {}
 
+    std::unique_ptr<Update> copy() const override { return std::make_unique<WindowUpdate>(*this); }
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         const std::size_t m = data.l_z;
         double* slot = kept_.data() + static_cast<std::size_t>(count_ % window()) * item_;

@@ -74,7 +74,7 @@ def real_array(value: ArrayLike, name: str) -> Array:
     """
     array = float_array(value, name)
     array.setflags(write=False)
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InputError(
             f"{name} has the entry {array[where]} at index {where}; every entry must be finite. "
@@ -85,6 +85,8 @@ def real_array(value: ArrayLike, name: str) -> Array:
 
 def float_array(value: ArrayLike, name: str) -> Array:
     """`value` as a new C-contiguous float64 array, whose entries may be infinite or NaN."""
+    if type(value) is np.ndarray and value.dtype == np.float64:  # as most that are asked for
+        return np.array(value, order="C")
     try:
         if has_mask(value):
             raise TypeError("some of its entries are masked")

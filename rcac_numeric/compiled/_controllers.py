@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from functools import singledispatch
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._updates import (
     Event,
     KernelUpdate,
+    initial_variances,
     kernel_update,
     require_kind,
 )
@@ -32,6 +33,7 @@ from rcac_numeric.controllers._joint import JointUD
 from rcac_numeric.controllers._limits import ControlLimits
 from rcac_numeric.controllers._memoryless import Gradient
 from rcac_numeric.controllers._normalization import FUNCTIONS, Normalization
+from rcac_numeric.controllers._recursive import UD
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers._supervision import POLICIES, Supervision
@@ -63,6 +65,7 @@ def instruction_set() -> str:
     return os.environ.get(VARIABLE, "") or _kernel.instruction_sets()[0]
 
 
+CONSTANT = (np.ndarray, SignalWeight)  # the kinds of weight that are no functions
 NEVER = 2**62  # a step that no run reaches
 ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
@@ -173,6 +176,56 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
         events=[],
         theta_0=theta,
     )
+
+
+Numbers = tuple[Array, Array, float, Any, Any, list[tuple[Array, Array]]]
+# What a controller has in common with one whose compiled form is copied for it.
+ALIKE = ("k_w", "k_update", "k_filter", "form", "reflect_poles")
+SHARED = ("structure", "z_normalization", "bounds", "fixed")
+
+
+def numbers_beside(base: ControllerSettings, settings: ControllerSettings) -> Numbers | None:
+    """What `_kernel.Loop.copy` puts in the place of the base's numbers; None where more differs.
+
+    Numbers are R_theta, lambda and theta(0), R_z and R_u, and G_f of the same order.
+    """
+    one, other, target = _plain_update(base), _plain_update(settings), settings.target
+    if one is None or other is None or type(target) is not TargetModel:
+        return None
+    if not (
+        (target.n_f, target.l_z) == (base.target.n_f, base.target.l_z)
+        and all(getattr(base, name) is getattr(settings, name) for name in SHARED)
+        and all(getattr(base, name) == getattr(settings, name) for name in ALIKE)
+        and base.R_u_unfiltered.tobytes() == settings.R_u_unfiltered.tobytes()
+        and one.stop_where_unsupported == other.stop_where_unsupported
+    ):
+        return None
+    failures = Failures()  # of functions, which no weight is here
+    return (
+        initial_variances(other.R_theta, settings.structure.l_theta),
+        settings.theta_0,
+        cast(float, other.lambda_),
+        _weight(settings.R_z, "R_z", target.l_z, failures, definite=True),
+        _weight(settings.R_u, "R_u", target.l_z, failures, definite=False),
+        [(target.numerator, target.denominator)],
+    )
+
+
+def _plain_update(settings: ControllerSettings) -> UD | None:
+    """The update, where all that it and the settings change while they run is theta and P."""
+    update = settings.update
+    if type(settings) is not ControllerSettings or type(update) is not UD:
+        return None
+    is_plain = (
+        type(update.lambda_) is float
+        and update.process_noise is None
+        and update.reset is None
+        and settings.learning is None
+        and not (settings.target_changes or settings.freeze)
+        and type(settings.R_z) in CONSTANT
+        and type(settings.R_u) in CONSTANT
+    )
+    return update if is_plain else None
 
 
 def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:

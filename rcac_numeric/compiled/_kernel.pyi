@@ -74,6 +74,19 @@ class Loop:
         shared_u: bool,
         r_in_w: int,
     ) -> None: ...
+    def copy(
+        self, limit: float, x_0: Array | None = ..., numbers: tuple[Any, ...] | None = ...
+    ) -> Loop:
+        """A loop at its first step, made of copies.
+
+        The numbers, of its one controller, are P(0) or its diagonal, theta(0), lambda, R_z, R_u
+        and a list of one target model of the same order.
+        """
+    @property
+    def controllers(self) -> list[Controller]: ...
+    @property
+    def counts(self) -> tuple[int, int, int, int, int]:
+        """Guards, the first step of one or -1, reflections, resets and moves into bounds."""
     def theta_before(self) -> Array: ...
     def save(self) -> Array: ...
     def restore(self, state: Array) -> None: ...

@@ -114,6 +114,13 @@ def initial_covariance(R_theta: float | Array, l_theta: int) -> Array:
     return inverse(full_weight(R_theta, l_theta))
 
 
+def initial_variances(R_theta: float | Array, l_theta: int) -> Array:
+    """P(0), or its diagonal alone where R_theta is a number: what the kernel takes as P(0)."""
+    if isinstance(R_theta, np.ndarray):
+        return initial_covariance(R_theta, l_theta)
+    return np.full(l_theta, 1.0 / R_theta)
+
+
 def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
     """Lambda before any rule has changed it."""
     if isinstance(lambda_, ScheduledForgetting):

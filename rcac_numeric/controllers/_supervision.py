@@ -211,6 +211,8 @@ class SupervisionRecord(Truth):
     def of(cls, noted: Sequence[Any]) -> SupervisionRecord:
         """What the kernel has noted."""
         counts, entries, growth, frozen, fallback = noted
+        if not counts:
+            return cls({}, (), growth, frozen, fallback)
         names = (*TROUBLES, *ACTIONS)
         found = {
             name: TroubleCount(*count)

@@ -14,11 +14,14 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._validation import instance_of, integer, items
 from rcac_numeric.arrays._values import Result, Value
-from rcac_numeric.engine._compatibility import AnyController, controllers_of
-from rcac_numeric.engine._jobs import PreparedRun, in_slices, run_to_end
+from rcac_numeric.controllers._supervision import Supervision
+from rcac_numeric.engine._compatibility import AnyController
+from rcac_numeric.engine._jobs import PreparedRun, RunInterrupted, in_slices, run_to_end
+from rcac_numeric.engine._loops import PreparedLoops
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._foreign import as_plant
+from rcac_numeric.plants._saturation import Saturation
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -116,25 +119,60 @@ def simulate_many(
     """
     workers = integer(os.cpu_count() or 1 if threads is None else threads, "threads", at_least=1)
     instance_of(lanes, "lanes", bool)
-    prepared = []
-    for number, case in enumerate(items(cases, "cases")):
+    given = items(cases, "cases")
+    prepared, loops = [], PreparedLoops()
+    for number, case in enumerate(given):
         if not isinstance(case, SimulationCase):
             raise InputError(
                 f"case {number} is {case!r}; SimulationCase(plant, settings, w) is needed."
             )
         try:
-            prepared.append(_prepared(case))
+            prepared.append(_prepared(case, loops))
         except TypeError as error:
             raise InputError(f"the options of case {number}: {error}.") from None
         except InputError as error:
             raise InputError(f"case {number}: {error}") from None
-    run_to_end(prepared, workers, lanes)
-    return [one.result() for one in prepared]
+    return _run_in_groups(prepared, workers, lanes)
 
 
-def _prepared(case: SimulationCase) -> PreparedRun:
-    controllers_of(case.settings)  # refuses steps in Python, whose errors are none of a batch
-    return PreparedRun(case.plant, case.settings, case.w, **case.options)
+# Runs of a batch whose loops are there together: enough to fill the lanes of many kinds, and few
+# enough for each to have the memory of one before it.
+GROUP = 256
+
+
+def _run_in_groups(prepared: list[PreparedRun], threads: int, lanes: bool) -> list[Run]:
+    """The runs in their order; those that may share lanes run together."""
+    runs: dict[int, Run] = {}
+    waiting = dict(sorted(enumerate(prepared), key=lambda pair: pair[1].kind))
+    del prepared[:]  # what has run is kept by nobody
+    while waiting:
+        group = dict(islice(waiting.items(), max(GROUP, 64 * threads)))
+        for number in group:
+            del waiting[number]
+        try:
+            run_to_end(list(group.values()), threads, lanes)
+        except RunInterrupted as stopped:
+            runs.update(zip(group, stopped.runs, strict=True))
+            runs.update({n: one.result(interrupted=True) for n, one in waiting.items()})
+            raise RunInterrupted([runs[number] for number in sorted(runs)]) from None
+        runs.update({number: one.result() for number, one in group.items()})
+    return [runs[number] for number in range(len(runs))]
+
+
+def _prepared(case: SimulationCase, loops: PreparedLoops) -> PreparedRun:
+    return _made(loops, case.plant, case.settings, case.w, **case.options)
+
+
+def _made(
+    loops: PreparedLoops,
+    plant: AnyPlant,
+    settings: AnyController,
+    w: ArrayLike,
+    saturation: Saturation | None = None,
+    supervision: Supervision | None = None,
+    **options: Any,
+) -> PreparedRun:
+    return PreparedRun(loops.of(plant, settings, saturation, supervision), w, **options)
 
 
 T = TypeVar("T")
@@ -246,9 +284,9 @@ def _results(
     at_once: int,
     progress: Callable[[int], None] | None,
 ) -> Iterator[CaseResult[Any]]:
-    first = handed_out = 0
+    first, handed_out, loops = 0, 0, PreparedLoops()
     while batch := list(islice(cases, at_once)):
-        for result in _of_batch(batch, first, reduce, threads, lanes):
+        for result in _of_batch(batch, first, loops, reduce, threads, lanes):
             handed_out += 1
             yield result
             if progress is not None:
@@ -259,17 +297,19 @@ def _results(
 def _of_batch(
     batch: list[SimulationCase],
     first: int,
+    loops: PreparedLoops,
     reduce: Callable[[int, Run], Any] | None,
     threads: int,
     lanes: bool,
 ) -> Iterator[CaseResult[Any]]:
     prepared: list[PreparedRun] = []
     numbers = []
+    loops.begin()
     for number, case in enumerate(batch, first):
         try:
             if not isinstance(case, SimulationCase):
                 raise InputError(f"{case!r} is no SimulationCase(plant, settings, w).")
-            prepared.append(_prepared(case))
+            prepared.append(_prepared(case, loops))
             numbers.append(number)
         except (CompensatorError, TypeError) as error:
             yield CaseResult(number, REFUSED, None, str(error))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,31 +10,21 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, integer, number, real_array, signal_array
-from rcac_numeric.arrays._values import fingerprint
 from rcac_numeric.compiled import _kernel
 from rcac_numeric.compiled._callbacks import Failures
-from rcac_numeric.compiled._controllers import compiled_controller, fitted_denominator
-from rcac_numeric.compiled._plants import compiled_plant
-from rcac_numeric.controllers._decentralized import Decentralized
-from rcac_numeric.controllers._recursive import RecursiveLeastSquares
+from rcac_numeric.compiled._controllers import fitted_denominator
+from rcac_numeric.compiled._plants import initial_state
 from rcac_numeric.controllers._settings import ControllerSettings
-from rcac_numeric.controllers._stepwise import StepwiseController
-from rcac_numeric.controllers._supervision import Supervision, SupervisionRecord
+from rcac_numeric.controllers._supervision import SupervisionRecord
 from rcac_numeric.engine._changes import AppliedChange, ControllerChange
-from rcac_numeric.engine._compatibility import (
-    AnyController,
-    OneController,
-    command_position,
-    controllers_of,
-    require_fit,
-)
+from rcac_numeric.engine._compatibility import OneController
 from rcac_numeric.engine._learner import DataDrivenLearner, LearningLoop, Restorable
 from rcac_numeric.engine._live_control import apply_change
+from rcac_numeric.engine._loops import PreparedLoop
 from rcac_numeric.engine._runs import OUTCOMES, Run
 from rcac_numeric.engine._states import SavedState, saved_state
 from rcac_numeric.engine._stepwise import StepwiseLoop
 from rcac_numeric.plants._any_plant import AnyPlant
-from rcac_numeric.plants._saturation import Saturation
 
 # A signal so many times larger than all that comes from outside holds no digit of it in float64.
 NO_DIGIT_LEFT = 1e15
@@ -46,59 +35,68 @@ class PreparedRun:
 
     def __init__(
         self,
-        plant: AnyPlant,
-        settings: AnyController,
+        loop: PreparedLoop,
         w: ArrayLike,
         *,
         x_0: ArrayLike | None = None,
         stride: int = 1,
         divergence_limit: float | None = None,
-        saturation: Saturation | None = None,
         start: SavedState | None = None,
-        supervision: Supervision | None = None,
+        into: tuple[Array, Array, Array] | None = None,
     ) -> None:
+        """`into` are u, y and z of who keeps them himself, of as many rows as w."""
+        self.prepared, self.plant, self.settings = loop, loop.plant, loop.settings
+        plant = loop.plant
         # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self._failures = Failures()
         self.changes: list[AppliedChange] = []
-        body = compiled_plant(plant, self.x_0, self._failures)
-        self._controllers = _compiled_controllers(settings, saturation, supervision)
-        if saturation is not None:
-            instance_of(saturation, "saturation", Saturation)
-        if supervision is not None:
-            instance_of(supervision, "supervision", Supervision)
-        self.plant, self.settings, self.saturation = plant, settings, saturation
-        self.supervision = None if supervision == Supervision() else supervision
-        self.w = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
-        require_fit(plant, settings)
+        self.w, peak = _read(w, plant)
         self.stride = integer(stride, "stride", at_least=1)
         self._before = 0.0 if start is None else saved_state(start, "start").scale
-        self.divergence_limit = divergence_limit_of(
-            divergence_limit, scale_of(self._before, self.w, self.x_0)
-        )
-        self._kernels = [
-            compiled_controller(one, plant.l_z, self._failures, supervision=self.supervision)
-            for one in self._controllers
-        ]
-        parts = self._controllers or (settings,)
-        l_r = max(one.l_r for one in parts)
-        self._command = command_position(plant, l_r), l_r
-        self._loop = self._loop_of(body)
-        self.learner = _learner(self._controllers)
+        self._scale = scale_of(max(self._before, peak), self.x_0)
+        self.divergence_limit = divergence_limit_of(divergence_limit, self._scale)
+        self.learner: DataDrivenLearner | None = None
+        self._into = into
+        self.first_step, self._is_ready, self._start = 0, False, start
+        # What may be refused is asked before anything runs: of a loop of data no more is than x_0.
+        if start is not None or not loop.is_data:
+            self.make_ready()
+        elif self.x_0 is not None:
+            initial_state(self.x_0, plant.n)
+
+    @property
+    def kind(self) -> tuple[int, int]:
+        """What runs in the same lanes have in common, and most of what it depends on."""
+        return self.prepared.width, self.plant.n
+
+    def make_ready(self) -> None:
+        """Make the loop, its job and the arrays, if they are not there yet."""
+        if self._is_ready:
+            return
+        self._is_ready = True
+        loop, plant, saturation = self.prepared, self.plant, self.prepared.saturation
+        self._loop = loop.started(self.x_0, self.divergence_limit, self._failures)
+        self._kernels = [] if isinstance(self._loop, StepwiseLoop) else self._loop.controllers
+        if loop.learns:
+            self.learner = _learner(loop.controllers)
         whole = self._loop if self.learner is None else LearningLoop(self._loop, self.learner)
         self._whole: Restorable = whole
         if self.learner is not None:
             self._kernels[0].freeze(True)  # until there is a target model
-        self.first_step = 0
-        if start is not None:
-            self._continue(start)
-        steps = len(self.w)
-        self.u, self.y, self.z = (np.empty((steps, n)) for n in (plant.l_u, plant.l_y, plant.l_z))
+        if self._start is not None:
+            self._continue(self._start)
+        steps, empty = len(self.w), np.empty
+        if self._into is None:
+            self.u, self.y = empty((steps, plant.l_u)), empty((steps, plant.l_y))
+            self.z = empty((steps, plant.l_z))
+        else:
+            self.u, self.y, self.z = self._into
         self.u_applied = self.u if saturation is None else np.empty_like(self.u)
         # What the kernel calls theta of a fixed controller never changes: it is kept once.
-        self._adapts = any(one.l_theta for one in parts)
-        kept_every = self.stride if self._adapts else max(steps, 1)
-        self._theta = np.empty((-(-steps // kept_every), self._loop.theta_before().size))
+        kept_every = self.stride if loop.adapts else max(steps, 1)
+        width = loop.width or self._loop.theta_before().size
+        self._theta = empty((-(-steps // kept_every), width))
         applied = None if saturation is None else self.u_applied
         outputs = self.y, self.z, self._theta, kept_every
         self.job: _kernel.Job | StepwiseLoop
@@ -117,7 +115,7 @@ class PreparedRun:
                 "run it whole."
             )
         saved_state(start, "start").restored(
-            "loop", self._name,
+            "loop", self.prepared.name,
             save=self._whole.save, restore=self._whole.restore, steps=lambda: self._k,
         )  # fmt: skip
         self.first_step = start.k
@@ -128,6 +126,7 @@ class PreparedRun:
 
     def hold(self, row: int) -> None:
         """Let the job go no further than so many rows."""
+        self.make_ready()
         self._hold = row
         self._pause()
 
@@ -155,17 +154,9 @@ class PreparedRun:
 
     def _learn(self, learner: DataDrivenLearner) -> None:
         new, self._learnt = slice(self._learnt, self.job.done), self.job.done
-        first, width = self._command
+        first, width = self.prepared.command
         r = self.w[new, first : first + width]
         learner.take(self.u_applied[new], self.z[new], self.y[new], r)
-
-    @cached_property
-    def _name(self) -> str:
-        """What a state of this loop is recognised by."""
-        parts = (self.plant, self.settings, self.saturation)
-        if isinstance(self._loop, StepwiseLoop):
-            return fingerprint(parts[:2])
-        return fingerprint(parts if self.supervision is None else (*parts, self.supervision))
 
     @property
     def has_ended(self) -> bool:
@@ -174,7 +165,7 @@ class PreparedRun:
 
     def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
         """Change the one controller between two steps."""
-        (settings,), (kernel,) = self._controllers, self._kernels
+        (settings,), (kernel,) = self.prepared.controllers, self._kernels
         settings = instance_of(settings, "settings", ControllerSettings)
         self.changes.append(apply_change(kernel, settings, change, evidence))
         return self.changes[-1]
@@ -186,50 +177,60 @@ class PreparedRun:
         `Run.failure` says how. Where the job was interrupted in a function of the user, or in a
         step that is Python, its state is in the middle of a step, and none is handed out.
         """
-        done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
+        self.make_ready()
+        done, outcome, failures = self.job.done, self.job.outcome, self._failures
         if self.learner is not None and outcome == 0:
             self._learn(self.learner)
         # A function in which the key was pressed looks to the kernel like one that failed.
         in_function = (
-            OUTCOMES[outcome] in ("plant failed", "overflow")
-            and self._failures.guards_something
-            and self._failures.error is None
+            failures.guards_something
+            and OUTCOMES[outcome] in ("plant failed", "overflow")
+            and failures.error is None
         )
-        stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
+        is_done = done == len(self.w)
+        stopped = interrupted and not is_done and (outcome == 0 or in_function)
         state = None
         if with_state and outcome == 0 and self._is_whole(stopped):
-            scale = scale_of(self._before, self.w[:done], self.x_0)
+            scale = self._scale if is_done else scale_of(self._before, self.w[:done], self.x_0)
             values, k = self._whole.save(), self.first_step + done
-            state = SavedState.taken("loop", k, values, self._name, scale)
+            state = SavedState.taken("loop", k, values, self.prepared.name, scale)
+        guards, first, reflections, resets, bounded = self._counts
+        signals = self.w, self.u, self.y, self.z, self.u_applied
+        w, u, y, z, u_applied = signals if is_done else (signal[:done] for signal in signals)
         return Run(
             plant=self.plant,
             settings=self.settings,
-            w=self.w[:done],
-            u=self.u[:done],
-            y=self.y[:done],
-            z=self.z[:done],
+            w=w,
+            u=u,
+            y=y,
+            z=z,
             theta=self._kept(done),
             theta_final=self._last(outcome),
             stride=self.stride,
             outcome="interrupted" if stopped else self._name_of(outcome),
-            guard_count=sum(kernel.guard_count for kernel in kernels),
-            guard_first_step=min(
-                (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
-            ),
-            u_applied=self.u_applied[:done],
-            reflections=sum(kernel.reflections for kernel in kernels),
-            resets=sum(kernel.resets for kernel in kernels),
-            bounded=sum(kernel.bounded for kernel in kernels),
+            guard_count=guards,
+            guard_first_step=first,
+            u_applied=u_applied,
+            reflections=reflections,
+            resets=resets,
+            bounded=bounded,
             first_step=self.first_step,
             state=state,
-            saturation=self.saturation,
+            saturation=self.prepared.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
-            failure=self._failures.words or self._failure_of_controller,
+            failure=failures.words or self._failure_of_controller,
             changes=tuple(self.changes),
             D_f=self._fitted(outcome),
             supervision=self._noted(),
         )
+
+    @property
+    def ending(self) -> tuple[int, str, int, Array, str]:
+        """Completed steps, outcome, guards, the last theta and a failure, of a run that ended."""
+        outcome = self.job.outcome
+        failure = self._failures.words
+        return self.job.done, self._name_of(outcome), self._counts[0], self._last(outcome), failure
 
     def require_no_failure(self, run: Run) -> None:
         """Raise where a function of the user failed; the run so far goes with the error."""
@@ -240,6 +241,11 @@ class PreparedRun:
                 "attribute run of this error.",
                 run,
             ) from self._failures.error
+
+    @property
+    def _counts(self) -> tuple[int, int, int, int, int]:
+        """Guards, the first step of one, reflections, resets and moves into bounds."""
+        return (0, -1, 0, 0, 0) if isinstance(self._loop, StepwiseLoop) else self._loop.counts
 
     def _is_whole(self, stopped: bool) -> bool:
         """Whether a state is that between two steps, and all that later steps depend on."""
@@ -258,7 +264,7 @@ class PreparedRun:
 
     def _kept(self, done: int) -> Array:
         rows = -(-done // self.stride)
-        return self._theta[:rows] if self._adapts else np.zeros((rows, 0))
+        return self._theta[:rows] if self.prepared.adapts else np.zeros((rows, 0))
 
     def _fitted(self, outcome: int) -> Array | None:
         """D_f that belongs to theta_final; None where a step failed half-way."""
@@ -273,58 +279,12 @@ class PreparedRun:
         return SupervisionRecord.of(self._kernels[0].troubles)
 
     def _last(self, outcome: int) -> Array:
-        if not self._adapts:
+        if not self.prepared.adapts:
             return np.zeros(0)
         if outcome == 0 and self._kernels:
-            return np.concatenate([kernel.theta for kernel in self._kernels])
+            parts = [kernel.theta for kernel in self._kernels]
+            return parts[0] if len(parts) == 1 else np.concatenate(parts)
         return self._loop.theta_before()
-
-    def _loop_of(self, body: _kernel.Plant) -> _kernel.Loop | StepwiseLoop:
-        plant, settings, saturation = self.plant, self.settings, self.saturation
-        limit, r_in_w = self.divergence_limit, self._command[0]
-        if isinstance(settings, StepwiseController):
-            return StepwiseLoop(plant, settings, body, self._failures, limit, r_in_w)
-        no_bounds = (np.zeros(0), np.zeros(0), np.zeros(0))
-        low, high, rate = no_bounds if saturation is None else saturation.bounds(plant.l_u)
-        shared = settings.shared_u if isinstance(settings, Decentralized) else True
-        if saturation is not None and not shared and len(self._controllers) > 1:
-            raise InputError(
-                "with saturation, controllers that hold their own u cannot know which part of it "
-                "was applied. Use Decentralized(..., shared_u=True)."
-            )
-        updates = [o.update for o in self._controllers if isinstance(o, ControllerSettings)]
-        stops = [u.stop_where_unsupported for u in updates if isinstance(u, RecursiveLeastSquares)]
-        return _kernel.Loop(
-            controllers=self._kernels,
-            plant=body,
-            low=low,
-            high=high,
-            rate=rate,
-            limit=limit,
-            stop_where_unsupported=any(stops),
-            shared_u=shared,
-            r_in_w=r_in_w,
-        )
-
-
-def _compiled_controllers(
-    settings: AnyController, saturation: Saturation | None, supervision: Supervision | None
-) -> tuple[OneController, ...]:
-    """Those of which the kernel makes the steps: none where they are Python."""
-    if not isinstance(settings, StepwiseController):
-        return controllers_of(settings)
-    name = type(settings).__name__
-    if saturation is not None:
-        raise InputError(
-            f"a {name} is run without saturation: it would not know which part of u was applied. "
-            "Leave saturation out."
-        )
-    if supervision is not None:
-        raise InputError(
-            f"a {name} is run without supervision, which watches P of an RCAC controller; leave "
-            "supervision out."
-        )
-    return ()
 
 
 def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None:
@@ -336,10 +296,23 @@ def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None
     return DataDrivenLearner(learning[0], adaptive[0].structure) if learning else None
 
 
+def _read(w: ArrayLike, plant: AnyPlant) -> tuple[Array, float]:
+    """The exogenous input as it is kept, and its largest size, which says that it is finite."""
+    if type(w) is np.ndarray and w.dtype == np.float64 and w.shape[1:] == (plant.l_w,):
+        kept = np.array(w, order="C")
+        if (peak := scale_of(0.0, kept)) < np.inf:
+            kept.setflags(write=False)
+            return kept, peak
+    kept = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
+    return kept, scale_of(0.0, kept)
+
+
 def scale_of(before: float, *from_outside: Array | None) -> float:
     """The largest size of what comes from outside, in this run and those that it goes on from."""
-    peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]
-    return float(max(before, *peaks))
+    for values in from_outside:
+        if values is not None:
+            before = np.maximum.reduce(np.abs(values), axis=None, initial=before)
+    return float(before)
 
 
 def divergence_limit_of(given: float | None, scale: float) -> float:
@@ -388,16 +361,19 @@ def in_slices(
     prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
 ) -> Iterator[None]:
     """Run every job to its end; hands over after each slice of time, and once at the end."""
+    for one in prepared:
+        one.make_ready()
     jobs = [one.job for one in prepared if isinstance(one.job, _kernel.Job)]
     stepwise = [one.job for one in prepared if isinstance(one.job, StepwiseLoop)]
+    learning = [one for one in prepared if one.learner is not None]
     go_on = True
-    for one in prepared:
+    for one in learning:
         one.proceed()
     while go_on:
         try:
             go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
             go_on = sum(job.go_on(CHUNK) for job in stepwise) > 0 or go_on
-            go_on = sum(one.proceed() for one in prepared) > 0 or go_on  # each of them proceeds
+            go_on = sum(one.proceed() for one in learning) > 0 or go_on  # each of them proceeds
         except KeyboardInterrupt:
             if not keep:
                 raise

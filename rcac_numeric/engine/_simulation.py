@@ -25,6 +25,7 @@ from rcac_numeric.engine._jobs import (
     RunInterrupted,
     run_to_end,
 )
+from rcac_numeric.engine._loops import PreparedLoop
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._states import SavedState
 from rcac_numeric.plants._any_plant import AnyPlant
@@ -112,15 +113,12 @@ def simulate(
     """
     plant = as_plant(plant)
     prepared = PreparedRun(
-        plant,
-        settings,
+        PreparedLoop(plant, settings, saturation, supervision),
         w,
         x_0=x_0,
         stride=stride,
         divergence_limit=divergence_limit,
-        saturation=saturation,
         start=start,
-        supervision=supervision,
     )
     if on_step is None:
         run_to_end([prepared])
@@ -191,6 +189,7 @@ def require_hook(on_step: object, every: object, settings: object) -> int:
 
 def run_with_hook(prepared: PreparedRun, on_step: Hook, every: int) -> None:
     """Run to the end; before every step k = every, 2 every, ... the hook is asked."""
+    prepared.make_ready()
     steps = len(prepared.w)
     while prepared.job.outcome == 0 and prepared.job.done < steps:
         k = prepared.first_step + prepared.job.done

@@ -77,8 +77,26 @@ class SavedState(Value):
 
     @classmethod
     def taken(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
-        """The state of a compiled object whose settings have the fingerprint `of`."""
-        return cls(kind, k, values, of, _checksum(kind, k, values, of, scale), scale)
+        """The state of a compiled object whose settings have the fingerprint `of`.
+
+        Of most runs nobody looks at the state: its checksum is made when it is first asked for,
+        of bytes that nobody can have changed until then.
+        """
+        made = object.__new__(cls)
+        kept = np.frombuffer(values.tobytes())
+        made.__dict__.update(kind=kind, k=k, values=kept, fingerprint=of, scale=scale)
+        return made
+
+    def __getattr__(self, name: str) -> str:
+        """The checksum, where it is not made yet."""
+        if name != "checksum" or "scale" not in self.__dict__:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        of = self.kind, self.k, self.values, self.fingerprint, self.scale
+        return str(self.__dict__.setdefault(name, _checksum(*of)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """With its checksum: what is read back may have been changed on the way."""
+        return {"checksum": self.checksum, **self.__dict__}
 
     def save(self, path: str | Path) -> None:
         """Write the state to a .npz file; an older file of that name stays whole until then.

@@ -103,4 +103,5 @@ def may_refuse(name, method):
         ("Plant", "output"),
         ("Plant", "advance"),
         ("Job", "pause_at"),
+        ("Loop", "copy"),
     }

@@ -378,6 +378,9 @@ SAMPLES = {
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),
+    results.BatchRun: lambda seed: rcac.simulate_batch(
+        exact_plant(seed), adaptive(seed), random(seed, 3, 20, 1)
+    ),
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
     # checks
     rcac.ControllerLog: log,

@@ -244,6 +244,19 @@ def new_target(draw, made):
     return {"numerator": some(draw, order + 1, 1, 1), "denominator": denominator, "past": past}
 
 
+def copied_numbers(draw, made):
+    """P(0) or its diagonal, theta(0), lambda, weights and a target model of the same order."""
+    (controller,) = made.controllers
+    numerator, denominator = controller.target
+    l_theta = len(controller.theta)
+    P_0 = draw(st.sampled_from([np.ones(l_theta), np.eye(l_theta)]))
+    weights = np.eye(1), (np.eye(1), draw(st.sampled_from([0.0, 0.5])), 0.0)
+    return (
+        P_0, some(draw, l_theta), draw(st.sampled_from([1.0, 0.9])), *weights,
+        [(numerator, denominator)],
+    )  # fmt: skip
+
+
 NOTHING = {"save": lambda draw, made: {}}
 STATE = {**NOTHING, "restore": lambda draw, made: {"state": made.save()}}
 FREEZE = {"freeze": lambda draw, made: {"frozen": draw(st.booleans())}}
@@ -285,7 +298,15 @@ METHODS = {
         "set_noises": lambda draw, made: {"Q_root": np.eye(N), "R_root": np.zeros(0)},
     },
     "Job": {"pause_at": lambda draw, made: {"step": draw(st.integers(0, STEPS))}},
-    "Loop": {**STATE, "theta_before": lambda draw, made: {}},
+    "Loop": {
+        **STATE,
+        "theta_before": lambda draw, made: {},
+        "copy": lambda draw, made: {
+            "limit": draw(st.sampled_from([1.0, 1e100])),
+            "x_0": draw(st.sampled_from([None, np.ones(1)])),
+            "numbers": copied_numbers(draw, made) if draw(st.booleans()) else None,
+        },
+    },
     "Plant": {
         **STATE,
         "output": lambda draw, made: dict(ROW),

@@ -19,11 +19,10 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.compiled import _kernel
-from rcac_numeric.engine._jobs import PreparedRun
 from rcac_numeric.plants._linear import MATRICES
 from tests.support.comparisons import identical, same
 from tests.support.engine_cases import engine_plants, settings_for, structures
-from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments, ready_run
 from tests.support.signals import white
 from tests.support.strategies import seeds, sizes
 
@@ -181,7 +180,7 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
 def test_every_instruction_set_does_the_same(cases):
     singles = [simulate(**arguments(case)) for case in cases]
     for instruction_set in _kernel.instruction_sets():
-        prepared = [PreparedRun(**arguments(case)) for case in cases]
+        prepared = [ready_run(**arguments(case)) for case in cases]
         while _kernel.run_jobs([one.job for one in prepared], 2, 1e-5, True, instruction_set):
             pass
         for case, single, one in zip(cases, singles, prepared, strict=True):

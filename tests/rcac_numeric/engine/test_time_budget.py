@@ -24,9 +24,9 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.compiled import _kernel
-from rcac_numeric.engine._jobs import PreparedRun
 from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
+from tests.support.lane_cases import ready_run
 from tests.support.strategies import seeds, sizes
 
 BODY = standard_plant("(q - 0.5)/(q*(q - 0.9))")
@@ -53,7 +53,7 @@ def test_no_time_at_all_is_one_step(name):
     """However much a step costs, and in lanes one of each."""
     settings, count, lanes = EXPENSIVE[name]
     w = np.random.default_rng(0).standard_normal((5, 1))
-    runs = [PreparedRun(BODY, settings, w, stride=len(w)) for _ in range(count)]
+    runs = [ready_run(BODY, settings, w, stride=len(w)) for _ in range(count)]
     jobs = [run.job for run in runs]
     together = count if lanes else 1  # one after another, the next begins when there is time
     for made in range(together, 5 * count + 1, together):
@@ -85,7 +85,7 @@ def test_few_steps_are_begun_when_the_time_is_up(quick, last):
 
     one = {"n": 1, "l_u": 1, "l_w": 1, "l_y": 1, "l_z": 1}
     plant = FunctionPlant(advance=advance, output=lambda k, x, w: (x, x), **one)
-    run = PreparedRun(plant, rcac(8), np.zeros((30_000, 1)), stride=30_000)
+    run = ready_run(plant, rcac(8), np.zeros((30_000, 1)), stride=30_000)
     assert _kernel.run_jobs([run.job], 1, SECONDS)
     assert run.job.done == len(begun)
     late = sum(moment > begun[0] + SECONDS for moment in begun)
@@ -103,7 +103,7 @@ def test_where_it_is_cut_changes_nothing(l_u, l_y, l_z, seed, data):
     for lanes in (False, True):
         results = []
         for seconds in (0.0, 1e-5, 1e9):
-            runs = [PreparedRun(plant, settings, w) for w in noise]
+            runs = [ready_run(plant, settings, w) for w in noise]
             while _kernel.run_jobs([run.job for run in runs], 1, seconds, lanes):
                 pass
             results.append([run.result() for run in runs])

@@ -1,0 +1,226 @@
+"""Plant and controller of a run, checked and compiled once for all runs that they make."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from functools import cached_property
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._validation import instance_of
+from rcac_numeric.arrays._values import fingerprint
+from rcac_numeric.compiled import _kernel
+from rcac_numeric.compiled._callbacks import Failures
+from rcac_numeric.compiled._controllers import (
+    CONSTANT,
+    Numbers,
+    compiled_controller,
+    instruction_set,
+    numbers_beside,
+)
+from rcac_numeric.compiled._plants import compiled_plant, initial_state
+from rcac_numeric.controllers._decentralized import Decentralized
+from rcac_numeric.controllers._recursive import RecursiveLeastSquares
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._stepwise import StepwiseController
+from rcac_numeric.controllers._supervision import Supervision
+from rcac_numeric.engine._compatibility import (
+    AnyController,
+    OneController,
+    command_position,
+    controllers_of,
+    require_fit,
+)
+from rcac_numeric.engine._stepwise import StepwiseLoop
+from rcac_numeric.plants._any_plant import AnyPlant
+from rcac_numeric.plants._functions import FunctionPlant
+from rcac_numeric.plants._saturation import Saturation
+
+# Loops that are remembered while a batch is prepared.
+REMEMBERED = 64
+
+
+class PreparedLoop:
+    """What of a run depends on the plant and the controller alone.
+
+    A loop of data is compiled once, and each run has a copy of it at its first step; one that
+    calls functions, steps in Python or learns its target model is compiled for each run.
+    """
+
+    def __init__(
+        self,
+        plant: AnyPlant,
+        settings: AnyController,
+        saturation: Saturation | None = None,
+        supervision: Supervision | None = None,
+    ) -> None:
+        if saturation is not None:
+            instance_of(saturation, "saturation", Saturation)
+        if supervision is not None:
+            instance_of(supervision, "supervision", Supervision)
+        self.plant, self.settings, self.saturation = plant, settings, saturation
+        is_default = supervision is None or supervision == Supervision()
+        self.supervision = None if is_default else supervision
+        self._given = supervision  # what it is remembered by must live as long
+        self.controllers = _compiled_controllers(settings, saturation, supervision)
+        compiled_plant(plant, None, Failures())  # what is no plant is refused as one
+        require_fit(plant, settings)
+        parts = self.controllers or (settings,)
+        l_r = max(one.l_r for one in parts)
+        self.command = command_position(plant, l_r), l_r
+        self.adapts = any(one.l_theta for one in parts)
+        adaptive = [one for one in self.controllers if isinstance(one, ControllerSettings)]
+        self.learns = any(one.learning is not None for one in adaptive)
+        self._numbers: Numbers | None = None
+        # Nothing in it is a function, a step in Python or learnt.
+        is_data = (
+            bool(self.controllers)
+            and not isinstance(plant, FunctionPlant)
+            and not self.learns
+            and all(isinstance(R, CONSTANT) for one in adaptive for R in (one.R_z, one.R_u))
+        )
+        self._template: _kernel.Loop | None = None
+        # Of what the kernel calls theta, coefficients of fixed controllers too; 0: not known yet.
+        self.width = 0
+        if is_data:
+            compiled = self._compiled(None, 1.0, Failures())
+            assert isinstance(compiled, _kernel.Loop)
+            self._template, self.width = compiled, compiled.theta_before().size
+
+    @property
+    def is_data(self) -> bool:
+        """Whether it is compiled once for all runs."""
+        return self._template is not None
+
+    def with_numbers_of(self, settings: AnyController) -> PreparedLoop | None:
+        """The loop with other settings that differ in numbers alone; None where more differs."""
+        base = self.settings
+        if not isinstance(settings, ControllerSettings) or not isinstance(base, ControllerSettings):
+            return None
+        if self._template is None or (numbers := numbers_beside(base, settings)) is None:
+            return None
+        made = object.__new__(PreparedLoop)
+        made.__dict__.update(self.__dict__)
+        made.__dict__.pop("name", None)
+        made.settings, made.controllers, made._numbers = settings, (settings,), numbers
+        return made
+
+    def started(
+        self, x_0: Array | None, limit: float, failures: Failures
+    ) -> _kernel.Loop | StepwiseLoop:
+        """The loop before its first step."""
+        if self._template is None:
+            return self._compiled(x_0, limit, failures)
+        start = None if x_0 is None else initial_state(x_0, self.plant.n)
+        return self._template.copy(limit, start, self._numbers)
+
+    @cached_property
+    def name(self) -> str:
+        """What a state of this loop is recognised by."""
+        parts = (self.plant, self.settings, self.saturation)
+        if not self.controllers:
+            return fingerprint(parts[:2])
+        return fingerprint(parts if self.supervision is None else (*parts, self.supervision))
+
+    def _compiled(
+        self, x_0: Array | None, limit: float, failures: Failures
+    ) -> _kernel.Loop | StepwiseLoop:
+        plant, settings, saturation = self.plant, self.settings, self.saturation
+        body, r_in_w = compiled_plant(plant, x_0, failures), self.command[0]
+        if isinstance(settings, StepwiseController):
+            return StepwiseLoop(plant, settings, body, failures, limit, r_in_w)
+        no_bounds = (np.zeros(0), np.zeros(0), np.zeros(0))
+        low, high, rate = no_bounds if saturation is None else saturation.bounds(plant.l_u)
+        shared = settings.shared_u if isinstance(settings, Decentralized) else True
+        if saturation is not None and not shared and len(self.controllers) > 1:
+            raise InputError(
+                "with saturation, controllers that hold their own u cannot know which part of it "
+                "was applied. Use Decentralized(..., shared_u=True)."
+            )
+        updates = [o.update for o in self.controllers if isinstance(o, ControllerSettings)]
+        stops = [u.stop_where_unsupported for u in updates if isinstance(u, RecursiveLeastSquares)]
+        return _kernel.Loop(
+            controllers=[
+                compiled_controller(one, plant.l_z, failures, supervision=self.supervision)
+                for one in self.controllers
+            ],
+            plant=body,
+            low=low,
+            high=high,
+            rate=rate,
+            limit=limit,
+            stop_where_unsupported=any(stops),
+            shared_u=shared,
+            r_in_w=r_in_w,
+        )
+
+
+class PreparedLoops:
+    """The loops of a batch, each prepared once: the last ones, by the objects they are made of."""
+
+    def __init__(self) -> None:
+        self._loops: OrderedDict[tuple[int, ...], PreparedLoop] = OrderedDict()
+        self._bases: OrderedDict[tuple[int, ...], PreparedLoop] = OrderedDict()
+        self._instructions = instruction_set()
+
+    def begin(self) -> None:
+        """Before a batch: what was compiled for other instructions is made anew."""
+        if self._instructions != (now := instruction_set()):
+            self._loops.clear()
+            self._bases.clear()
+            self._instructions = now
+
+    def of(
+        self,
+        plant: AnyPlant,
+        settings: AnyController,
+        saturation: Saturation | None = None,
+        supervision: Supervision | None = None,
+    ) -> PreparedLoop:
+        """The loop of these, whose number in memory stays theirs while the loop is remembered."""
+        key = id(plant), id(settings), id(saturation), id(supervision)
+        found = self._loops.get(key)
+        if found is not None:
+            return found
+        controllers_of(settings)  # refuses steps in Python, whose errors are none of a batch
+        structure = getattr(settings, "structure", None)
+        alike = id(plant), id(structure), id(saturation), id(supervision)
+        base = self._bases.get(alike)
+        made = None
+        if base is not None:
+            made = base.with_numbers_of(settings)
+        if made is None:
+            made = PreparedLoop(plant, settings, saturation, supervision)
+            _keep(self._bases, alike, made)
+        _keep(self._loops, key, made)
+        return made
+
+
+def _keep(
+    store: OrderedDict[tuple[int, ...], PreparedLoop], key: tuple[int, ...], loop: PreparedLoop
+) -> None:
+    store[key] = loop
+    if len(store) > REMEMBERED:
+        store.popitem(last=False)
+
+
+def _compiled_controllers(
+    settings: AnyController, saturation: Saturation | None, supervision: Supervision | None
+) -> tuple[OneController, ...]:
+    """Those of which the kernel makes the steps: none where they are Python."""
+    if not isinstance(settings, StepwiseController):
+        return controllers_of(settings)
+    name = type(settings).__name__
+    if saturation is not None:
+        raise InputError(
+            f"a {name} is run without saturation: it would not know which part of u was applied. "
+            "Leave saturation out."
+        )
+    if supervision is not None:
+        raise InputError(
+            f"a {name} is run without supervision, which watches P of an RCAC controller; leave "
+            "supervision out."
+        )
+    return ()
