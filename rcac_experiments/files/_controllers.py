@@ -47,6 +47,7 @@ from rcac_numeric.controllers._weights import SignalWeight
 from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.targets._data_driven import DataDriven
 from rcac_numeric.targets._model import TargetModel
 
 
@@ -184,15 +185,18 @@ class ControllerSpecification(Value):
     target: Target | None
     shared_u: bool = False
 
-    def build(self, plant: Plant | PlantSchedule) -> tuple[AnyController, TargetModel | None]:
+    def build(
+        self, plant: Plant | PlantSchedule, target: TargetModel | DataDriven | None = None
+    ) -> tuple[AnyController, TargetModel | None]:
         """The controller, and the target model that it does not hold itself.
 
-        What a target model takes from the plant is taken from the plant at step 0.
+        What a target model takes from the plant is taken from the plant at step 0; `target` is
+        what its table makes of this plant, where that is known.
         """
         if self.target is None:
             settings: list[Any] = [part.of(plant) for part in self.parts]
             return Decentralized(settings, shared_u=self.shared_u), None
-        target = self.target.of(plant)
+        target = self.target.of(plant) if target is None else target
         controller = self.parts[0].of(plant, target=target)
         is_fixed = isinstance(controller, FixedController)
         return controller, target if is_fixed else None  # type: ignore[return-value]

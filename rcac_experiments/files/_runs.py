@@ -30,11 +30,12 @@ from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.controllers._update import Update
-from rcac_numeric.engine._compatibility import controllers_of, require_fit
+from rcac_numeric.engine._compatibility import AnyController, controllers_of, require_fit
 from rcac_numeric.engine._run import require_supported
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.targets._model import TargetModel
 
 COURSE = Deferred(Table(Course))
 SATURATION = Deferred(Table(Saturation))
@@ -112,10 +113,14 @@ class RunTables(Value):
             reference=course.arithmetic == "reference",
         )
 
-    def build(self, plant: Plant | PlantSchedule) -> RunSpecification:
-        """The run, its plant being made already."""
+    def build(
+        self,
+        plant: Plant | PlantSchedule,
+        built: tuple[AnyController, TargetModel | None] | None = None,
+    ) -> RunSpecification:
+        """The run, its plant being made already, and perhaps what its controller builds for it."""
         course = {name: getattr(self.course, name) for name in field_names(Course)}
-        controller, target = self.controller.build(plant)
+        controller, target = built or self.controller.build(plant)
         made = RunSpecification(
             **course,
             name=self.name,
@@ -151,19 +156,48 @@ def wrong_tables(table: Raw, file: str) -> frozenset[str]:
     return frozenset(wrong)
 
 
-def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -> RunTables | None:
+def read_again(tables: RunTables, before: Raw, now: Raw, file: str) -> RunTables:
+    """The run of a file of which some tables are others; those that are the same are not read."""
+    name = {"name": tables.name}
+    is_same = {
+        key: before.get(key) is now.get(key) and (key in before) == (key in now)
+        for key in (*TABLES, "controllers")
+    }
+    of_controller = ("controller", "target", "controllers")
+    ways = [one.get("run", {}).get("arithmetic") for one in (before, now)]
+    known: dict[str, Any] = {
+        key: getattr(tables, "course" if key == "run" else key)
+        for key in ("plant", "signals", "saturation", "run")
+        if is_same[key]
+    }
+    if all(is_same[key] for key in of_controller) and ways[0] == ways[1]:
+        known["controller"] = tables.controller
+    read = read_run(now, name, file, known=known)
+    assert read is not None, "no table is left out"
+    return read
+
+
+def read_run(
+    base: Raw,
+    override: Raw,
+    file: str,
+    wrong: Collection[str] = (),
+    known: Mapping[str, Any] | None = None,
+) -> RunTables | None:
     """The tables of a file joined with what a run overrides, each read once.
 
     Tables that are known to be `wrong` are left out, and there is no run then; what else is wrong
-    is said.
+    is said. What is `known` of a table is taken in the place of reading it.
     """
     name = str(override["name"])
     errors = Errors()
     read: dict[str, Any] = {"saturation": None}
+    known = known or {}
+    read |= {"course" if key == "run" else key: part for key, part in known.items()}
     joined = {
         key: form.joined(base.get(key, {}), override.get(key, {}))
         for key, form in TABLES.items()
-        if key not in wrong
+        if key not in wrong and not (key in known and key != "controller")
     }
 
     def place(table: str) -> Place:
@@ -183,7 +217,7 @@ def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -
             read["course"] = COURSE.table.read(joined["run"], place("run"))
     course: Course | None = read.get("course")
     with errors:
-        if not {"controller", "target", "controllers"} & set(wrong):
+        if "controller" not in known and not {"controller", "target", "controllers"} & set(wrong):
             common = joined["controller"]
             if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
                 common = {"update": course.arithmetic, **common}

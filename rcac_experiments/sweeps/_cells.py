@@ -11,12 +11,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.experiments._experiment import RunSpecification
-from rcac_experiments.files._runs import read_run
+from rcac_experiments.files._runs import RunTables, read_again, read_run
 from rcac_experiments.sweeps._canonical import canonical_json
 from rcac_experiments.sweeps._study import Coordinates, Study
 from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.controllers._settings import ControllerSettings, settings_with_numbers
 from rcac_numeric.engine._batches import SimulationCase
 from rcac_numeric.signals._signal import Signal
 from rcac_numeric.targets._model import TargetModel
@@ -90,13 +92,29 @@ class Cell:
         return made.stride if looks else max(made.steps, 1)
 
 
+# Entries of [controller] that are numbers of a controller, whatever else stands there.
+OF_UPDATE = {"controller.R_theta": "R_theta", "controller.lambda": "lambda_"}
+OF_SETTINGS = {f"controller.{name}": name for name in ("R_z", "R_u", "theta_0")}
+
+
 class Cells:
-    """Makes the cells of a study, and remembers the last ones and their plants."""
+    """Makes the cells of a study, and remembers the last ones and what they are made of.
+
+    Of a document only the tables that are others are read again. Where an axis sets a number of the
+    controller, the settings of a cell that differs in such numbers alone are taken with its own.
+    """
 
     def __init__(self, study: Study) -> None:
         self.study = study
         self._cells: OrderedDict[str, Cell] = OrderedDict()
         self._plants: OrderedDict[str, Any] = OrderedDict()
+        self._targets: OrderedDict[str, Any] = OrderedDict()
+        self._read: tuple[dict[str, Any], RunTables] | None = None
+        self._built: tuple[Any, Any, Any] | None = None
+        self._alike: OrderedDict[str, RunSpecification] = OrderedDict()
+        numbers = {**OF_UPDATE, **OF_SETTINGS}
+        self._numbers = [axis for axis in study.axes if axis.sets in numbers]
+        self._others = [axis for axis in study.axes if axis.sets not in numbers]
 
     def cell(self, coordinates: Coordinates) -> Cell:
         """One cell."""
@@ -108,11 +126,57 @@ class Cells:
         study = self.study
         if callable(study.base):
             return Cell(study, coordinates, None, {})
-        document = study.document(coordinates)
-        tables = read_run(document, {"name": "main"}, study.file)
-        assert tables is not None
-        plant = _remembered(self._plants, canonical_json(document["plant"]), tables.plant.build)
-        return Cell(study, coordinates, tables.build(plant), {})
+        key = canonical_json({axis.name: coordinates[axis.name] for axis in self._others})
+        if (alike := self._alike.get(key)) is not None and self._numbers:
+            made = self._with_numbers(alike, coordinates)
+            if made is not None:
+                return Cell(study, coordinates, made, {})
+        made = self._specification(study.document(coordinates))
+        _remembered(self._alike, key, lambda: made)
+        return Cell(study, coordinates, made, {})
+
+    def _specification(self, document: dict[str, Any]) -> RunSpecification:
+        """All that a document says, of which nothing is made twice."""
+        file = self.study.file
+        if self._read is None:
+            tables = read_run(document, {"name": "main"}, file)
+            assert tables is not None
+        else:
+            before, of_before = self._read
+            tables = read_again(of_before, before, document, file)
+        self._read = document, tables
+        of_plant = canonical_json(document["plant"])
+        plant = _remembered(self._plants, of_plant, tables.plant.build)
+        built = self._built
+        if built is None or built[0] is not tables.controller or built[1] is not plant:
+            target = tables.controller.target
+            known = None
+            if target is not None:
+                of_target = canonical_json([document["plant"], document["target"]])
+                known = _remembered(self._targets, of_target, lambda: target.of(plant))
+            built = tables.controller, plant, tables.controller.build(plant, known)
+            self._built = built
+        return tables.build(plant, built[2])
+
+    def _with_numbers(
+        self, alike: RunSpecification, coordinates: Coordinates
+    ) -> RunSpecification | None:
+        """A specification with other numbers in its controller; None where the tables are asked."""
+        settings = alike.settings
+        if type(settings) is not ControllerSettings:
+            return None
+        of_update, of_settings = {}, {}
+        for axis in self._numbers:
+            value = coordinates[axis.name]
+            if axis.sets in OF_UPDATE:
+                of_update[OF_UPDATE[axis.sets]] = value
+            else:
+                of_settings[OF_SETTINGS[axis.sets]] = value
+        try:
+            changed = settings_with_numbers(settings, of_update, of_settings)
+        except CompensatorError:
+            return None  # the tables say what is wrong, and where it stands
+        return None if changed is None else replaced(alike, settings=changed)
 
 
 def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> T:

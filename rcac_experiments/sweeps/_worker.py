@@ -220,9 +220,10 @@ def _together(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> li
 
     def cases() -> Iterator[SimulationCase]:
         for coordinates, pairs in task.runs:
+            cell: Cell | None = None
             for run, repetition in pairs:
                 try:
-                    cell = cells.cell(coordinates)
+                    cell = cells.cell(coordinates) if cell is None else cell
                     if cell.is_reference:
                         records.append(_record(run, cell, _reference(cell, repetition), ""))
                         progress()

@@ -9,10 +9,15 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import matrix, real_array
 
+LARGEST = np.finfo(float).max
+
 
 def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:
     """A symmetric weight, positive definite or semidefinite; a number means a multiple of I."""
     array = real_array(value, name)
+    multiple = float(array) if array.ndim == 0 else -1.0
+    if multiple > 1 / LARGEST or (multiple == 0 and not definite):  # no more is to be asked of it
+        return real_array(multiple * np.eye(size), name)
     array = float(array) * np.eye(size) if array.ndim == 0 else matrix(array, name, (size, size))
     if not np.array_equal(array, array.T):
         raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import attrs
 import numpy as np
@@ -30,6 +30,7 @@ from rcac_numeric.controllers._compensator import Compensator, parallel
 from rcac_numeric.controllers._joint import JointUD
 from rcac_numeric.controllers._normalization import Normalization
 from rcac_numeric.controllers._prior import PriorSamples
+from rcac_numeric.controllers._recursive import UD, Covariance
 from rcac_numeric.controllers._regressor import filtered_regressor, has_common_filter, regressor_of
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.controllers._update import Update
@@ -270,6 +271,54 @@ class ControllerSettings(Value):
         """The compensator that the coefficients `theta` describe, `fixed` included."""
         adaptive = self.structure.compensator(theta)
         return adaptive if self.fixed is None else parallel(self.fixed, adaptive)
+
+
+# The same controller with other numbers.
+
+
+def settings_with_numbers(
+    settings: ControllerSettings, of_update: Mapping[str, Any], of_settings: Mapping[str, Any]
+) -> ControllerSettings | None:
+    """The same with other R_theta, lambda_; R_z, R_u, theta_0.
+
+    Whatever else the settings were checked for does not depend on them, and is not asked again.
+    None where one stands in the place of what is no number.
+    """
+    update, l_z = settings.update, settings.target.l_z
+    changed: dict[str, Any] = {}
+    weights = {"R_z": settings.R_z, "R_u": settings.R_u}
+    if type(settings) is not ControllerSettings or settings.learning is not None:
+        return None
+    if of_update:
+        if not isinstance(update, UD | Covariance) or type(update) not in (UD, Covariance):
+            return None
+        if type(update.lambda_) is not float or type(update.R_theta) is not float:
+            return None
+        if not all(map(_is_number, of_update.values())):
+            return None
+        other = attrs.evolve(update, **of_update)
+        other.require_size(settings.structure.l_theta)
+        changed["update"] = other
+    for name, value in of_settings.items():
+        if name == "theta_0":
+            theta_0 = real_array(value, name)
+            if settings.bounds is not None or theta_0.shape != settings.theta_0.shape:
+                return None
+            changed[name] = theta_0
+        elif _is_number(value) and isinstance(weights[name], np.ndarray):
+            changed[name] = weight(value, name, l_z, definite=name == "R_z")
+        else:
+            return None
+    made = object.__new__(ControllerSettings)
+    made.__dict__.update(settings.__dict__, **changed)
+    if "R_u" in changed:
+        penalises = bool(made.R_u.any() or made.R_u_unfiltered.any())  # type: ignore[union-attr]
+        made.update.require_problem(made.targets, made.structure.n_c, penalises)
+    return made
+
+
+def _is_number(value: object) -> bool:
+    return type(value) in (int, float)
 
 
 # Whether a controller can learn its target model.
