@@ -163,8 +163,10 @@ def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], 
     edges = [0, *(1 + np.flatnonzero(np.sign(value[1:]) != np.sign(value[:-1]))), len(value)]
     runs = [np.arange(low, high) for low, high in pairwise(edges) if high > low]
     waiting = [ends for run in runs for ends in (run, run[::-1])]
-    found, width = [], 1
-    while waiting:
+    found = []
+    for width in (1, 8, len(value)):
+        if not waiting:
+            break
         tried = np.unique(np.concatenate([run[:width] for run in waiting]))
         told = tried[np.abs(value[tried]) > rounding(omega[tried])]
         firsts = [run[:width][np.isin(run[:width], told)] for run in waiting]
@@ -174,7 +176,6 @@ def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], 
             for run, first in zip(waiting, firsts, strict=True)
             if not len(first) and len(run) > width
         ]
-        width *= 2
     return np.unique(np.array(found, dtype=np.intp))
 
 

@@ -96,13 +96,14 @@ def inverse_norms(H: Array, z: ComplexArray) -> Array:
         for _ in range(3):
             y = part.solve(x)
             sizes = np.abs(y)
-            best = np.fmax(best, sizes.sum(axis=0))
+            best = np.maximum(best, sizes.sum(axis=0))  # at a pole not finite, and stays so
             signs = np.where(sizes > 0, y / np.where(sizes > 0, sizes, 1.0), 1.0)
             largest = np.abs(part.solve_adjoint(signs)).argmax(axis=0)
             x = np.zeros((n, part.points), dtype=np.complex128)
             x[largest, np.arange(part.points)] = 1.0
         sizes = np.abs(part.solve(np.repeat(ends[:, None], part.points, axis=1))).sum(axis=0)
-        found.append(np.fmax(best, 2 * sizes / (3 * n)))
+        best = np.maximum(best, 2 * sizes / (3 * n))
+        found.append(np.where(np.isfinite(best), best, np.inf))
     return np.concatenate(found)
 
 

@@ -52,8 +52,11 @@ def test_norms_of_inverses_are_estimated_from_below_within_ten(system):
 
 def test_a_pole_is_infinite():
     A, B, C = np.diag([1.0, 0.5]), np.ones((2, 1)), np.ones((1, 2))
-    found = responses(A, B, C, np.array([1.0 + 0j, 2.0]))
+    points = np.array([1.0 + 0j, 2.0])
+    found = responses(A, B, C, points)
     assert np.isinf(found[0, 0, 0]) and found[1, 0, 0] == 1 + 1 / 1.5
+    with np.errstate(all="ignore"):
+        assert inverse_norms(A, points).tolist() == [np.inf, 1.0]
 
 
 @given(st.integers(0, 10**6), st.lists(st.sampled_from([0.1, 1.0, 10.0]), max_size=40))
