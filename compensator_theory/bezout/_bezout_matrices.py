@@ -11,11 +11,13 @@ from compensator_theory.bezout._sylvester import holds_while_degrees_do
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying, refusing
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
 
 
 @holds_while_degrees_do
+@carrying()
 def bezout_matrix(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
@@ -76,6 +78,7 @@ def bezout_matrix(
     return ImmutableMatrix([[domain.to_sympy(entry) for entry in row] for row in rows])
 
 
+@refusing
 def cauchy_index(
     numerator: PolynomialLike, denominator: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> int:

@@ -17,6 +17,7 @@ from compensator_theory.matrices._flint_polynomials import (
     kept_in_flint,
 )
 from compensator_theory.matrices._function_rings import FunctionRing
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import canonical, monic, over_one_field
@@ -102,6 +103,7 @@ class BezoutIdentity(Certified, ExactValue):
         return displayed(f"({x})({a}) + ({y})({b}) = {gcd}", unless(self.exceptional))
 
 
+@carrying()
 def bezout_identity(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | sympy.Symbol | None = None
 ) -> BezoutIdentity:

@@ -14,6 +14,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate, proven
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import rank, solve_affine
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, from_coefficients, monic, scaled
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
@@ -63,6 +64,7 @@ class NullSpaceGCD(ExactValue):
         )
 
 
+@carrying()
 def gcd_from_null_space(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> NullSpaceGCD:

@@ -10,6 +10,7 @@ from compensator_theory._latex import displayed, words
 from compensator_theory.bezout._sylvester import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials._values import ExactValue
 
@@ -65,6 +66,7 @@ class PropositionCheck(ExactValue):
         return displayed(words(str(self)))
 
 
+@refusing
 def check_proposition_3(
     D: PolynomialLike,
     N: PolynomialLike,
@@ -111,6 +113,7 @@ def check_proposition_3(
     return PropositionCheck("M = M1(D, N) iff m_hat = n - 1", left, right, right and n_c <= n)
 
 
+@refusing
 def check_proposition_4(
     D: PolynomialLike,
     N: PolynomialLike,

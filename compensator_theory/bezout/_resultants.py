@@ -20,6 +20,7 @@ from compensator_theory.matrices._flint_matrices import rational
 from compensator_theory.matrices._flint_polynomials import kept_in_flint, to_flint_polynomial
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._multivariate import flint_domain, to_flint
 from compensator_theory.polynomials._poly import is_rational
@@ -29,6 +30,7 @@ Formal: TypeAlias = tuple[Poly, int]
 """A polynomial with its formal degree."""
 
 
+@carrying()
 def number_of_common_roots(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> int | None:
@@ -80,6 +82,7 @@ def number_of_common_roots(
     return _number_for_all_values(first[0], second[0])
 
 
+@carrying()
 def resultant(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> Expr:

@@ -12,6 +12,7 @@ from compensator_theory.bezout._sylvester import holds_while_degrees_do
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import from_coefficients
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
@@ -56,6 +57,7 @@ class Subresultants(ExactValue):
 
 
 @holds_while_degrees_do
+@carrying()
 def subresultants(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> Subresultants:

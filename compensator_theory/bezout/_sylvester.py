@@ -12,6 +12,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import from_flint
 from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable, is_list
@@ -42,6 +43,7 @@ def holds_while_degrees_do(function: Function) -> Function:
 
 
 @holds_while_degrees_do
+@carrying()
 def sylvester_m(
     D: PolynomialLike,
     N: PolynomialLike,
@@ -113,6 +115,7 @@ def sylvester_m(
 
 
 @holds_while_degrees_do
+@carrying()
 def sylvester_m1(
     a: PolynomialLike,
     b: PolynomialLike,
@@ -182,6 +185,7 @@ def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMa
 
 
 @holds_while_degrees_do
+@carrying()
 def sylvester_m2(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:

@@ -25,6 +25,7 @@ from compensator_theory.exceptional_sets._equations import (
     solutions,
 )
 from compensator_theory.polynomials._budget import integer, shown
+from compensator_theory.polynomials._carrying import require_no_functions
 from compensator_theory.polynomials._generic_answers import generic_answer
 from compensator_theory.polynomials._letters import reserved
 from compensator_theory.polynomials._substitution import names_in, require_variable, substituted
@@ -97,6 +98,7 @@ def exceptional_cases(
     if not callable(function):
         raise InputError(f"{shown(function)} cannot be called; give a function, then its arguments")
     integer(cases, "cases", at_least=1)
+    require_no_functions((arguments, options))
     work = _Analysis(function, arguments, options, cases)
     return ExceptionalCases(tuple(work.of(Conditions())))
 

@@ -19,6 +19,7 @@ from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import monic
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -87,6 +88,7 @@ class CoprimeFractions(ExactValue):
         )
 
 
+@carrying()
 def coprime_fractions(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> CoprimeFractions:

@@ -9,6 +9,7 @@ from compensator_theory.forms._minimal_realisations import minimal_realisation
 from compensator_theory.matrices._certificates import certificate_of
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._poly import canonical, from_coefficients
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
@@ -16,6 +17,7 @@ from compensator_theory.systems._matrix_conversions import TransferMatrixLike, t
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
+@carrying()
 def descriptor_realisation(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> DescriptorSystem:

@@ -9,6 +9,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory._latex import displayed, fraction, latex, total
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.polynomials._budget import ask, integer
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import canonical
@@ -21,6 +22,7 @@ from compensator_theory.systems._transfer_functions import (
 
 
 @holds_where_defined
+@carrying()
 def markov_parameters(
     G: TransferFunctionLike, count: int, *, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:
@@ -134,6 +136,7 @@ class PartialFractions(ExactValue):
 
 
 @holds_where_defined
+@carrying()
 def partial_fractions(
     G: TransferFunctionLike, variable: str | Symbol | None = None
 ) -> PartialFractions:

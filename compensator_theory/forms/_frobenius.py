@@ -29,6 +29,7 @@ from compensator_theory.matrices._linear_algebra import (
     multiplied,
 )
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical
@@ -88,6 +89,7 @@ class FrobeniusForm(ExactValue):
         )
 
 
+@carrying()
 def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> FrobeniusForm:
     r"""Bring a matrix to its Frobenius form, the rational canonical form.
 

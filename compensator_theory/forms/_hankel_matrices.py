@@ -9,6 +9,7 @@ from compensator_theory.errors import ImproperError
 from compensator_theory.forms._expansions import markov_parameters
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.polynomials._budget import ask, integer
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -17,6 +18,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
 @holds_where_defined
+@carrying()
 def hankel_matrix(
     G: TransferMatrixLike, rows: int, columns: int, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
@@ -71,6 +73,7 @@ def hankel_matrix(
     ])  # fmt: skip
 
 
+@carrying()
 def mcmillan_degree(G: TransferMatrixLike, variable: str | Symbol | None = None) -> int:
     r"""Return the number of poles with multiplicity, those at infinity included.
 

@@ -28,6 +28,7 @@ from compensator_theory.matrices._linear_algebra import (
 )
 from compensator_theory.matrices._nonsingularity import is_proven_nonsingular
 from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
@@ -79,6 +80,7 @@ class JordanForm(ExactValue):
         )
 
 
+@carrying()
 def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
     r"""Bring a matrix to its Jordan form, generalised to factors that have no rational root.
 

@@ -13,6 +13,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, in_lowest_terms
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
@@ -111,6 +112,7 @@ class KalmanDecomposition(ExactValue):
         )
 
 
+@carrying()
 def kalman_decomposition(
     plant: RealisationLike, variable: str | Symbol | None = None
 ) -> KalmanDecomposition:

@@ -32,6 +32,7 @@ from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices._residues import pivots
 from compensator_theory.matrices._symbolic_matrices import kept_with_symbols
 from compensator_theory.polynomials._budget import ask, decimal_digits
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical
@@ -276,6 +277,7 @@ class KroneckerForm(ExactValue):
         return displayed(rf"{latex(self.pencil)} \sim {form}", unless(self.exceptional))
 
 
+@carrying()
 def kronecker_form(
     A: MatrixLike, E: MatrixLike, *, variable: str | Symbol | None = None
 ) -> KroneckerForm:

@@ -23,6 +23,7 @@ from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, Ring, multiply
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._values import ExactValue
@@ -53,6 +54,8 @@ class MatrixDiophantineSolution(ExactValue):
     certificate : Certificate
         The equation, multiplied out anew.
     """
+
+    _CARRIES = True
 
     A: PolynomialMatrix
     B: PolynomialMatrix
@@ -123,6 +126,7 @@ class MatrixDiophantineSolution(ExactValue):
         return displayed(equation, *solution, more, unless(self.exceptional))
 
 
+@carrying()
 def solve_matrix_diophantine(
     A: PolynomialMatrixLike,
     B: PolynomialMatrixLike,

@@ -27,6 +27,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.matrices._residues import pivots
 from compensator_theory.polynomials._budget import ask, decimal_digits, unlimited
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._values import ExactValue
 
 IDENTITY = "P M = 0, W M = I"
@@ -75,6 +76,7 @@ class MinimalBasis(ExactValue):
         return displayed(kernel, unless(self.exceptional))
 
 
+@carrying()
 def minimal_basis(
     matrix: PolynomialMatrixLike, variable: str | Symbol | None = None
 ) -> MinimalBasis:

@@ -20,6 +20,7 @@ from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import solve
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
@@ -63,6 +64,7 @@ class MinimalRealisation(ExactValue):
         return displayed(f"{name} = {latex(self.realisation)}", unless(self.exceptional))
 
 
+@carrying()
 def minimal_realisation(
     G: TransferMatrixLike | RealisationLike, variable: str | Symbol | None = None
 ) -> MinimalRealisation:

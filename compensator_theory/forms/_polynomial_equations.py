@@ -19,6 +19,7 @@ from compensator_theory.matrices._certificates import Certificate, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._linear_algebra import solve
 from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._poly import (
@@ -64,6 +65,8 @@ class DiophantineSolution(ExactValue):
         Both identities, multiplied out anew.
     """
 
+    _CARRIES = True
+
     a: Poly
     b: Poly
     c: Poly
@@ -97,6 +100,7 @@ class DiophantineSolution(ExactValue):
         return displayed(x, y, unless(self.exceptional))
 
 
+@carrying()
 def solve_diophantine(
     a: PolynomialLike,
     b: PolynomialLike,

@@ -14,6 +14,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.matrices._rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials._budget import ask, quoted
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
@@ -47,6 +48,8 @@ class PolynomialMatrix(ExactValue):
     >>> print(P @ P, P.determinant(), sep=", ")
     [[s**2 + 2*s + 1, 2*a*s + a], [0, s**2]], Poly(s**2 + s, s, domain='QQ')
     """
+
+    _CARRIES = True
 
     rows: tuple[tuple[Poly, ...], ...]
 
@@ -185,6 +188,7 @@ PolynomialMatrixLike: TypeAlias = PolynomialMatrix | TransferMatrixLike
 
 
 @holds_where_defined
+@carrying()
 def polynomial_matrix(
     rows: PolynomialMatrixLike, variable: str | Symbol | None = None
 ) -> PolynomialMatrix:

@@ -12,8 +12,10 @@ from compensator_theory.forms._polynomial_matrices import (
     polynomial_matrix,
 )
 from compensator_theory.matrices._elimination import Elimination
+from compensator_theory.polynomials._carrying import carrying
 
 
+@carrying()
 def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> Equivalence:
     r"""Bring a polynomial matrix to its Popov form by row operations.
 

@@ -12,8 +12,10 @@ from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, Ring
+from compensator_theory.polynomials._carrying import carrying
 
 
+@carrying()
 def hermite_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> Equivalence:
     r"""Bring a polynomial matrix to its Hermite form by row operations.
 
@@ -53,6 +55,7 @@ def hermite_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = N
     return equivalence_of(source, work, rank)
 
 
+@carrying()
 def row_reduced_form(
     matrix: PolynomialMatrixLike, variable: str | Symbol | None = None
 ) -> Equivalence:

@@ -7,8 +7,10 @@ from sympy import Symbol
 from compensator_theory.forms._equivalence import Equivalence, elimination_of, equivalence_of
 from compensator_theory.forms._polynomial_matrices import PolynomialMatrixLike, polynomial_matrix
 from compensator_theory.matrices._diagonalisation import diagonalise
+from compensator_theory.polynomials._carrying import carrying
 
 
+@carrying()
 def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> Equivalence:
     r"""Bring a polynomial matrix to its Smith form.
 

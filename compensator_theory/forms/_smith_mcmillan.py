@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, in_lowest_terms
 from compensator_theory.polynomials._values import ExactValue
@@ -100,6 +101,7 @@ class SmithMcMillanForm(ExactValue):
         return displayed(f"U G V = {form}", unless(self.exceptional))
 
 
+@carrying()
 def smith_mcmillan_form(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> SmithMcMillanForm:

@@ -34,6 +34,7 @@ from compensator_theory.polynomials._budget import (
     shown,
     unlimited,
 )
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._letters import fresh, introduced, names_in_all
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_coefficients
@@ -94,6 +95,7 @@ class SampledPlant(ExactValue):
         return displayed(f"{name} = {latex(self.realisation)}", *meaning, unless(self.exceptional))
 
 
+@refusing
 def zero_order_hold(
     plant: RealisationLike,
     step: NumberLike | None = None,
@@ -160,6 +162,7 @@ def zero_order_hold(
     return _sampled(plant, step, variable, discrete_variable, 1)
 
 
+@refusing
 def first_order_hold(
     plant: RealisationLike,
     step: NumberLike | None = None,
@@ -205,6 +208,7 @@ def first_order_hold(
     return _sampled(plant, step, variable, discrete_variable, 2)
 
 
+@refusing
 def tustin(
     plant: RealisationLike,
     step: NumberLike | None = None,
@@ -262,6 +266,7 @@ def tustin(
     return SampledPlant(result, h, (), exceptional, certificate)
 
 
+@refusing
 def matched(
     plant: RealisationLike,
     step: NumberLike | None = None,
@@ -471,6 +476,7 @@ def _where_zero(
     return exceptional_factors(found)
 
 
+@refusing
 def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z") -> Poly:
     r"""Return the polynomial whose roots the sampling zeros tend to as the step becomes short.
 

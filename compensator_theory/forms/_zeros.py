@@ -9,11 +9,13 @@ from compensator_theory.forms._smith import smith_form
 from compensator_theory.forms._zero_directions import Zeros, zeros_of
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 from compensator_theory.systems._realisations import Realisation
 
 
+@carrying()
 def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
     r"""Find where Rosenbrock's system matrix loses rank.
 
@@ -49,6 +51,7 @@ def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None
     return zeros_of(smith, smith, (n, given.B.cols), (n, given.C.rows))
 
 
+@carrying()
 def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Zeros:
     r"""Find where a transfer matrix blocks a direction of the input.
 
@@ -94,6 +97,7 @@ def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = No
     )
 
 
+@carrying()
 def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
     r"""Find the modes that the input does not reach.
 
@@ -117,6 +121,7 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
     return _decoupling_zeros(given, _pencil(given).row_join(-given.B), (0, 0), (given.n, 0))
 
 
+@carrying()
 def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
     r"""Find the modes that the output does not show.
 

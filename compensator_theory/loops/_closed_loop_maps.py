@@ -7,6 +7,7 @@ from sympy import Poly
 from compensator_theory.errors import InputError
 from compensator_theory.loops._loop import PolynomialMatrixLike, close_loop, require_problem
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.systems._standard_problems import StandardProblem
@@ -14,6 +15,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
 @holds_where_defined
+@carrying()
 def closed_loop_polynomial(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> Poly:
@@ -50,6 +52,7 @@ def closed_loop_polynomial(
     return close_loop(problem, N_c, D_c).characteristic_polynomial()
 
 
+@carrying()
 def closed_loop_transfer_matrix(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferMatrix:
@@ -87,6 +90,7 @@ def closed_loop_transfer_matrix(
     return close_loop(problem, N_c, D_c).from_w()
 
 
+@carrying()
 def closed_loop_zero_polynomial(
     problem: StandardProblem,
     N_c: PolynomialMatrixLike,

@@ -6,12 +6,14 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import agreed_sign
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 from compensator_theory.systems._sample_times import shared_sample_time
 
 
 @holds_where_defined
+@carrying()
 def closed_loop_matrix(
     plant: RealisationLike,
     compensator: RealisationLike,

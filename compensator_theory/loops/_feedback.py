@@ -15,6 +15,7 @@ from compensator_theory.loops._siso import (
     well_posed_loop,
 )
 from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import canonical, over_one_field
 from compensator_theory.systems._descriptions import shape_of
@@ -49,6 +50,7 @@ def feedback_connection(
     plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction: ...
 @holds_where_defined
+@carrying()
 def feedback_connection(
     plant: LoopPart | TransferMatrixLike,
     compensator: LoopPart | TransferMatrixLike,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from compensator_theory.loops._loop import PolynomialMatrixLike, close_loop
 from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.systems._standard_problems import StandardProblem
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -11,6 +12,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
 @holds_where_defined
+@carrying()
 def intercalated_transfer_matrix(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferMatrix:
@@ -56,6 +58,7 @@ def intercalated_transfer_matrix(
 
 
 @holds_where_defined
+@carrying()
 def intercalated_transfer_function(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferFunction:
@@ -92,6 +95,7 @@ def intercalated_transfer_function(
     return intercalated_transfer_matrix(problem, N_c, D_c).scalar()
 
 
+@carrying()
 def control_perturbation_transfer_matrix(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferMatrix:
@@ -129,6 +133,7 @@ def control_perturbation_transfer_matrix(
     return loop.response(loop.D_c)
 
 
+@carrying()
 def control_perturbation_transfer_function(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferFunction:

@@ -7,12 +7,14 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
 from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems._standard_problems import StandardProblem
 
 
+@carrying()
 def target_characteristic_polynomial(
     plant: StandardProblem | tuple[Poly, int], n_c: int, target: TransferFunctionLike
 ) -> Poly:

@@ -6,6 +6,7 @@ from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops._siso import LoopPart, read_loop, well_posed_loop
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import canonical, over_one_field
 from compensator_theory.systems._sample_times import shared_sample_time
@@ -13,6 +14,7 @@ from compensator_theory.systems._transfer_functions import TransferFunction
 
 
 @holds_where_defined
+@carrying()
 def sensitivity_function(
     plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction:
@@ -55,6 +57,7 @@ def sensitivity_function(
     return TransferFunction(canonical(D * D_c), closed, sample_time=shared_sample_time(G, G_c))
 
 
+@carrying()
 def compensator_from_sensitivity(
     plant: LoopPart, sensitivity: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction:

@@ -21,6 +21,7 @@ from compensator_theory.loops._directions import (
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._linear_algebra import rank, solve
 from compensator_theory.polynomials._budget import ask, integer, is_integer, listed, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._letters import names_in_all
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._poly import canonical
@@ -75,6 +76,7 @@ class ZeroDirectionTarget(ExactValue):
         return displayed(f"G_f = {latex(self.transfer_matrix)}", *at)
 
 
+@refusing
 def zero_direction_target(
     H: Sequence[Sequence[NumberLike]],
     zeros: Sequence[Direction] = (),
@@ -161,6 +163,7 @@ def zero_direction_target(
     return ZeroDirectionTarget(G_f, ImmutableMatrix(leading), steps, known, len(L), certificate)
 
 
+@refusing
 def direction_residual(
     G_f: TransferMatrixLike,
     zero: NumberLike,

@@ -16,6 +16,7 @@ from compensator_theory.lqg._riccati import RiccatiSolution, hamiltonian_spectru
 from compensator_theory.lqg._targets import scalar_numerators
 from compensator_theory.matrices._flint_matrices import to_flint
 from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import from_coefficients
 from compensator_theory.polynomials._values import ExactValue
@@ -283,6 +284,7 @@ class LQGController(ExactValue):
         return self.poles._repr_latex_()
 
 
+@refusing
 def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController:
     r"""Solve LQG exactly, whatever numbers it needs, for any number of signals.
 

@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import introduced, names_in_all
 from compensator_theory.polynomials._poly import is_rational
@@ -80,6 +81,7 @@ class Gramians(ExactValue):
         )
 
 
+@refusing
 def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gramians:
     r"""Compute both Gramians of a stable realisation, and its H2 norm.
 

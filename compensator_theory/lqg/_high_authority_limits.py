@@ -20,6 +20,7 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, rationa
 from compensator_theory.matrices._flint_polynomials import interpolated
 from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -164,6 +165,7 @@ def _distance(pattern: ButterworthPattern, weight: str) -> str:
     return rf"|\lambda| \approx \left({gain}/{weight}\right)^{{1/{2 * pattern.order}}}"
 
 
+@refusing
 def high_authority_limits(plant: StandardProblem, *, digits: int = 30) -> HighAuthorityLimits:
     r"""Find the exact limits of the LQG poles in continuous time as the weights go to 0.
 

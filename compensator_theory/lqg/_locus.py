@@ -10,6 +10,7 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
@@ -175,6 +176,7 @@ class RegulatorLocus(ExactValue):
         return displayed(latex(self.spectrum))
 
 
+@refusing
 def regulator_locus(
     N: PolynomialLike, D: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> RegulatorLocus:

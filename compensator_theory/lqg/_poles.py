@@ -15,6 +15,7 @@ from compensator_theory.errors import (
 )
 from compensator_theory.lqg._regulator_data import regulator_and_estimator
 from compensator_theory.lqg._regulator_spectra import regulator_spectrum
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -73,6 +74,7 @@ class LQGPoles(ExactValue):
         return displayed(rf"\tilde D = {latex_of(self.polynomial, self.enclosure)}")
 
 
+@refusing
 def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     r"""Find the closed-loop poles of LQG without solving a Riccati equation.
 

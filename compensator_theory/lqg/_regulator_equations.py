@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import names_in_all, numbered
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
@@ -71,6 +72,7 @@ class RegulatorSolution(ExactValue):
         return displayed(rf"\Pi = {one}", rf"\Gamma = {other}", unless(self.exceptional))
 
 
+@carrying()
 def solve_regulator_equations(
     plant: RealisationLike,
     S: MatrixLike,

@@ -14,10 +14,12 @@ from compensator_theory.matrices._flint_matrices import (
     zero_matrix,
 )
 from compensator_theory.matrices._flint_polynomials import interpolated
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._variables import Time, variable_in
 
 
+@refusing
 def regulator_spectrum(
     A: MatrixLike,
     B: MatrixLike,

@@ -29,6 +29,7 @@ from compensator_theory.matrices._flint_matrices import from_flint, rational, to
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._budget import ask, decimal_digits
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh
 from compensator_theory.polynomials._values import ExactValue
@@ -236,6 +237,7 @@ class RiccatiSolution(ExactValue):
         return displayed(f"K = {latex(self.K_in_field)}", P, where, weight)
 
 
+@refusing
 def solve_riccati(
     A: MatrixLike,
     B: MatrixLike,

@@ -21,6 +21,7 @@ from compensator_theory.matrices._linear_algebra import (
     determinant,
     solve,
 )
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._substitution import (
     Substitutions,
@@ -102,6 +103,7 @@ class RiccatiFormula(ExactValue):
         )
 
 
+@refusing
 def riccati_formula(
     A: MatrixLike,
     B: MatrixLike,

@@ -28,8 +28,10 @@ from compensator_theory.matrices._flint_matrices import (
 )
 from compensator_theory.matrices._linear_algebra import determinant, solve
 from compensator_theory.polynomials._budget import ask, decimal_digits
+from compensator_theory.polynomials._carrying import carrying
 
 
+@carrying()
 def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSolution:
     r"""Solve Sylvester's equation.
 
@@ -88,6 +90,7 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     )
 
 
+@carrying()
 def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
     r"""Solve Lyapunov's equation.
 
@@ -147,6 +150,7 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
     return certified(identity, left, X, more, divisors)
 
 
+@carrying()
 def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> MatrixSolution:
     r"""Solve Stein's equation, the discrete Lyapunov equation.
 

@@ -9,6 +9,7 @@ from sympy import Expr, Poly
 from compensator_theory._latex import displayed, fraction, latex
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.lqg._regulator_data import regulator_and_estimator
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import require_discrete
@@ -70,6 +71,7 @@ class HighAuthorityTarget(ExactValue):
         return displayed(f"G_f = {fraction(self.numerator, self.denominator)}")
 
 
+@refusing
 def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAuthorityTarget:
     r"""Build the target model whose exact match is the closed loop of high-authority LQG.
 

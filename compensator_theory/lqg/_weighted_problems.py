@@ -9,6 +9,7 @@ from sympy.solvers.diophantine.diophantine import sum_of_four_squares
 from compensator_theory.errors import InputError
 from compensator_theory.lqg._regulator_data import read_weights
 from compensator_theory.matrices._exact_matrices import MatrixLike
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.systems._canonical_forms import RealisationLike, timed_realisation
 from compensator_theory.systems._descriptions import has_states
@@ -16,6 +17,7 @@ from compensator_theory.systems._standard_problems import StandardProblem
 
 
 @holds_where_defined
+@refusing
 def lqg_problem(
     plant: RealisationLike,
     Q: MatrixLike,

@@ -7,10 +7,12 @@ from collections.abc import Iterable, Iterator
 from sympy import Poly, Symbol
 
 from compensator_theory.polynomials._budget import integer
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import real_multiplicities
 
 
+@refusing
 def count_observer_forms(
     Dtilde: PolynomialLike, n: int, *, variable: str | Symbol | None = None
 ) -> int:

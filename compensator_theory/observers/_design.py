@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
 from compensator_theory.observers._gains import observer_gain, regulator_gain, wanted_spectrum
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
 from compensator_theory.polynomials._generic_answers import generic_answer_of
@@ -110,6 +111,7 @@ class ObserverBasedCompensator(ExactValue):
         )
 
 
+@carrying(real=True)
 def observer_based_compensator(
     plant: RealisationLike,
     regulator_poles: SpectrumLike,

@@ -24,6 +24,7 @@ from compensator_theory.observers._counting import number_of_selections
 from compensator_theory.observers._form import ObserverForm, form_of_subspace
 from compensator_theory.observers._form_lists import ObserverForms
 from compensator_theory.polynomials._budget import ask, integer
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 from compensator_theory.systems._realisations import Realisation
@@ -31,6 +32,7 @@ from compensator_theory.systems._realisations import Realisation
 _SEARCH = "the search for invariant subspaces of the closed loop"
 
 
+@refusing
 def observer_forms(
     plant: RealisationLike,
     compensator: RealisationLike,

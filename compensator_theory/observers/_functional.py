@@ -17,6 +17,7 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, zero_ma
 from compensator_theory.matrices._invariant_subspaces import kernel
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.placement._observer_gain_families import observer_gain_family
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._poly import monic
@@ -177,6 +178,7 @@ class FunctionalObserver(ExactValue):
         )
 
 
+@refusing
 def functional_observer(
     plant: RealisationLike,
     L: MatrixLike,
@@ -272,6 +274,7 @@ def functional_observer(
     return _designed(whole, functional, G, polynomial_or_roots(poles, whole.variable))
 
 
+@refusing
 def reduced_order_observer(
     plant: RealisationLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> FunctionalObserver:

@@ -17,6 +17,7 @@ from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import from_flint, zero_matrix
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices._linear_algebra import determinant, solve
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._generic_answers import generic_answer_of
@@ -29,6 +30,7 @@ from compensator_theory.systems._controllability import (
 )
 
 
+@carrying()
 def regulator_gain(
     A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
@@ -138,6 +140,7 @@ def _generic_regulator_gain(
     return K, [determinant(controllability_matrix(A, B))]
 
 
+@carrying()
 def observer_gain(
     A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:

@@ -11,6 +11,7 @@ from compensator_theory.observers._questions import (
     pair_is_observer_based,
     transfer_function_is_observer_based,
 )
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.polynomials._variables import Time, time_of
 from compensator_theory.roots._counts import count_roots
@@ -18,6 +19,7 @@ from compensator_theory.roots._stability import decide_stability
 from compensator_theory.systems._conversions import TransferFunctionLike
 
 
+@refusing
 def is_lqg_suboptimal(
     plant: LoopPart,
     compensator: TransferFunctionLike,

@@ -7,11 +7,13 @@ from sympy import Poly, Symbol
 from compensator_theory.loops._siso import LoopPart, closed_loop_of_pair, siso_loop
 from compensator_theory.observers._counting import count_observer_forms
 from compensator_theory.observers._decisions import ObserverDecision
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import is_rational
 from compensator_theory.roots._counts import has_real_root, number_of_real_roots
 from compensator_theory.systems._conversions import TransferFunctionLike
 
 
+@refusing
 def pair_is_observer_based(
     plant: LoopPart,
     compensator: TransferFunctionLike,
@@ -81,6 +83,7 @@ def pair_is_observer_based(
     return decide_by_parity(question, n, closed_loop_of_pair(G, G_c, feedback))
 
 
+@refusing
 def transfer_function_is_observer_based(
     plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> ObserverDecision:

@@ -21,6 +21,7 @@ from compensator_theory.observers._enumeration import observer_forms
 from compensator_theory.observers._form_lists import ObserverForms
 from compensator_theory.observers._questions import decide_by_parity
 from compensator_theory.observers._youla import youla_forms
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, is_rational, monic
 from compensator_theory.roots._certified import real_multiplicities
@@ -30,6 +31,7 @@ from compensator_theory.systems._realisations import Realisation
 QUESTION = "Is the realisation observer-based?"
 
 
+@refusing
 def realisation_is_observer_based(
     plant: RealisationLike,
     compensator: RealisationLike,

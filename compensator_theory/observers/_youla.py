@@ -23,6 +23,7 @@ from compensator_theory.matrices._invariant_subspaces import (
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.matrices._strata import continuum_size
 from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, total
 from compensator_theory.polynomials._values import ExactValue
@@ -118,6 +119,7 @@ class YoulaForm(Certified, ExactValue):
         )
 
 
+@refusing
 def youla_forms(
     plant: RealisationLike,
     compensator: RealisationLike,

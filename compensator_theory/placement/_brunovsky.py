@@ -16,6 +16,7 @@ from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, zero_matrix
 from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._values import ExactValue
@@ -103,6 +104,7 @@ def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
     return of_rows(A, (n, n)), of_rows(B, (n, len(indices)))
 
 
+@carrying()
 def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     r"""Bring a controllable pair to Brunovsky's form.
 

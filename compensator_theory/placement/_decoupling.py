@@ -22,6 +22,7 @@ from compensator_theory.matrices._linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials._budget import listed
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, monic
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
@@ -79,6 +80,7 @@ class Decoupling(ExactValue):
         )
 
 
+@carrying()
 def decouple(
     plant: RealisationLike,
     polynomials: Sequence[PolynomialLike] | None = None,

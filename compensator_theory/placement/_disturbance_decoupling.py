@@ -16,6 +16,7 @@ from compensator_theory.placement._invariant_subspaces import (
     controlled_invariant_subspaces,
 )
 from compensator_theory.placement._subspaces import Subspaces
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 
@@ -56,6 +57,7 @@ class DisturbanceDecoupling(ExactValue):
         return displayed(f"u = F x, \\quad F = {latex(self.F)}", unless(self.subspaces.exceptional))
 
 
+@carrying()
 def decouple_disturbance(
     plant: RealisationLike, E: MatrixLike, *, variable: str | Symbol | None = None
 ) -> DisturbanceDecoupling:

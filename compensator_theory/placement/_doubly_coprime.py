@@ -19,6 +19,7 @@ from compensator_theory.matrices._linear_algebra import (
 )
 from compensator_theory.placement._gain_families import state_feedback_family
 from compensator_theory.placement._observer_gain_families import observer_gain_family
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
 from compensator_theory.polynomials._values import ExactValue
@@ -83,6 +84,7 @@ class DoublyCoprimeFractions(ExactValue):
         )
 
 
+@carrying(real=True)
 def doubly_coprime_fractions(
     plant: RealisationLike | TransferMatrixLike,
     regulator: SpectrumLike,

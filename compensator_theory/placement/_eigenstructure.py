@@ -20,6 +20,7 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, zero_ma
 from compensator_theory.matrices._linear_algebra import solve, solve_affine
 from compensator_theory.polynomials._algebraic import algebraic
 from compensator_theory.polynomials._budget import listed, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
@@ -67,6 +68,7 @@ class Eigenstructure(ExactValue):
         )
 
 
+@refusing
 def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike) -> ImmutableMatrix:
     r"""Return a basis of the eigenvectors that some feedback gives an eigenvalue.
 
@@ -127,6 +129,7 @@ def _reachable(
     return basis, [rows.divided_by, nonzero.divided_by, *denominators_in((a, b, basis))]
 
 
+@refusing
 def assign_eigenstructure(
     A: MatrixLike,
     B: MatrixLike,

@@ -18,6 +18,7 @@ from compensator_theory.matrices._flint_matrices import to_flint
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._budget import ask, is_integer, listed, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, common_divisor, monic
 from compensator_theory.polynomials._values import ExactValue
@@ -71,6 +72,7 @@ class FixedModes(Certified, ExactValue):
         return displayed(rf"\gcd_{{K_i}} {loop} = {latex(self.polynomial)}")
 
 
+@refusing
 def decentralised_fixed_modes(
     plant: RealisationLike,
     channels: Sequence[tuple[Sequence[int], Sequence[int]]],

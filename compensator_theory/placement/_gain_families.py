@@ -26,6 +26,7 @@ from compensator_theory.matrices._linear_algebra import (
     solve,
 )
 from compensator_theory.placement._brunovsky import BrunovskyForm, brunovsky_form
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._letters import fresh, names_in_all, variable_beside
@@ -60,6 +61,8 @@ class StateFeedbackFamily(Certified, ExactValue):
     S and D with :math:`\Lambda` in the place of s, so that common eigenvalues of A and
     :math:`\Lambda` need no exception.
     """
+
+    _CARRIES = True
 
     identity = "A X + B G = X Lambda for every parameter, det(sI - Lambda) = p"
 
@@ -212,6 +215,7 @@ class StateFeedbackFamily(Certified, ExactValue):
         )
 
 
+@carrying()
 def state_feedback_family(
     A: MatrixLike,
     B: MatrixLike,

@@ -17,6 +17,7 @@ from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.placement._subspaces import Subspaces
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -59,6 +60,7 @@ class Interactor(ExactValue):
         return displayed(rf"\xi = {latex(self.matrix)}", limit, unless(self.exceptional))
 
 
+@carrying()
 def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Interactor:
     r"""Find the interactor of a proper transfer matrix: how late each combination of outputs comes.
 

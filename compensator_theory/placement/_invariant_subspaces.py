@@ -14,6 +14,7 @@ from compensator_theory.matrices._flint_matrices import identity_matrix, zero_ma
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.placement._subspaces import Subspaces
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 
@@ -75,6 +76,7 @@ class ControlledInvariantSubspaces(ExactValue):
         )
 
 
+@carrying()
 def controlled_invariant_subspaces(
     plant: RealisationLike, variable: str | Symbol | None = None
 ) -> ControlledInvariantSubspaces:

@@ -24,6 +24,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import solve, solve_affine
 from compensator_theory.polynomials._budget import ask, integer, listed
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_coefficients, monic
@@ -63,6 +64,8 @@ class MatrixPlacement(ExactValue):
     certificate : Certificate
         The identity, multiplied out anew.
     """
+
+    _CARRIES = True
 
     plant: TransferMatrix
     feedback: int
@@ -115,6 +118,7 @@ class MatrixPlacement(ExactValue):
         )
 
 
+@carrying()
 def place_matrix_poles(
     plant: TransferMatrixLike,
     targets: Sequence[SpectrumLike],

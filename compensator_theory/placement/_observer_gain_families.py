@@ -14,6 +14,7 @@ from compensator_theory.placement._gain_families import (
     StateFeedbackFamily,
     state_feedback_family,
 )
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
 from compensator_theory.polynomials._values import ExactValue
@@ -30,6 +31,8 @@ class ObserverGainFamily(Certified, ExactValue):
     dual : StateFeedbackFamily
         That of (A', C').
     """
+
+    _CARRIES = True
 
     identity = "A' X + C' G = X Lambda for every parameter, det(sI - Lambda) = p"
 
@@ -60,6 +63,7 @@ class ObserverGainFamily(Certified, ExactValue):
         )
 
 
+@carrying()
 def observer_gain_family(
     A: MatrixLike,
     C: MatrixLike,

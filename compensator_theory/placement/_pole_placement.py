@@ -22,6 +22,7 @@ from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import solve_affine
 from compensator_theory.placement._solutions import PolePlacement
 from compensator_theory.polynomials._budget import integer, shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import (
     SpectrumLike,
@@ -42,6 +43,7 @@ from compensator_theory.systems._transfer_functions import (
 )
 
 
+@carrying()
 def place_poles(
     plant: TransferFunctionLike,
     target: SpectrumLike | None = None,

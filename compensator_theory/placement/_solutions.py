@@ -69,6 +69,8 @@ class PolePlacement(Certified, ExactValue):
     (s + 5)/(s + 3)
     """
 
+    _CARRIES = True
+
     identity = "D D_c - f N N_c = lambda D~, D dD_i = f N dN_i"
 
     plant: TransferFunction

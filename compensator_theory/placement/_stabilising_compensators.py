@@ -23,6 +23,7 @@ from compensator_theory.placement._doubly_coprime import (
     doubly_coprime_fractions,
     read_plant,
 )
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
 from compensator_theory.polynomials._letters import fresh, names_in_all
@@ -46,6 +47,8 @@ class AffineMap(ExactValue):
     H_0, H_1, H_2 : TransferMatrix
         Stable and proper.
     """
+
+    _CARRIES = True
 
     H_0: TransferMatrix
     H_1: TransferMatrix
@@ -76,6 +79,8 @@ class StabilisingCompensators(ExactValue):
     feedback : {+1, -1}
         The sign f.
     """
+
+    _CARRIES = "reals"
 
     fractions: DoublyCoprimeFractions
     feedback: int
@@ -248,6 +253,7 @@ class StabilisingCompensators(ExactValue):
         )
 
 
+@carrying(real=True)
 def stabilising_compensators(
     plant: RealisationLike | TransferMatrixLike,
     regulator: SpectrumLike,

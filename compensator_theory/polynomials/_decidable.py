@@ -24,6 +24,7 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
     which SymPy writes in one form. Refused are functions of symbols, as sin(t) and cos(t) are no
     two unknowns, nor are :math:`\sqrt a \sqrt b` and :math:`\sqrt{ab}`; other transcendental
     numbers, as log(2), log(3) and log(6); and symbols beside other algebraic numbers.
+    Public functions that carry functions of symbols have put unknowns in their place before.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
             unknowns.add(sympy.E)
         elif _is_plain_root(part):
             continue
-        elif _is_algebraic(part):
+        elif is_algebraic(part):
             nested.add(part)
         else:
             raise InputError(_of_numbers(part))
@@ -126,16 +127,16 @@ def _is_plain_root(part: Expr) -> bool:
     return max(abs(int(part.base.p)), int(part.base.q)) < _FACTORED
 
 
-def _is_algebraic(part: Expr) -> bool:
+def is_algebraic(part: Expr) -> bool:
     """Whether it is built from roots, and from values of sine and cosine at rational angles."""
     if part.is_Rational or part is sympy.I or part in _ALGEBRAIC_NAMES:
         return True
     if isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
         return True
     if isinstance(part, sympy.Add | sympy.Mul):
-        return all(map(_is_algebraic, part.args))
+        return all(map(is_algebraic, part.args))
     if isinstance(part, sympy.Pow):
-        return bool(part.exp.is_Rational) and _is_algebraic(part.base)
+        return bool(part.exp.is_Rational) and is_algebraic(part.base)
     if isinstance(part, _PAIRS):
         return bool((part.args[0] / sympy.pi).is_Rational)
     if isinstance(part, sympy.exp):
@@ -158,7 +159,21 @@ def _of_symbols(part: Expr) -> str:
         power = "square" if index == 2 else f"power {index}"
         rest = f", and its {power} for {base}" if part.base.is_Symbol else ""
         return f"{what} relations between roots are not decided; write a symbol for {root}{rest}"
+    if hint := dead_time(part):
+        return f"{shown(part)} is no rational function of its symbols; {hint}"
     return f"{what} relations between such functions are not decided; write a symbol in its place"
+
+
+def dead_time(expression: Expr) -> str:
+    """Say where a dead time is written, if the expression holds one; else nothing."""
+    if not any(
+        {"s", "z", "q"} & {x.name for x in e.free_symbols} for e in expression.atoms(sympy.exp)
+    ):
+        return ""
+    return (
+        "a dead time is given apart: as dead_time= to design, sampled as 1/q**d, or as a "
+        "list of polynomials to stability_delays"
+    )
 
 
 def _of_numbers(part: Expr) -> str:

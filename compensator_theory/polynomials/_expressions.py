@@ -5,11 +5,13 @@ from __future__ import annotations
 import keyword
 import re
 import unicodedata
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple, NoReturn
 
 import sympy
 from sympy import Expr, Integer, Rational, Symbol
+from sympy.printing.str import StrPrinter
 
 from compensator_theory._printing import fraction_of
 from compensator_theory.errors import InputError
@@ -44,8 +46,19 @@ _TOKEN = re.compile(
 _KINDS = ("number", "name", "operator", "raised", "end")
 _CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi, "π": sympy.pi}
 _FUNCTIONS = ("sqrt", "CRootOf")
+_TRANSCENDENTAL = {
+    function.__name__: function
+    for function in (sympy.exp, sympy.sin, sympy.cos, sympy.tan, sympy.sinh, sympy.cosh, sympy.tanh)
+}
+"""Functions where a parenthesis follows; else their names are those of symbols."""
 _NOT_NUMBERS = frozenset({"nan", "inf", "infinity", "oo", "zoo"})
 _GRAMMAR = "numbers, names, + - * / ** ^, parentheses and sqrt(...)"
+WORDS = frozenset({*_CONSTANTS, *_FUNCTIONS, *_TRANSCENDENTAL})
+"""Names in a text that are, or may be, no symbols."""
+
+
+UNKNOWN, POSITIVE = "ʹ", "ʺ"
+"""The last letter of what functions of symbols are carried as, positive ones; no variable."""
 
 
 def parse_expression(text: str) -> Expr:
@@ -57,10 +70,11 @@ def parse_expression(text: str) -> Expr:
     Parameters
     ----------
     text : str
-        Numbers, names, ``+ - * / ** ^``, parentheses and ``sqrt``. ``j`` and ``I`` are the
-        imaginary unit, ``pi`` and ``π`` are the constant, every other name is a symbol. Two numbers
-        with white space between them are refused, also as ``-1 -2``, which may mean -3 or two
-        numbers.
+        Numbers, names, ``+ - * / ** ^``, parentheses and ``sqrt``; ``exp``, ``sin``, ``cos``,
+        ``tan``, ``sinh``, ``cosh`` and ``tanh`` with an argument in parentheses. ``j`` and ``I``
+        are the imaginary unit, ``pi`` and ``π`` are the constant, every other name is a symbol. Two
+        numbers with white space between them are refused, also as ``-1 -2``, which may mean -3 or
+        two numbers.
         Attribute access, indexing, other calls and names with a double underscore are refused, and
         so is what the :class:`~compensator_theory.Budget` does not allow.
 
@@ -83,6 +97,63 @@ def parse_expression(text: str) -> Expr:
     a/10 + 1/3 - 4*I/5
     """
     return read_text(text).value()
+
+
+def read_tree(text: str) -> Tree:
+    """Read a text as it is written, nothing multiplied out.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._expressions import read_tree
+    >>> read_tree("a + 2")
+    Sum(terms=[Leaf(value=a), Leaf(value=2)])
+    """
+    ask("characters", len(text), "the expression")
+    return _Reader(text, _tokens(text.translate(_PASTED))).whole()
+
+
+def leaves_of(tree: Tree) -> Iterator[Expr]:
+    """Yield the numbers, symbols and functions in a text that was read.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._expressions import leaves_of, read_tree
+    >>> [*leaves_of(read_tree("a*2 + exp(-T)"))]
+    [a, 2, exp(-T)]
+    """
+    if isinstance(tree, Leaf):
+        yield tree.value
+    elif isinstance(tree, Power):
+        yield from leaves_of(tree.base)
+    else:
+        for part in tree.terms if isinstance(tree, Sum) else (*tree.factors, *tree.divisors):
+            yield from leaves_of(part)
+
+
+def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
+    """Write a text with something else in the place of its leaves, and structured as it was.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._expressions import read_tree, written_tree
+    >>> written_tree(read_tree("(s + 1)/(s + 1)"), lambda leaf: 2 * leaf)
+    '((2*s)+(2))*(1/((2*s)+(2)))'
+    """
+    if isinstance(tree, Leaf):
+        return f"({_Readable({'order': None}).doprint(image(tree.value))})"
+    if isinstance(tree, Power):
+        return f"({written_tree(tree.base, image)})**({tree.exponent})"
+    if isinstance(tree, Sum):
+        return f"({'+'.join(written_tree(term, image) for term in tree.terms)})"
+    factors = [written_tree(factor, image) for factor in tree.factors]
+    return "*".join(factors + [f"(1/{written_tree(d, image)})" for d in tree.divisors])
+
+
+class _Readable(StrPrinter):  # type: ignore[misc]
+    """SymPy's printer, in the words of the grammar."""
+
+    def _print_Exp1(self, number: Expr) -> str:
+        return "exp(1)"
 
 
 @roots_in_sympy()
@@ -208,6 +279,9 @@ class _Reader:
             return _number(token)
         if token.kind == "name" and token.text in _FUNCTIONS:
             return self.function(token.text)
+        if token.kind == "name" and token.text in _TRANSCENDENTAL and self.take("("):
+            argument = multiplied_out(self.sum_inside()).value()
+            return self.closed(tree_of(_TRANSCENDENTAL[token.text](argument)))
         if token.kind == "name":
             return Leaf(_named(token.text))
         if token.text == "(":
@@ -290,7 +364,7 @@ def _named(name: str) -> Expr:
         )
     if "__" in name or name.startswith("_"):
         raise InputError(f"{_short(name)} is not a name for a symbol; use letters and digits")
-    return Symbol(name)
+    return Symbol(name, positive=True) if name.endswith(POSITIVE) else Symbol(name)
 
 
 def _short(text: str) -> str:

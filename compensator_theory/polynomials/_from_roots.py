@@ -15,6 +15,9 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials._algebraic import Algebraic, algebraic, rational_number
 from compensator_theory.polynomials._budget import ask, is_collection, listed, quoted, shown
+from compensator_theory.polynomials._carrying import carrying
+from compensator_theory.polynomials._expressions import WORDS
+from compensator_theory.polynomials._functions import functions_in
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, from_expression
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
@@ -61,6 +64,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
     return tuple(sympy.expand(exact_number(root)) for root in given)
 
 
+@carrying()
 def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -> Poly:
     r"""Multiply out the monic real polynomial with the given exact roots.
 
@@ -116,13 +120,15 @@ def _is_plain(root: Expr) -> bool:
 
 
 def _rational_or_symbolic(roots: Sequence[Expr], s: Symbol) -> list[Poly]:
-    factors, waiting = [], Counter(roots)
+    factors, joint, waiting = [], [], Counter(roots)
     for root in roots:
         if not waiting[root]:
             continue
         partner = sympy.expand(root.xreplace({sympy.I: -sympy.I}))
         waiting[root] -= 1
-        if partner == root:
+        if partner == root and any(True for _ in functions_in([root])):
+            joint.append(s - root)  # of the roots of a quadratic, the product is free of them
+        elif partner == root:
             factors.append(from_expression(s - root, s))
         elif waiting[partner]:
             waiting[partner] -= 1
@@ -133,7 +139,7 @@ def _rational_or_symbolic(roots: Sequence[Expr], s: Symbol) -> list[Poly]:
                 f"the root {quoted(root)} lacks its conjugate {quoted(partner)}; list both, "
                 "equally often"
             )
-    return factors
+    return [*factors, from_expression(sympy.expand(sympy.Mul(*joint)), s)]
 
 
 def _irrational(roots: Sequence[Algebraic], s: Symbol) -> list[Poly]:
@@ -248,7 +254,7 @@ def lists_roots(value: object) -> bool:
 
 
 def _is_number(value: str) -> bool:
-    if not set(NAME.findall(value)) <= {"sqrt", "I", "i", "j"}:
+    if not set(NAME.findall(value)) <= WORDS | {"i"}:
         return False  # q - q is a polynomial
     try:
         return bool(exact_number(value).is_number)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 from sympy import Basic, MatrixBase, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol
 
 _RESERVED: ContextVar[frozenset[str]] = ContextVar("reserved", default=frozenset())
@@ -51,8 +50,8 @@ def names_in_all(*values: Any) -> set[str]:
             found |= {symbol.name for symbol in value.free_symbols}
         elif isinstance(value, list | tuple | set | frozenset):
             found |= names_in_all(*value)
-        elif isinstance(value, ExactValue):
-            found |= names_in_all(*(getattr(value, field.name) for field in fields(value)))  # type: ignore[arg-type]
+        elif is_dataclass(value):
+            found |= names_in_all(*(getattr(value, field.name) for field in fields(value)))
     return found
 
 

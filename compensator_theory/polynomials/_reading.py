@@ -12,6 +12,7 @@ from sympy import Poly, Symbol, Tuple
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials._budget import is_array, is_collection, quoted
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number, read_coefficients
@@ -39,6 +40,7 @@ PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 
 @holds_where_defined
 @roots_in_sympy()
+@carrying()
 def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Make an exact polynomial with coefficients in descending powers.
 

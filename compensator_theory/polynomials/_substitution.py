@@ -12,7 +12,9 @@ from sympy import Basic, Expr, MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import shown
-from compensator_theory.polynomials._expressions import read_text
+from compensator_theory.polynomials._carrying import shown_polynomial
+from compensator_theory.polynomials._expressions import WORDS, read_text
+from compensator_theory.polynomials._functions import functions_in
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import from_expression
 from compensator_theory.polynomials._sympy_trees import settled
@@ -20,8 +22,6 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_operator
 
 _NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
-
-_WORDS = {"sqrt", "CRootOf", "I", "j", "pi"}
 
 Value = TypeVar("Value", bound=ExactValue)
 
@@ -131,6 +131,9 @@ def _replaced(value: Any, values: Mapping[str, Expr]) -> Any:
     if isinstance(value, str):
         return _NAME.sub(lambda m: f"({values[m[0]]})" if m[0] in values else m[0], value)
     if isinstance(value, Poly):
+        coefficients = [_at(coefficient, values) for coefficient in value.all_coeffs()]
+        if any(True for _ in functions_in(coefficients)):
+            return shown_polynomial(coefficients, value.gen)
         return from_expression(_at(value.as_expr(), values), value.gen)
     if isinstance(value, MatrixBase):
         return value.applyfunc(lambda entry: _at(entry, values))
@@ -183,7 +186,7 @@ def names_in(argument: Any) -> set[str]:
     ['a', 'b']
     """
     if isinstance(argument, str):
-        return set(_NAME.findall(argument)) - _WORDS
+        return set(_NAME.findall(argument)) - WORDS
     if isinstance(argument, Poly):
         return {s.name for c in argument.coeffs() for s in c.free_symbols}
     if isinstance(argument, Basic | MatrixBase):

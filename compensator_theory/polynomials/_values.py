@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any
+from typing import Any, ClassVar
 
 from sympy import Poly
 
 from compensator_theory._latex import latex
 from compensator_theory._printing import representation
 from compensator_theory._truth import Truth
+from compensator_theory.polynomials._carrying import (
+    MARK,
+    carry_methods,
+    has_functions,
+    shown_polynomial,
+)
 from compensator_theory.polynomials._poly import canonical
 
 
@@ -29,8 +35,12 @@ class ExactValue(Truth):
     True
     """
 
+    _CARRIES: ClassVar[bool | str] = False
+    """Whether its methods take functions of symbols; "reals": those of real values only."""
+
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        carry_methods(cls, ExactValue)
         if "__repr__" not in vars(cls):
             cls.__repr__ = _representation  # type: ignore[method-assign]
 
@@ -39,7 +49,8 @@ class ExactValue(Truth):
         return latex(self)
 
     def __getstate__(self) -> dict[str, object]:
-        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        state = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return state | ({MARK: None} if MARK in vars(self) else {})
 
     def __setstate__(self, state: dict[str, object]) -> None:
         for name, value in state.items():
@@ -54,5 +65,7 @@ def _representation(value: Any) -> str:
 
 def _restored(value: Any) -> Any:
     if isinstance(value, Poly):
+        if has_functions(value):
+            return shown_polynomial(value.all_coeffs(), value.gen)
         return canonical(value)
     return tuple(map(_restored, value)) if isinstance(value, tuple) else value

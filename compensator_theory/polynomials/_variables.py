@@ -10,7 +10,7 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import quoted, shown
-from compensator_theory.polynomials._expressions import parse_expression
+from compensator_theory.polynomials._expressions import POSITIVE, UNKNOWN, parse_expression
 
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
 OPERATORS = (*CONTINUOUS, *DISCRETE)
@@ -240,6 +240,8 @@ def evident_variable(
             "polynomial(..., 's') or transfer_function(..., 's')"
         )
     (found,) = candidates
+    if found.name.endswith((UNKNOWN, POSITIVE)):
+        raise InputError(f"{what} is a polynomial in {found}, and that is no variable; name one")
     return found
 
 

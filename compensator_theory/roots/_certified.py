@@ -17,6 +17,7 @@ from compensator_theory.polynomials._ball_precision import (
     ball_precision,
 )
 from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
@@ -64,6 +65,7 @@ class Root(ExactValue):
         return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
 
 
+@refusing
 def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> tuple[Root, ...]:
     r"""Isolate the roots of a rational polynomial in certified disks.
 

@@ -16,6 +16,7 @@ from compensator_theory.matrices._flint_polynomials import (
     to_flint_polynomial,
 )
 from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._reading import (
@@ -67,6 +68,7 @@ class RootCount(ExactValue):
         return displayed(words(str(self)))
 
 
+@refusing
 def number_of_real_roots(poly: PolynomialLike, variable: str | Symbol | None = None) -> int:
     r"""Count the real roots with multiplicity by Descartes' rule of signs, or Sturm's theorem.
 
@@ -138,6 +140,7 @@ def _is_nonnegative(value: Expr) -> bool | None:
     return None
 
 
+@refusing
 def count_roots(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._poly import canonical, monic
@@ -13,6 +14,7 @@ from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._counts import require_rational
 
 
+@carrying()
 def reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Reverse the coefficients, which reflects every root across the unit circle.
 
@@ -41,6 +43,7 @@ def reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | None = 
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))
 
 
+@carrying()
 def monic_reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Return the monic polynomial whose roots are the reciprocals of the given ones.
 

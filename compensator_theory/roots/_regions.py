@@ -5,6 +5,7 @@ from __future__ import annotations
 import flint
 from sympy import QQ, Poly, Symbol
 
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._reading import (
     PolynomialOrSystem,
     polynomial_in_time,
@@ -16,6 +17,7 @@ from compensator_theory.roots._reflections import reciprocal_polynomial
 from compensator_theory.roots._unit_circle import fold_palindrome, is_inside
 
 
+@refusing
 def locate_roots(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> RootCount:

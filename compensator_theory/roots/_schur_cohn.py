@@ -6,6 +6,7 @@ import flint
 from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._reading import PolynomialLike, is_list, polynomial
@@ -15,6 +16,7 @@ from compensator_theory.roots._regions import locate_roots
 PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs about n of them at most
 
 
+@refusing
 def reflection_coefficients(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:

@@ -14,6 +14,7 @@ from compensator_theory.polynomials._ball_precision import (
     at_growing_precision,
     ball_precision,
 )
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, monic
 from compensator_theory.polynomials._reading import PolynomialLike
@@ -127,6 +128,7 @@ class SpectralFactor(ExactValue):
         return displayed(rf"\chi = {body}", f"c = {latex(self.constant)}")
 
 
+@refusing
 def spectral_factor(
     N: PolynomialLike,
     D: PolynomialLike | None = None,

@@ -9,6 +9,7 @@ from sympy import Expr, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.matrices._linear_algebra import determinant
+from compensator_theory.polynomials._carrying import carrying, refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._poly import is_rational
@@ -97,6 +98,7 @@ class StabilityDecision(ExactValue):
 
 
 @holds_where_defined
+@refusing
 def decide_stability(
     poly: PolynomialOrSystem, variable: str | Symbol | None = None, *, time: Time | None = None
 ) -> StabilityDecision:
@@ -162,6 +164,7 @@ def decide_stability(
     return StabilityDecision(p, time, by_coefficients, by_roots, *counts, evidence)
 
 
+@carrying()
 def hurwitz_determinants(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:

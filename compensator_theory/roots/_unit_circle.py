@@ -7,6 +7,7 @@ from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials._budget import quoted
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import (
     canonical,
     is_rational,
@@ -18,6 +19,7 @@ from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import decided_balls
 
 
+@refusing
 def split_at_unit_circle(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Poly, Poly]:

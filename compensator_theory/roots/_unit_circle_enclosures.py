@@ -15,6 +15,7 @@ from compensator_theory.polynomials._ball_precision import (
     ball_precision,
 )
 from compensator_theory.polynomials._budget import integer
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import decided_balls
 from compensator_theory.roots._counts import require_rational
@@ -34,6 +35,7 @@ from compensator_theory.roots._unit_circle import (
 MAX_DIGITS = 10_000
 
 
+@refusing
 def enclose_split_at_unit_circle(
     poly: PolynomialLike, variable: str | Symbol | None = None, *, digits: int = 30
 ) -> tuple[PolynomialEnclosure, PolynomialEnclosure]:

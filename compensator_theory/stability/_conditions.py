@@ -15,6 +15,7 @@ from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.matrices._rational_functions import RationalFunctions
 from compensator_theory.matrices._symbolic_matrices import Numerators, kept_with_symbols
 from compensator_theory.polynomials._budget import ask, limit_of
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import is_discrete
@@ -38,6 +39,7 @@ class _Conditions(tuple[Expr, ...]):
         )
 
 
+@carrying(real=True)
 def stability_conditions(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[Expr, ...]:

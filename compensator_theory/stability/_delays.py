@@ -15,6 +15,7 @@ from compensator_theory.errors import BudgetError, InputError, NoSolutionError
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.polynomials._budget import ask, listed
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
@@ -141,6 +142,7 @@ class StabilityDelays(ExactValue):
         return displayed(rf"{words('stable ')} \iff \tau \in {where}")
 
 
+@refusing
 def stability_delays(
     coefficients: Sequence[PolynomialLike], variable: str | Symbol | None = None
 ) -> StabilityDelays:

@@ -11,6 +11,7 @@ from sympy import QQ, Expr, Poly, Rational, Symbol
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical
@@ -64,6 +65,7 @@ class IntervalStability(ExactValue):
         return displayed(words("not stable"), *map(latex, self.failing))
 
 
+@refusing
 def decide_interval_stability(
     intervals: Sequence[NumberLike | Sequence[NumberLike]], variable: str | Symbol = "s"
 ) -> IntervalStability:

@@ -19,6 +19,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import rational, zero_matrix
 from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials._budget import ask, decimal_digits, integer
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import is_rational
@@ -88,6 +89,7 @@ class LaurentExpansion(ExactValue):
         return displayed(series, unless(self.exceptional))
 
 
+@carrying()
 def laurent_expansion(
     G: TransferMatrixLike, point: NumberLike, terms: int, *, variable: str | Symbol | None = None
 ) -> LaurentExpansion:

@@ -21,6 +21,7 @@ from compensator_theory.polynomials._ball_precision import (
     at_growing_precision,
     ball_precision,
 )
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import (
     common_divisor,
@@ -266,6 +267,7 @@ class StabilityMargins(ExactValue):
         return displayed(words("stable" if self.is_stable else "not stable"), *rows)
 
 
+@refusing
 def stability_margins(
     plant: LoopPart,
     compensator: LoopPart = 1,

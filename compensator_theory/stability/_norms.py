@@ -20,6 +20,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._ball_precision import at_growing_precision, ball_precision
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import number_of_real_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
@@ -65,6 +66,7 @@ class HInfinityNorm(ExactValue):
         )
 
 
+@refusing
 def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None) -> HInfinityNorm:
     r"""Compute the H-infinity norm of a stable proper transfer matrix.
 

@@ -15,6 +15,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.polynomials._budget import ask, integer
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials._poly import canonical, from_coefficients
 from compensator_theory.polynomials._values import ExactValue
@@ -53,6 +54,7 @@ class PadeApproximant(ExactValue):
         return displayed(f"{latex(self.approximant)} + {order}", unless(self.exceptional))
 
 
+@refusing
 def pade_approximant(
     coefficients: Sequence[NumberLike],
     numerator_degree: int,

@@ -14,6 +14,7 @@ from compensator_theory.matrices._certificates import Certificate, certificate_o
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials._poly import from_coefficients
 from compensator_theory.polynomials._values import ExactValue
@@ -62,6 +63,7 @@ class PartialRealisation(ExactValue):
         return displayed(f"G = {latex(self.transfer_function)}", unless(self.exceptional))
 
 
+@carrying()
 def partial_realisation(
     markov_parameters: Sequence[NumberLike], variable: str | Symbol = "s"
 ) -> PartialRealisation:

@@ -14,6 +14,7 @@ from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, solve
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount
@@ -64,6 +65,7 @@ class RealnessDecision(ExactValue):
         return displayed(words(str(self)))
 
 
+@refusing
 def decide_bounded_real(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> RealnessDecision:
@@ -105,6 +107,7 @@ def decide_bounded_real(
     return _decision("bounded real", source)
 
 
+@refusing
 def decide_positive_real(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> RealnessDecision:

@@ -23,6 +23,7 @@ from compensator_theory.matrices._flint_polynomials import (
     to_flint_polynomial,
 )
 from compensator_theory.polynomials._budget import ask, listed, quoted, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_discrete
@@ -155,6 +156,7 @@ class PickInterpolation(ExactValue):
         )
 
 
+@refusing
 def nevanlinna_pick(
     points: Sequence[NumberLike],
     values: Sequence[NumberLike | Sequence[NumberLike]],

@@ -27,6 +27,7 @@ from compensator_theory.polynomials._ball_precision import (
     ball_precision,
 )
 from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
@@ -261,6 +262,7 @@ class RootLocus(Certified, ExactValue):
         )
 
 
+@refusing
 def root_locus(
     plant: LoopPart,
     compensator: LoopPart = 1,

@@ -10,6 +10,7 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.loops._siso import require_sign, well_posed_loop
 from compensator_theory.matrices._certificates import Certificate, evaluated
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
@@ -82,6 +83,7 @@ class SimultaneousStabilisability(ExactValue):
         return displayed(f"G_c = {latex(self.compensator)}", *loops)
 
 
+@refusing
 def decide_simultaneous_stabilisability(
     first: TransferFunctionLike,
     second: TransferFunctionLike,

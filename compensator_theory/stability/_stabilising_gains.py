@@ -7,6 +7,7 @@ from dataclasses import replace
 from sympy import Poly, Symbol
 
 from compensator_theory.loops._siso import LoopPart, read_loop
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._letters import introduced, names_in_all
 from compensator_theory.polynomials._poly import canonical, from_coefficients, over_one_field
@@ -18,6 +19,7 @@ from compensator_theory.stability._stability_regions import StabilityRegion, reg
 
 
 @holds_where_defined
+@refusing
 def stabilising_gains(
     plant: LoopPart,
     compensator: LoopPart = 1,

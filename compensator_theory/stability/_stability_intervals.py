@@ -12,6 +12,7 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
@@ -144,6 +145,7 @@ class StabilityIntervals(ExactValue):
 
 
 @holds_where_defined
+@refusing
 def stability_intervals(
     poly: PolynomialLike, parameter: str | Symbol, *, variable: str | Symbol | None = None
 ) -> StabilityIntervals:

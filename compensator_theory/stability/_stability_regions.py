@@ -14,6 +14,7 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import holds_where_defined
@@ -140,6 +141,7 @@ class StabilityRegion(ExactValue):
 
 
 @holds_where_defined
+@refusing
 def stability_region(
     poly: PolynomialLike,
     first: str | Symbol,

@@ -19,6 +19,7 @@ from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed, r
 from compensator_theory.matrices._certificates import Certificate, evaluated
 from compensator_theory.matrices._rings import RationalRing
 from compensator_theory.polynomials._budget import ask, integer
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
@@ -106,6 +107,7 @@ def loop_left_over(
     return [difference, [Integer(roots.total - roots.stable)]]
 
 
+@refusing
 def stable_compensator(
     plant: TransferFunctionLike,
     max_order: int | None = None,

@@ -13,6 +13,7 @@ from sympy import Poly, Symbol
 from compensator_theory._latex import displayed, words
 from compensator_theory.errors import InputError
 from compensator_theory.forms._smith_mcmillan import smith_mcmillan_form
+from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
@@ -107,6 +108,7 @@ class StrongStabilisability(ExactValue):
         return displayed(words(str(self)))
 
 
+@refusing
 def decide_strong_stabilisability(
     plant: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> StrongStabilisability:

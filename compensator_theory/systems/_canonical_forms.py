@@ -11,6 +11,7 @@ from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._exact_matrices import MatrixLike
 from compensator_theory.matrices._flint_matrices import of_rows
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._reading import is_one_of
@@ -29,6 +30,7 @@ RealisationLike: TypeAlias = Realisation | TransferFunctionLike
 
 
 @holds_where_defined
+@carrying()
 def realisation(
     obj: RealisationLike,
     variable: str | Symbol | None = None,

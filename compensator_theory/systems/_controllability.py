@@ -20,6 +20,7 @@ from compensator_theory.matrices._linear_algebra import (
     multiplied,
     rank,
 )
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
 from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._poly import canonical, exact_quotient
@@ -30,6 +31,7 @@ MINORS = 24  # that are looked at before a wide controllability matrix counts as
 
 
 @holds_where_defined
+@carrying()
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     r"""Return Kalman's controllability matrix.
 
@@ -100,6 +102,7 @@ def _require_pair(first: tuple[int, int], second: tuple[int, int]) -> None:
         )
 
 
+@carrying()
 def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     r"""Tell whether every mode of A feels the input, :math:`\mathrm{rank}\,\mathcal C(A,B) = n`.
 
@@ -205,6 +208,7 @@ def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
     return True if shared.as_expr().is_nonzero else None
 
 
+@carrying()
 def uncontrollable_polynomial(
     A: MatrixLike, B: MatrixLike, *, variable: str | Symbol | None = None
 ) -> Poly:

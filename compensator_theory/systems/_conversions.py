@@ -11,6 +11,7 @@ from sympy import Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.matrices._exact_matrices import MatrixLike
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._from_roots import polynomial_from_roots
 from compensator_theory.polynomials._generic_answers import holds_where_defined
@@ -61,6 +62,7 @@ TransferFunctionLike: TypeAlias = (
 
 @holds_where_defined
 @roots_in_sympy()
+@carrying()
 def transfer_function(
     obj: TransferFunctionLike | None = None,
     variable: str | Symbol | None = None,

@@ -11,9 +11,11 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.polynomials._budget import ask, integer, listed
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import introduced, names_in_all
 
 
+@carrying()
 def compensator_polynomials(
     P: Sequence[MatrixLike],
     Q: Sequence[MatrixLike],

@@ -10,6 +10,7 @@ import sympy
 from sympy import MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
@@ -37,6 +38,7 @@ TransferMatrixLike: TypeAlias = (
 
 
 @holds_where_defined
+@carrying()
 def transfer_matrix(
     rows: TransferMatrixLike,
     variable: str | Symbol | None = None,

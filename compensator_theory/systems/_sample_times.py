@@ -30,6 +30,8 @@ class System(ExactValue):
     ('discrete', 1/10, 1/10)
     """
 
+    _CARRIES = True
+
     if TYPE_CHECKING:
 
         @property

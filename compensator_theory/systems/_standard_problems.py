@@ -14,6 +14,7 @@ from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._variables import as_symbol, require_one_symbol_a_name
@@ -262,6 +263,7 @@ _SERVO_MATRICES = ("A", "B", "D_1", "C", "D_0")
 
 
 @holds_where_defined
+@carrying()
 def standard_problem(
     G: TransferFunctionLike, variable: str | Symbol | None = None
 ) -> StandardProblem:
@@ -303,6 +305,7 @@ def standard_problem(
 
 
 @holds_where_defined
+@carrying()
 def servo_problem(
     G: TransferFunctionLike | None = None,
     variable: str | Symbol | None = None,

@@ -8,15 +8,15 @@ import random
 
 import pytest
 import sympy
-from sympy import E, GoldenRatio, Poly, Rational, S, cos, cot, exp, log, pi, sin, sqrt, tan
+from sympy import E, GoldenRatio, Rational, S, cos, cot, exp, log, pi, sin, sqrt, tan
 
 import compensator_theory as exact
-from tests.support.bad_inputs import GOOD, NOT_DOORS
-from tests.support.public import public_objects
+from tests.support.bad_inputs import NOT_DOORS
+from tests.support.disguises import DOORS, PUBLIC, disguised
 
 a, b, t, theta = sympy.symbols("a b t theta")
 GOLDEN = (1 + sqrt(5)) / 2
-REFUSED = {
+FUNCTIONS = {
     "sin^2 + cos^2": sin(theta) ** 2 + cos(theta) ** 2,
     "tan cos / sin": tan(theta) * cos(theta) / sin(theta),
     "double angle of 1": 2 * sin(1) * cos(1) / sin(2),
@@ -45,55 +45,15 @@ DECIDED = {
     "golden ratio": GoldenRatio**2 - GoldenRatio,
     "golden ratio and a cosine": 2 * cos(pi / 5) / GoldenRatio,
 }
-IDENTITIES = REFUSED | DECIDED
+IDENTITIES = FUNCTIONS | DECIDED
 NUMBERS = [
     sqrt(2), sqrt(2 + sqrt(3)), GoldenRatio, cos(pi / 7), cot(pi / 7), pi, E, exp(S.Half), log(2),
     sin(1), sqrt(a), exp(t), sin(theta), a**b, sqrt(2) * a, sympy.Abs(a), sympy.I,
 ]  # fmt: skip
 """What a number of an argument is multiplied by: any answer, or a refusal, and no foreign error."""
-PUBLIC = public_objects("compensator_theory")
-CLASSES = {
-    "Realisation": ([[[0, 1], [-2, -3]], [[0], [1]], [[5, 1]]], {}),
-    "DescriptorSystem": ([[[1]], [[-1]], [[1]], [[1]]], {}),
-    "exact_number": (["1/2"], {}),
-    "StandardProblem": (
-        [], {"A": [[0]], "B": [[1]], "C": [[1]], "D_1": [[1, 0]], "D_0": None, "D_2": [[0, 1]],
-             "E_1": [[2], [0]], "E_2": [[0], [1]], "E_0": None, "variable": "s"},
-    ),
-}  # fmt: skip
-DOORS = {name: case for name, case in GOOD.items() if name not in NOT_DOORS} | CLASSES
 DRAWN = 3
 # What writes an expression and decides nothing of it.
 WRITERS = {"canonical", "exact_number", "parse_expression"}
-
-
-def disguised(value, one):
-    """The value with one number in it multiplied by an expression of the value 1, in each way."""
-    if isinstance(value, str):
-        try:
-            expression = sympy.sympify(value, {"q": sympy.Symbol("q"), "S": sympy.Symbol("S")})
-        except (sympy.SympifyError, SyntaxError, TypeError):
-            return
-        if isinstance(expression, sympy.Expr) and not expression.is_Symbol:
-            yield expression * one
-            yield from inside(expression, one)
-    elif isinstance(value, Poly):
-        yield Poly(value.as_expr() * one, value.gen)
-    elif isinstance(value, int | Rational) and not isinstance(value, bool):
-        yield value * one
-    elif isinstance(value, list | tuple):
-        for place in {0, len(value) - 1} if value else ():
-            for changed in disguised(value[place], one):
-                yield type(value)([*value[:place], changed, *value[place + 1 :]])
-
-
-def inside(expression, one):
-    """A term of the first sum in it, times one."""
-    for part in sympy.preorder_traversal(expression):
-        if part.is_Add:
-            first, *rest = part.args
-            yield expression.xreplace({part: sympy.Add(first * one, *rest)})
-            return
 
 
 def same(found, wanted):
@@ -167,20 +127,23 @@ def test_no_irrational_number_ends_in_a_foreign_error(name, in_full):
 
 
 s = sympy.Symbol("s")
-S_2, C_2 = sin(theta) ** 2, cos(theta) ** 2
 ROOT, SUM = sqrt(5 + 2 * sqrt(6)), sqrt(2) + sqrt(3)
 
 
 @pytest.mark.parametrize(
     ("door", "arguments", "says"),
     [
-        (exact.solve_sylvester, ([[S_2 + C_2]], [[-1]], [[1]]), "write two sym"),
-        (exact.uncontrollable_polynomial, ([[1, 0], [0, S_2 + C_2]], [[1], [1]]), "write two sym"),
-        (exact.mcmillan_degree, (1 / (s + C_2) - 1 / (s + 1 - S_2), "s"), "write two sym"),
+        (exact.stability_conditions, (s**2 + sin(theta) * s + 1, "s"), "write two sym"),
+        (exact.stability_conditions, (s**2 + sqrt(a) * s + 1, "s"), "its square for a"),
         (exact.mcmillan_degree, (1 / (s + log(6)) - 1 / (s + log(2) + log(3)), "s"), "write a sym"),
         (exact.bezout_identity, (s + log(6), s + log(2) + log(3)), r"log\(\d\)"),
-        (exact.stability_conditions, (s**2 + sqrt(a) * s + 1, "s"), "its square for a"),
-        (exact.forms.jordan_form, ([[exp(theta), 1], [0, exp(theta)]],), "write a symbol"),
+        (exact.resultant, (s + sqrt(a), s + sqrt(a * b)), r"a symbol for sqrt\(a\*b\)"),
+        (exact.regulator_gain, ([[log(2)]], [[1]], [pi]), r"log\(2\)"),
+        (exact.transfer_function, (exp(-theta) / (s + theta), "theta"), "write a symbol"),
+        (exact.transfer_function, (exp(-s) / (s + 1),), "a dead time is given apart"),
+        (exact.forms.smith_form, ([[s, sympy.Abs(a)]], "s"), r"Abs\(a\) is no rational"),
+        (exact.solve_stein, ([[exp(exp(theta))]], [[1]]), "write a symbol"),
+        (exact.exceptional_cases, (exact.mcmillan_degree, 1 / (s + exp(a)), "s"), "write a symbol"),
         (exact.solve_lyapunov, ([[-1]], [[a * ROOT]]), "write a rational number"),
         (exact.polynomial, ([1, a, a * GoldenRatio], "s"), "stands beside the unknown a"),
     ],

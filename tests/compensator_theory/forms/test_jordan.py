@@ -142,7 +142,7 @@ def test_the_eigenvalues_of_a_damped_oscillator():
     ("matrix", "over", "words"),
     [([[1, 2]], "rational", "square"), ([[1]], "p", "over"),
      ([["a*sqrt(2)"]], "real", "irrational"),
-     ([["sqrt(a)"]], "rational", "rational"), ([["a", 1], ["b", "c"]], "real", "depends on"),
+     ([["sqrt(a + 1)"]], "rational", "rational"), ([["a", 1], ["b", "c"]], "real", "depends on"),
      ([[f"x{i}{j}" for j in range(4)] for i in range(4)], "rational", "terms"),
      ([["sqrt(2)"]], "real", "irrational"), ([[1]], None, "over")],
 )  # fmt: skip

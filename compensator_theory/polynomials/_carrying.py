@@ -1,0 +1,488 @@
+"""Functions of symbols carried through a public function as unknowns, and written back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from fractions import Fraction
+from functools import cached_property, wraps
+from inspect import signature
+from typing import Any, ParamSpec, TypeVar
+
+import sympy
+from sympy import EX, Basic, Expr, ImmutableMatrix, MatrixBase, Poly, Symbol
+
+from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.polynomials._decidable import require_decidable
+from compensator_theory.polynomials._expressions import leaves_of, read_tree, written_tree
+from compensator_theory.polynomials._functions import NotCarriedError, Unknowns, functions_in
+from compensator_theory.polynomials._letters import reserved
+from compensator_theory.polynomials._poly import from_coefficients
+from compensator_theory.polynomials._quotients import Tree
+
+P = ParamSpec("P")
+Found = TypeVar("Found")
+
+_CALL = re.compile(
+    r"(?<![^\W\d])(?:exp|sqrt|sin|cos|tan|sinh|cosh|tanh)\s*\(|(?:\*\*|\^)\s*(?:\(|\d*\.)"
+)
+_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+_BETWEEN = re.compile(r"([,;])")
+_BINARY = ("add", "sub", "mul", "truediv", "matmul", "pow")
+_OPERATORS = {f"__{side}{name}__" for name in _BINARY for side in ("", "r")}
+_OPERATORS |= {"__neg__", "__pos__", "__call__", "__getitem__", "_sympy_"}
+MARK = "_carried"
+"""Where a result that shows functions keeps itself in unknowns; None where it was pickled."""
+
+_SIMPLE = {int, float, bool, type(None), Fraction, Symbol, type(sympy.S.One), type(sympy.S.Half)}
+_SIMPLE |= {type(sympy.S.Zero), type(sympy.S.NegativeOne), sympy.Integer}
+
+
+def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P, Found]]:
+    """Let a function take functions of symbols: each is an unknown in it, and written back.
+
+    For a function that takes symbols as unknowns over the rationals, and whose answer is made of
+    them by arithmetic. Where not all functions are carried, it is called with them as they stand,
+    and the domains of coefficients refuse them.
+
+    Parameters
+    ----------
+    real : bool
+        Whether it asks for signs; it is given real unknowns only then.
+
+    Examples
+    --------
+    >>> from sympy import exp
+    >>> from sympy.abc import T
+    >>> from compensator_theory.polynomials._carrying import carrying
+    >>> @carrying()
+    ... def inverse(x):
+    ...     print(x)
+    ...     return 1 / x
+    >>> inverse(exp(T))
+    exp_Tʺ
+    exp(-T)
+    """
+
+    def decorate(function: Callable[P, Found]) -> Callable[P, Found]:
+        @wraps(function)
+        def carried(*arguments: P.args, **options: P.kwargs) -> Found:
+            if not has_functions((arguments, options)):
+                return function(*arguments, **options)
+            given: Any = arguments, options
+            found = _through(given, lambda at: function(*at[0], **at[1]), real, _bare(given))
+            return found.shown()  # type: ignore[no-any-return]
+
+        carried.carries = "reals" if real else "all"  # type: ignore[attr-defined]
+        return carried
+
+    return decorate
+
+
+def carry_methods(cls: type, result: type) -> None:
+    """Let what a class of results says of itself take functions of symbols, and answer with them.
+
+    Its own methods and attributes, and those of its bases that are no results.
+    """
+    bases = [base for base in cls.__mro__[1:] if not issubclass(base, result)]
+    mixed = [base for base in bases if base not in result.__mro__]
+    names = {k: v for base in reversed(mixed) for k, v in vars(base).items()}
+    for name, found in {**names, **vars(cls)}.items():
+        if name in ("__init__", "__post_init__") and name in vars(cls):
+            setattr(cls, name, _constructor(name, found))
+        elif (name not in _OPERATORS and name.startswith("_")) or name in ("subs", "variable"):
+            continue
+        elif isinstance(found, property):
+            setattr(cls, name, property(_method(name, found.fget), doc=found.__doc__))
+        elif isinstance(found, cached_property):
+            again = cached_property(_method(name, found.func))
+            again.__set_name__(cls, name)
+            setattr(cls, name, again)
+        elif hasattr(found, "__code__"):
+            setattr(cls, name, _method(name, found))
+
+
+def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
+    """Let a function refuse functions of symbols at its door, in the words of the domains.
+
+    A `step` may be a logarithm, and is read by the function itself.
+
+    Examples
+    --------
+    >>> from sympy import exp
+    >>> from sympy.abc import T
+    >>> from compensator_theory.polynomials._carrying import refusing
+    >>> @refusing
+    ... def count(x):
+    ...     return len(x)
+    >>> count([exp(T)])
+    Traceback (most recent call last):
+    ...
+    compensator_theory.errors.InputError: exp(T) is no rational function of its symbols, and ...
+    """
+    names = [*signature(function).parameters]
+    place = names.index("step") if "step" in names else len(names)
+
+    @wraps(function)
+    def refused(*arguments: P.args, **options: P.kwargs) -> Found:
+        others = {name: value for name, value in options.items() if name != "step"}
+        require_no_functions((arguments[:place], arguments[place + 1 :], others))
+        return function(*arguments, **options)
+
+    refused.carries = "none"  # type: ignore[attr-defined]
+    return refused
+
+
+def require_no_functions(given: Any) -> None:
+    """Refuse functions of symbols, and numbers that are carried as such.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials._carrying import require_no_functions
+    >>> require_no_functions(["s + 1", 2])
+    """
+    if has_functions(given):
+        require_decidable(functions_in(_expressions(given)))
+
+
+def has_functions(given: Any) -> bool:
+    """Tell whether there are functions of symbols in it, or numbers that are carried as such.
+
+    Examples
+    --------
+    >>> from sympy import exp
+    >>> from compensator_theory.polynomials._carrying import has_functions
+    >>> has_functions(("s + 1", [exp(1)])), has_functions({"a": "exp(-T)"})
+    (False, True)
+    """
+    if isinstance(given, tuple) and all(map(_is_simple, given)):
+        return False
+    return any(True for _ in functions_in(_expressions(given)))
+
+
+def _is_simple(value: Any) -> bool:
+    """Whether a short look is enough: nearly all that is passed inside is such."""
+    kind = type(value)
+    if kind is tuple or kind is dict:
+        return all(map(_is_simple, value.values() if kind is dict else value))
+    if kind is Poly:
+        return bool(value.rep.dom.is_QQ)
+    return kind in _SIMPLE or (hasattr(kind, "_CARRIES") and MARK not in value.__dict__)
+
+
+def shown_polynomial(descending: list[Expr], variable: Symbol) -> Poly:
+    """Return a polynomial with functions in its coefficients, as results show it."""
+    if any(True for _ in functions_in(descending)):
+        return Poly(descending, variable, domain=EX)
+    return from_coefficients(descending, variable)
+
+
+@dataclass
+class _Carried:
+    """What a function answered in unknowns."""
+
+    raw: Any
+    unknowns: Unknowns | None
+
+    def shown(self) -> Any:
+        return self.raw if self.unknowns is None else _shown(self.raw, self.unknowns)
+
+
+def _through(
+    given: Any,
+    call: Callable[[Any], Any],
+    real: bool = False,
+    bare: set[str] = frozenset(),  # type: ignore[assignment]
+) -> _Carried:
+    """Call with unknowns in the place of functions, or with what was given where not all are."""
+    try:
+        unknowns, plain = _in_unknowns(given, real, bare)
+        raw = _asked(unknowns, plain, call)
+        if isinstance(raw, int) and unknowns.angles:
+            unknowns, plain = _in_unknowns(given, real, bare, shifted=True)
+            again = _asked(unknowns, plain, call)
+            raw = raw if raw == again else None
+    except NotCarriedError as error:
+        require_decidable([error.part] if error.part is not None else ())
+        raise InputError(f"{error.part} is no unknown here; write a symbol in its place") from None
+    return _Carried(raw, unknowns)
+
+
+def _in_unknowns(
+    given: Any, real: bool, bare: set[str], *, shifted: bool = False
+) -> tuple[Unknowns, Any]:
+    symbols = set(_symbols(given))
+    names = {symbol.name for symbol in symbols}
+    unknowns = Unknowns(_expressions(given), names, real=real, shifted=shifted)
+    hidden = {symbol.name: symbol for symbol in unknowns.inner}
+    clash = {s for name, s in hidden.items() if name in bare}  # the variable, it may be
+    clash |= {hidden[s.name] for s in symbols if hidden.get(s.name, s) != s}
+    clash |= {s for s in map(hidden.get, _variables(given)) if s is not None}
+    if clash:
+        raise NotCarriedError(unknowns.function_of(clash))
+    return unknowns, _plain(given, unknowns)
+
+
+def _variables(value: Any) -> Iterator[str]:
+    """Names of the variables of polynomials and systems."""
+    if isinstance(value, Poly):
+        yield from (str(generator) for generator in value.gens)
+    elif not isinstance(value, Basic | MatrixBase):
+        if isinstance(variable := getattr(value, "variable", None), Symbol):
+            yield variable.name
+        for part in _parts(value):
+            yield from _variables(part)
+
+
+def _asked(unknowns: Unknowns, plain: Any, call: Callable[[Any], Any]) -> Any:
+    """Call a function in unknowns; its errors speak of the functions."""
+    hidden = {symbol.name for symbol in unknowns.inner}
+    try:
+        with reserved(hidden):
+            raw = call(plain)
+    except CompensatorError as error:
+        error.args = tuple(unknowns.words(x) if isinstance(x, str) else x for x in error.args)
+        if error.unless is not None:
+            error.holding(
+                (_shown(x, unknowns) for x in error.unless),
+                unknowns.conditions(x for x in error.exceptional if isinstance(x, Expr)),
+            )
+        raise
+    new = {s.name for s in _symbols(raw, texts=False)} - {s.name for s in _symbols(plain)}
+    if clash := sorted(new & hidden):
+        raise InputError(
+            f"the answer has a letter {clash[0]} of its own, and so has a function that was given; "
+            "name the symbol in the function otherwise"
+        )
+    return raw
+
+
+def _constructor(name: str, function: Any) -> Any:
+    @wraps(function)
+    def carried(self: Any, *arguments: Any, **options: Any) -> None:
+        own = vars(self)
+        given: Any = dict(own) if name == "__post_init__" else (arguments, options)
+        if not has_functions(given):
+            return function(self, *arguments, **options)  # type: ignore[no-any-return]
+
+        def made(at: Any) -> Any:
+            own.clear()
+            if name == "__post_init__":
+                own.update(at)
+                function(self)
+            else:
+                function(self, *at[0], **at[1])
+            raw = object.__new__(type(self))
+            vars(raw).update(own)
+            return raw
+
+        bare = set() if name == "__post_init__" else _bare(given)
+        shown = _through(given, made, bare=bare).shown()
+        own.clear()
+        own.update(vars(shown))
+        return None
+
+    return carried
+
+
+def _printed(function: Any) -> Any:
+    """Print with the functions; where that asks the domains, in unknowns, and then by words."""
+
+    @wraps(function)
+    def carried(self: Any) -> Any:
+        kept = vars(self).get(MARK)
+        if kept is None:
+            return function(self)
+        try:
+            return function(self)
+        except InputError:
+            written = _asked(kept.unknowns, kept.raw, function)
+            return kept.unknowns.words(written, as_latex=function.__name__ == "_repr_latex_")
+
+    return carried
+
+
+def _method(name: str, function: Any) -> Any:
+    @wraps(function)
+    def carried(self: Any, *arguments: Any, **options: Any) -> Any:
+        marked = MARK in vars(self)
+        more = bool(arguments or options) and has_functions((arguments, options))
+        if more and not (marked or self._CARRIES):
+            require_no_functions((arguments, options))
+        if not (marked or more):
+            return function(self, *arguments, **options)
+        kept, found = vars(self).get(MARK), None
+        given: Any
+        if kept is not None and not more:
+            known = {symbol.name for symbol in _symbols((arguments, options))}
+            if not known & {symbol.name for symbol in kept.unknowns.inner}:
+                given = kept.raw, arguments, options
+                raw = _asked(kept.unknowns, given, lambda at: function(at[0], *at[1], **at[2]))
+                if not (isinstance(raw, int) and kept.unknowns.angles):
+                    found = _Carried(raw, kept.unknowns)
+        if found is None:
+            given = self, arguments, options
+            bare = set() if name.startswith("__") else _bare((arguments, options))
+            real = self._CARRIES == "reals"
+            found = _through(given, lambda at: function(at[0], *at[1], **at[2]), real, bare)
+        if name == "exceptional" and found.unknowns:
+            return tuple(found.unknowns.conditions(found.raw))
+        shown = found.shown()
+        return shown.evalf() if name == "evalf" and found.unknowns else shown
+
+    return carried
+
+
+def _bare(given: Any) -> set[str]:
+    """The arguments that are a name: of a variable, it may be."""
+    arguments, options = given
+    found = {str(value) for value in (*arguments, *options.values()) if isinstance(value, Symbol)}
+    texts = [value for value in (*arguments, *options.values()) if isinstance(value, str)]
+    return found | {text.strip() for text in texts if _NAME.fullmatch(text.strip())}
+
+
+def _parts(value: Any) -> Iterator[Any]:
+    """What a value holds, of which each is changed for itself."""
+    if isinstance(value, dict):
+        yield from value.values()
+    elif isinstance(value, list | tuple | set | frozenset | sympy.Tuple):
+        yield from value
+    elif _is_result(value):
+        yield from (getattr(value, field.name) for field in fields(value))
+    elif str(getattr(value, "dtype", "")) == "object":
+        yield from value.tolist() if value.shape else [value.item()]
+
+
+def _expressions(value: Any) -> Iterator[Expr]:
+    """Expressions in which there may be functions."""
+    if isinstance(value, str):
+        yield from _leaves(value)
+    elif isinstance(value, Poly):
+        domain = value.domain
+        if domain.is_EX or domain.is_EXRAW or not _is_of_symbols(domain):
+            yield from value.all_coeffs() if len(value.gens) == 1 else [value.as_expr()]
+    elif isinstance(value, MatrixBase):
+        if not (hasattr(value, "kept") or _is_of_symbols(value._rep.domain)):
+            yield from value.flat()
+    elif isinstance(value, Expr):
+        yield value
+    elif _is_result(value) and MARK not in vars(value):
+        return
+    else:
+        for part in () if _holds_numbers(value) else _parts(value):
+            yield from _expressions(part)
+
+
+def _holds_numbers(value: Any) -> bool:
+    return type(value) in (list, tuple) and _SIMPLE.issuperset(map(type, value))
+
+
+def _is_of_symbols(domain: Any) -> bool:
+    if domain.is_Composite:
+        return all(symbol.is_Symbol for symbol in domain.symbols) and _is_of_symbols(domain.domain)
+    return not (domain.is_EX or domain.is_EXRAW)
+
+
+def _symbols(value: Any, *, texts: bool = True) -> Iterator[Symbol]:
+    if isinstance(value, str):
+        yield from map(Symbol, _NAME.findall(value) if texts else ())
+    elif isinstance(value, Basic | MatrixBase):
+        yield from value.free_symbols
+    else:
+        for part in _parts(value):
+            yield from _symbols(part, texts=texts)
+
+
+def _plain(value: Any, unknowns: Unknowns) -> Any:
+    """Write it with the unknowns in the place of functions."""
+    if not _is_concerned(value, unknowns):
+        return value
+    if isinstance(value, str):
+        return _written(value, unknowns)
+    if isinstance(value, Poly) and len(value.gens) > 1:
+        return value  # its reader refuses it
+    if isinstance(value, Poly):
+        return from_coefficients([*map(unknowns.image, value.all_coeffs())], value.gen)
+    if isinstance(value, MatrixBase):
+        return ImmutableMatrix(*value.shape, [*map(unknowns.image, value.flat())])
+    if isinstance(value, Expr):
+        return unknowns.image(value)
+    return _rebuilt(value, lambda part: _plain(part, unknowns))
+
+
+def _is_concerned(value: Any, unknowns: Unknowns) -> bool:
+    names = {symbol.name for symbol in _symbols(value)}
+    return bool(names & unknowns.renamed) or has_functions(value) or _has_powers_of_e(value)
+
+
+def _has_powers_of_e(value: Any) -> bool:
+    return any(x.has(sympy.E, sympy.exp) for x in _expressions(value))
+
+
+def _shown(value: Any, unknowns: Unknowns) -> Any:
+    """Write it with the functions in the place of unknowns."""
+    if isinstance(value, str):
+        return unknowns.words(value)
+    concerned = any(symbol in unknowns.functions for symbol in _symbols(value))
+    if not (concerned or (unknowns.angles and _holds_result(value))):
+        return value
+    if isinstance(value, Poly):
+        return shown_polynomial([*map(unknowns.shown, value.all_coeffs())], value.gen)
+    if isinstance(value, MatrixBase):
+        return ImmutableMatrix(*value.shape, [*map(unknowns.shown, value.flat())])
+    if isinstance(value, Basic) and not isinstance(value, sympy.Tuple):
+        return unknowns.shown(value)
+    found = _rebuilt(value, lambda part: _shown(part, unknowns))
+    if _is_result(found):
+        if "exceptional" in vars(found):
+            vars(found)["exceptional"] = tuple(unknowns.conditions(value.exceptional))
+        vars(found)[MARK] = _Carried(value, unknowns)
+    return found
+
+
+def _is_result(value: Any) -> bool:
+    return is_dataclass(value) and not isinstance(value, type)
+
+
+def _holds_result(value: Any) -> bool:
+    return _is_result(value) or any(map(_holds_result, _parts(value)))
+
+
+def _rebuilt(value: Any, change: Callable[[Any], Any]) -> Any:
+    if isinstance(value, dict):
+        return {key: change(part) for key, part in value.items()}
+    if _is_result(value):
+        found = object.__new__(type(value))
+        vars(found).update({f.name: change(getattr(value, f.name)) for f in fields(value)})
+        return found
+    if isinstance(value, sympy.Tuple):
+        return sympy.Tuple(*map(change, value))
+    if isinstance(value, list | tuple | set | frozenset):
+        return type(value)(map(change, value))
+    if str(getattr(value, "dtype", "")) == "object" and value.shape:
+        found = value.copy()
+        found.flat = [change(part) for part in value.flat]
+        return found
+    return value
+
+
+def _leaves(text: str) -> Iterator[Expr]:
+    if _CALL.search(text):
+        for tree in _trees(text):
+            if not isinstance(tree, str):
+                yield from leaves_of(tree)
+
+
+def _trees(text: str) -> list[Tree | str]:
+    """Read what stands between commas; what is no expression is for its reader to refuse."""
+    parts = _BETWEEN.split(text)
+    try:
+        return [part if k % 2 else read_tree(part) for k, part in enumerate(parts)]
+    except CompensatorError:
+        return []
+
+
+def _written(text: str, unknowns: Unknowns) -> str:
+    written = (t if isinstance(t, str) else written_tree(t, unknowns.image) for t in _trees(text))
+    return "".join(written) or text
