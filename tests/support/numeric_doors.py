@@ -29,6 +29,7 @@ DOORS = {
         [rcac.SimulationCase(G, FIXED, W)])[0].z,
     "Simulator": lambda G, v: rcac.Simulator(G).output(u=np.zeros(1), w=np.zeros(1)),
     "simulate": lambda G, v: rcac.simulate(G, FIXED, W).z,
+    "simulate_batch": lambda G, v: rcac.simulate_batch(G, FIXED, W[None]).z,
     "FixedController": lambda G, v: rcac.FixedController(G),
     "check_controller": lambda G, v: rcac.check_controller(Y, Y, compensator=LAW, plant=G).poles,
     "compare_exactly": lambda G, v: PUBLIC["compare_exactly"](G, LAW, TARGET).plant,
