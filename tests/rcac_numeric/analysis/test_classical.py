@@ -7,7 +7,7 @@ import control
 import numpy as np
 import pytest
 import scipy.signal
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 
 import compensator_theory
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
@@ -354,6 +354,7 @@ def test_a_slow_integrator_has_a_crossover_and_at_both_ends_of_the_circle(g):
 @pytest.mark.costly
 @settings(max_examples=100)
 @given(seeds)
+@example(1524)  # its gain margin is a fifth of a thousandth
 def test_no_gain_below_one_is_lost_to_poles_on_the_circle(seed):
     """Integrators, double ones and undamped pairs: rounding puts them inside or outside."""
     rng = np.random.default_rng(seed)
@@ -366,7 +367,7 @@ def test_no_gain_below_one_is_lost_to_poles_on_the_circle(seed):
     assume(margins.is_stable)
     down = margins.gain_down
     assert down.value == 0 or down.value > 1e-9
-    for gain in np.geomspace(max(down.value * 1.001, 1e-4), 1, 30):
+    for gain in np.geomspace(max(down.value**0.999, 1e-4), 1, 30):
         assert radius(tf(N, D), gain) < 1 + 1e-12
     if down.is_reached:
         assert radius(tf(N, D), down.value * 0.999) > 1
