@@ -102,6 +102,8 @@ def as_plant(system: Any) -> Any:
 
     What is neither is handed back, for the caller to refuse by its own name.
     """
+    if type(system) in (Plant, PlantSchedule, FunctionPlant):
+        return system
     is_own = isinstance(system, exact.StandardProblem) or _is_own(system)
     return system if is_own or not is_description(system) else plant_of(system)
 
