@@ -41,9 +41,19 @@ STILL = 1e-12  # of 1, or of an initial coefficient: less is no adaptation
 GROUP = 1_000  # seeds of one group
 
 
-@attrs.frozen(eq=False)
-class Course:
-    """How a run is run."""
+@attrs.frozen(eq=False, kw_only=True)
+class RunSpecification(Value):
+    """One run of an experiment; with its seed it determines every number of the run.
+
+    Attributes
+    ----------
+    settings : ControllerSettings, Decentralized or FixedController
+    target : TargetModel, optional
+        What the loop is compared with; by default the target model that the controller has at
+        the last step. A controller that adapts nothing has none of its own.
+    correction : str
+        What this run reads differently from the source, or adds to it.
+    """
 
     steps: Annotated[int, Integer(1), "Length of the run."]
     seed: Annotated[int, "Of the noise."] = 0
@@ -80,22 +90,6 @@ class Course:
         float,
         "The standard deviation of what each seed adds to the initial state.",
     ] = 0.0
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class RunSpecification(Course, Value):
-    """One run of an experiment; with its seed it determines every number of the run.
-
-    Attributes
-    ----------
-    settings : ControllerSettings, Decentralized or FixedController
-    target : TargetModel, optional
-        What the loop is compared with; by default the target model that the controller has at
-        the last step. A controller that adapts nothing has none of its own.
-    correction : str
-        What this run reads differently from the source, or adds to it.
-    """
-
     name: str
     plant: Plant | PlantSchedule
     settings: AnyController

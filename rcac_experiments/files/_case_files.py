@@ -118,7 +118,7 @@ def read_structure(
     sizes: Any = plant if plant is not None else _Sizes(*widths)
     try:
         part = STRUCTURE.read(given, Place("the options", "controller"))
-        made: Structure = part.structure.of(sizes)
+        made: Structure = part.of(sizes)
         return made
     except InputError as error:
         if "needs the key 'n_c'" in str(error) and kind is not None:

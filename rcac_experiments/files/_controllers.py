@@ -10,9 +10,9 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_experiments.files._structures import STRUCTURES
-from rcac_experiments.files._targets import TARGET, Target
+from rcac_experiments.files._targets import TARGET
 from rcac_experiments.files._updates import UPDATES
-from rcac_experiments.format._parts import Part, Shorthand, Unresolved
+from rcac_experiments.format._parts import Part
 from rcac_experiments.format._places import Errors, Place
 from rcac_experiments.format._tables import (
     Deferred,
@@ -35,7 +35,6 @@ from rcac_experiments.format._values import (
     Schema,
 )
 from rcac_numeric.analysis._lqg import lqg
-from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._bounds import CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
@@ -70,48 +69,32 @@ NOISE = MapOf(Numbers())
 BOUND = Row((Real(), Real()), "[low, high]")
 
 
-@attrs.frozen(eq=False)
-class Lqg(Unresolved):
-    """The [LQG](lqg.md) controller of the plant, which adapts nothing."""
-
+def lqg_alone(
+    plant: Plant | PlantSchedule,
     form: Annotated[
         Literal["predictor", "filter"],
         "Whether u(k) uses y(k-1) at the latest, or y(k) too.",
-    ] = "predictor"
+    ] = "predictor",
     noise: Annotated[
         dict[str, Any] | None,
         NOISE,
         "Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where "
         "it is left out.",
-    ] = None
-    k_w: Annotated[int, "First step at which it is in the loop."] = 0
-
-    def of(self, plant: Plant | PlantSchedule, **others: Any) -> FixedController:
-        """The controller of this plant, which no target model decides."""
-        if isinstance(plant, PlantSchedule):
-            raise InputError('structure = "lqg" is designed for one plant; this one changes.')
-        compensator = lqg(plant, noise=self.noise, form=self.form).compensator
-        return FixedController(compensator, k_w=self.k_w)
+    ] = None,
+    k_w: Annotated[int, "First step at which it is in the loop."] = 0,
+    target: object = None,
+) -> FixedController:
+    """The [LQG](lqg.md) controller of the plant, which adapts nothing."""
+    if isinstance(plant, PlantSchedule):
+        raise InputError('structure = "lqg" is designed for one plant; this one changes.')
+    return FixedController(lqg(plant, noise=noise, form=form).compensator, k_w=k_w)
 
 
 # In place of a structure: the whole table is then of a controller that adapts nothing.
-FIXED: dict[str, Kind[Any]] = {"lqg": Kind(Variant(Lqg), is_whole=True)}
+FIXED: dict[str, Kind[Any]] = {
+    "lqg": Kind(Variant(Table(lqg_alone, given=["plant", "target"])), is_whole=True)
+}
 STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
-
-
-@attrs.frozen(eq=False)
-class Fixed(Shorthand):
-    """A fixed compensator (2.28)."""
-
-    past_u: Annotated[Array, "past_u[i-1] is P_i."]
-    past_y: Annotated[
-        Array,
-        "past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.",
-    ]
-
-    def made(self) -> Compensator:
-        """The compensator."""
-        return Compensator(self.past_u, self.past_y)
 
 
 WEIGHT = Either(Table(SignalWeight), Numbers())
@@ -123,7 +106,7 @@ FORMS: Mapping[str, Form] = {
     "R_u_unfiltered": Numbers(),
     "z_normalization": Table(Normalization),
     "bounds": Table(CoefficientBounds, forms={"gains": MapOf(BOUND)}),
-    "fixed": Table(Fixed),
+    "fixed": Table(Compensator, given=["sample_time"]),
     "theta_0": Numbers(),
     "k_w": Integer(),
     "k_update": Integer(),
@@ -144,18 +127,18 @@ DOCS = {
 }
 
 
-@attrs.frozen
-class Several:
-    """What several controllers have in common."""
-
+def _several(
     shared_u: Annotated[
         bool,
         "Of [[controllers]]: every regressor holds the sum of all outputs in place of its own; "
         "with saturation that is needed.",
-    ] = False
+    ] = False,
+) -> bool:
+    """What several controllers have in common."""
+    return shared_u
 
 
-SEVERAL = Table(Several)
+SEVERAL = Table(_several)
 CONTROLLER = Deferred(
     Table(
         ControllerSettings,
@@ -179,10 +162,10 @@ ONE_OF_SEVERAL = Deferred(
 
 @attrs.frozen(eq=False)
 class ControllerSpecification(Value):
-    """The controllers of a run."""
+    """The controllers of a run, and the target model of one alone."""
 
-    parts: tuple[Part[ControllerSettings] | Lqg, ...]
-    target: Target | None
+    parts: tuple[Part[AnyController], ...]
+    target: Part[TargetModel | DataDriven] | None
     shared_u: bool = False
 
     def build(
@@ -229,7 +212,7 @@ def read_controllers(
         errors.raise_any()
         return ControllerSpecification(read, of_target)
     shared = {key.name for key in SEVERAL.keys}
-    beside: Several = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
+    shared_u: bool = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
     base = {key: value for key, value in common.items() if key not in shared}
     parts, errors = [], Errors()
     for number, own in enumerate(several, 1):
@@ -243,4 +226,4 @@ def read_controllers(
             part.arguments["target"] = TARGET.table.read(joined_target, there.at("target").inside())
             parts.append(part)
     errors.raise_any()
-    return ControllerSpecification(tuple(parts), None, beside.shared_u)
+    return ControllerSpecification(tuple(parts), None, shared_u)

@@ -13,7 +13,7 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError, PrecisionError
 from rcac_experiments.files._builder import FILE, build
 from rcac_experiments.files._documents import named, parsed, read_file
-from rcac_experiments.files._plants import ServoOfG, StandardOfG, read_plant
+from rcac_experiments.files._plants import read_plant
 from rcac_experiments.files._signals import SIGNALS
 from rcac_experiments.format._places import Place
 from rcac_experiments.format._tables import Table
@@ -284,27 +284,27 @@ def design_arguments(path: str | Path) -> DesignArguments:
     table, file = read_file(path)
     try:
         FILE.require_known(table, Place(file))
-        specification = read_plant(table.get("plant", {}), Place(file, "plant"))
-        table_of_plant = specification.first
-        problem, period = table_of_plant.problem, table_of_plant.sample_time
-        plant: Any = specification.build()
-        if specification.changes is None and isinstance(problem, StandardOfG | ServoOfG):
-            plant = plant if isinstance(problem.G, list) else problem.G
-        signals = SIGNALS.read(table.get("signals", {}), Place(file, "signals"))
+        asked = read_plant(table.get("plant", {}), Place(file, "plant"))
+        first = asked.arguments.get("first", asked)
+        G, period = first.arguments.get("G"), first.arguments["sample_time"]
+        plant: Any = asked.build()
+        if first is asked and not (G is None or isinstance(G, list)):
+            plant = G
+        signals = SIGNALS.read(table.get("signals", {}), Place(file, "signals")).arguments
         limits = None
         if "saturation" in table:
             limits = Table(Saturation).read(table["saturation"], Place(file, "saturation"))
     except CompensatorError as error:
         raise named(error, file) from None
-    for name, given in (("r", signals.r), ("d", signals.d), ("v", signals.v)):
-        own = list(given or [])
+    for name in "rdv":
+        own = list(signals.get(name, []))
         if any(not equal(one, own[0]) for one in own[1:]):
             raise InputError(
                 f"{file}: the components of [signals] {name} differ, and design gives each the "
                 "same: write one of them, the largest."
             )
-    d, v, r = (None if one is None else one[0] for one in (signals.d, signals.v, signals.r))
-    d = signals.w[0] if d is None and signals.w else d
+    d, v, r, w = (one[0] if (one := signals.get(name)) else None for name in "dvrw")
+    d = w if d is None else d
     if v is not None and not isinstance(v, WhiteNoise):
         raise InputError(
             f"{file}: [signals] v is {v.description}, and design takes the sensor noise as white: "

@@ -20,18 +20,10 @@ from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.experiments._figure_requests import FigureRequest
 from rcac_experiments.experiments._true_systems import TrueSystem
 from rcac_experiments.files._documents import Heading
-from rcac_experiments.format._parts import Shorthand, resolved
 from rcac_experiments.format._places import Errors, Place, brief
+from rcac_experiments.format._signatures import Composed
 from rcac_experiments.format._tables import Deferred, Kinds, Raw, Table
-from rcac_experiments.format._values import (
-    Choice,
-    Form,
-    Integer,
-    ListOf,
-    Numbers,
-    Real,
-    Text,
-)
+from rcac_experiments.format._values import Choice, Integer, ListOf, Text
 from rcac_experiments.judging._claim import Claim, OpenItem
 from rcac_experiments.judging._reading import (
     OpenItems,
@@ -48,49 +40,34 @@ from rcac_numeric.arrays._values import Value
 SEEDS = "The first seed, and how many there are from it on."
 
 
-@attrs.frozen(eq=False, slots=False, kw_only=True)
-class Trial(TrueSystem):
-    """The true system x(k+1) = A(k) x + D_1(k) w, y = C x + v, and how often it is recorded."""
-
-    steps: Annotated[int, Integer(1), "Length of a record."]
-    seed: Annotated[int, SEEDS] = 0
-    seeds: Annotated[int, Integer(1), SEEDS] = 1
-
-
-MATRICES: dict[str, Form] = dict.fromkeys(
-    ("A", "D_1", "C", "A_then", "D_1_then", "A_p", "D_p", "B", "E_1", "C_r", "x_0", "Q", "R",
-     "P_0"),
-    Numbers(),
-)  # fmt: skip
 STEPS = {"delays": ListOf(Integer(1), 1), "window": Integer(1, 100_000), "d": Integer(1)}
+ESTIMATORS: Kinds[Estimation] = Kinds(
+    {
+        "ekf": Table(ExtendedFilter),
+        "ukf": Table(UnscentedFilter),
+        "rcmr": Table(refined, forms=STEPS),
+        "indirect": Table(controlled, forms=STEPS),
+    }
+)
 
 
-KINDS: dict[str, Table[Any]] = {
-    "ekf": Table(ExtendedFilter),
-    "ukf": Table(UnscentedFilter),
-    "rcmr": Table(refined, forms={**MATRICES, **STEPS, "k_update": Integer()}),
-    "indirect": Table(
-        controlled,
-        forms={**MATRICES, **STEPS, "k_update": Integer(), "V_1": Real(), "V_2": Real()},
-    ),
-}
-ESTIMATORS: Kinds[Any] = Kinds(KINDS)
+def _trial(
+    system: TrueSystem,
+    steps: Annotated[int, Integer(1), "Length of a record."],
+    seed: Annotated[int, SEEDS] = 0,
+    seeds: Annotated[int, Integer(1), SEEDS] = 1,
+) -> dict[str, Any]:
+    """The true system x(k+1) = A(k) x + D_1(k) w, y = C x + v, and how often it is recorded."""
+    return {"system": system, "steps": steps, "seed": seed, "seeds": seeds}
 
 
-@attrs.frozen(eq=False)
-class Estimator(Shorthand):
+def _estimator(kind: Annotated[Any, ESTIMATORS, "Which estimator."]) -> Any:
     """An estimator of the parameter."""
-
-    kind: Annotated[Any, ESTIMATORS, "Which estimator."]
-
-    def made(self) -> Estimation:
-        """The estimator."""
-        estimation: Estimation = resolved(self.kind, None)
-        return estimation
+    return kind
 
 
-TRIAL = Deferred(Table(Trial))
-ESTIMATOR = Deferred(Table(Estimator))
+TRIAL = Deferred(Table(Composed(_trial, system=TrueSystem)))
+ESTIMATOR = Deferred(Table(_estimator))
 
 
 WINDOW = {"start": Integer(), "stop": Integer(1)}
@@ -231,16 +208,14 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
 
 def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
     notes, errors = (f"run {name!r}",), Errors()
-    trial: Trial | None = None
-    estimator: Estimation | None = None
+    read: dict[str, Any] = {}
     with errors:
-        trial = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
+        read |= TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
     with errors:
-        estimator = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
+        here = Place(file, "estimator", notes=notes)
+        read["estimator"] = ESTIMATOR.table.read(raw["estimator"], here)
     errors.raise_any()
-    assert trial is not None
-    assert estimator is not None
-    return EstimationStudy(name, trial, estimator, trial.steps, trial.seed, trial.seeds, correction)
+    return EstimationStudy(name=name, correction=correction, **read)
 
 
 def _require_budget(studies: Mapping[str, EstimationStudy], budget: Budget) -> None:

@@ -15,7 +15,7 @@ from rcac_experiments.files._estimation import ESTIMATOR, RUN, TRIAL
 from rcac_experiments.files._plants import CHANGE, PLANT, PROBLEMS
 from rcac_experiments.files._runs import COURSE, OPEN_VALUE, OVERRIDE, SATURATION
 from rcac_experiments.files._signals import SIGNAL, SIGNALS
-from rcac_experiments.files._structures import Derived
+from rcac_experiments.files._structures import DERIVED
 from rcac_experiments.files._targets import TARGETS
 from rcac_experiments.files._updates import UPDATES
 from rcac_experiments.format._tables import ByKey, Key, Kinds, Table
@@ -141,7 +141,7 @@ def reference_tables() -> dict[str, str]:
         "signals": keys_table(SIGNALS),
         "a signal": by_key_table(SIGNAL),
         "controller": keys_table(CONTROLLER.table),
-        "controller.derived": keys_table(Table(Derived)),
+        "controller.derived": keys_table(DERIVED),
         "saturation": keys_table(SATURATION.table),
         "run": keys_table(COURSE.table),
         "runs": keys_table(OVERRIDE),

@@ -9,35 +9,39 @@ import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.experiments._budgets import Budget
-from rcac_experiments.experiments._experiment import Course, RunSpecification
+from rcac_experiments.experiments._experiment import RunSpecification
 from rcac_experiments.files._controllers import (
     CONTROLLER,
     ONE_OF_SEVERAL,
     ControllerSpecification,
-    Lqg,
     read_controllers,
 )
-from rcac_experiments.files._plants import PLANT, PlantSpecification, read_plant
-from rcac_experiments.files._signals import SIGNALS, Signals
+from rcac_experiments.files._plants import PLANT, read_plant
+from rcac_experiments.files._signals import SIGNALS
 from rcac_experiments.files._targets import TARGET
 from rcac_experiments.files._updates import UPDATES
 from rcac_experiments.format._parts import Part
 from rcac_experiments.format._places import Errors, Place
 from rcac_experiments.format._tables import Deferred, Raw, Table
 from rcac_experiments.format._values import ListOf
-from rcac_numeric.arrays._values import Value, field_names
+from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
-from rcac_numeric.controllers._structure import Structure
-from rcac_numeric.controllers._update import Update
 from rcac_numeric.engine._compatibility import AnyController, controllers_of, require_fit
 from rcac_numeric.engine._run import require_supported
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import PlantSchedule
+from rcac_numeric.signals._signal import Signal
 from rcac_numeric.targets._model import TargetModel
 
-COURSE = Deferred(Table(Course))
+COURSE = Deferred(
+    Table(
+        RunSpecification,
+        given=["name", "plant", "settings", "signals", "saturation", "target", "correction"],
+        is_later=True,
+    )
+)
 SATURATION = Deferred(Table(Saturation))
 # What a run may override, and how.
 TABLES: dict[str, Deferred] = {
@@ -86,31 +90,33 @@ class RunTables(Value):
     """One run as its file describes it, every value read and nothing made."""
 
     name: str
-    plant: PlantSpecification
-    signals: Signals
+    plant: Part[Plant | PlantSchedule]
+    signals: Part[tuple[Signal, ...]]
     controller: ControllerSpecification
     saturation: Saturation | None
-    course: Course
+    course: Part[RunSpecification]
     correction: str = ""
 
     def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
         """About how many multiplications it takes; raises where it takes too much memory."""
-        course, parts = self.course, self.controller.parts
-        structures = [s for part in parts if (s := _structure(part, plant))]
+        of_run = self.course.argument
+        repetitions = of_run("repetitions") * of_run("seeds")
+        asked = [part.arguments for part in self.controller.parts]
+        structures = [one["structure"].of(plant) for one in asked if "structure" in one]
         budget.require_memory(
             self.name,
             plant,
             structures,
-            steps=course.steps,
-            stride=course.stride,
-            repetitions=course.repetitions * course.seeds,
-            window=max(map(_window, parts), default=0),
+            steps=of_run("steps"),
+            stride=of_run("stride"),
+            repetitions=repetitions,
+            window=max((int(getattr(one.get("update"), "window", 0)) for one in asked), default=0),
         )
         return budget.operations_of(
             structures,
-            steps=course.steps,
-            repetitions=course.repetitions * course.seeds,
-            reference=course.arithmetic == "reference",
+            steps=of_run("steps"),
+            repetitions=repetitions,
+            reference=of_run("arithmetic") == "reference",
         )
 
     def build(
@@ -119,12 +125,10 @@ class RunTables(Value):
         built: tuple[AnyController, TargetModel | None] | None = None,
     ) -> RunSpecification:
         """The run, its plant being made already, and perhaps what its controller builds for it."""
-        course = {name: getattr(self.course, name) for name in field_names(Course)}
         controller, target = built or self.controller.build(plant)
-        made = RunSpecification(
-            **course,
+        made = self.course.of(
+            plant,
             name=self.name,
-            plant=plant,
             settings=controller,
             signals=self.signals.of(plant),
             saturation=self.saturation,
@@ -215,17 +219,17 @@ def read_run(
     with errors:
         if "run" in joined:
             read["course"] = COURSE.table.read(joined["run"], place("run"))
-    course: Course | None = read.get("course")
+    course: Part[RunSpecification] | None = read.get("course")
+    arithmetic = None if course is None else course.argument("arithmetic")
     with errors:
         if "controller" not in known and not {"controller", "target", "controllers"} & set(wrong):
             common = joined["controller"]
-            if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
-                common = {"update": course.arithmetic, **common}
+            if arithmetic in UPDATES.kinds:  # it says the update too
+                common = {"update": arithmetic, **common}
             several = override.get("controllers", base.get("controllers", []))
             controller = read_controllers(common, joined["target"], several, place)
-            if course is not None:
-                for part in controller.parts:
-                    _require_agreement(part, course.arithmetic, place("controller"))
+            for part in controller.parts:
+                _require_agreement(part, arithmetic, place("controller"))
             read["controller"] = controller
     errors.raise_any()
     if wrong:
@@ -233,29 +237,15 @@ def read_run(
     return RunTables(name=name, correction=str(override.get("correction", "")), **read)
 
 
-def _require_agreement(part: Part[Any] | Lqg, arithmetic: str | None, place: Place) -> None:
+def _require_agreement(part: Part[Any], arithmetic: str | None, place: Place) -> None:
     """[run] and the controller must agree on how the update is computed."""
-    update = _update(part)
+    update = part.arguments.get("update")
     wanted = {"reference": "ud"}.get(arithmetic or "", arithmetic)
     if update is not None and arithmetic is not None and update.name != wanted:
         raise InputError(
             f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update.name!r} "
             "contradict each other; arithmetic is how the recursive update is computed."
         )
-
-
-def _update(part: Part[Any] | Lqg) -> Update | None:
-    """The update of a controller that adapts."""
-    return part.arguments["update"] if isinstance(part, Part) else None
-
-
-def _structure(part: Part[Any] | Lqg, plant: Plant | PlantSchedule) -> Structure | None:
-    """The structure of a controller that adapts."""
-    return part.arguments["structure"].of(plant) if isinstance(part, Part) else None
-
-
-def _window(part: Part[Any] | Lqg) -> int:
-    return int(getattr(_update(part), "window", 0))
 
 
 def words_of(table: Mapping[str, Any]) -> str:

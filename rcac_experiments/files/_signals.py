@@ -5,10 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import attrs
-
 from compensator_theory.errors import InputError
-from rcac_experiments.format._parts import Shorthand
 from rcac_experiments.format._places import Place, brief
 from rcac_experiments.format._tables import ByKey, Table
 from rcac_experiments.format._values import Form, Integer, ListOf, Numbers, Row, Schema, Text
@@ -67,29 +64,25 @@ class _OneOrSeveral(Form):
         return {"anyOf": [SIGNAL.schema(), ListOf(SIGNAL).schema()]}
 
 
-@attrs.frozen(eq=False)
-class RecordedHere(Shorthand):
-    """One value for each step; a longer run is refused."""
-
+def recorded(
     record: Annotated[
         Array | tuple[Path, str],
         _Record(),
         "The values, or a .csv or .npy file in the folder of the TOML file or below it.",
-    ]
+    ],
     column: Annotated[
         int | str | None,
         _Column(),
         "Index from 0, or name, of a column of that file; the first where it is left out.",
-    ] = None
-
-    def made(self) -> Signal:
-        """The record."""
-        if isinstance(self.record, tuple):
-            path, name = self.record
-            return Recorded(read_recording(path, 0 if self.column is None else self.column), name)
-        if self.column is not None:
-            raise InputError("[signals]: column is for a file; recorded is a list here.")
-        return Recorded(self.record)
+    ] = None,
+) -> Signal:
+    """One value for each step; a longer run is refused."""
+    if isinstance(record, tuple):
+        path, name = record
+        return Recorded(read_recording(path, 0 if column is None else column), name)
+    if column is not None:
+        raise InputError("[signals]: column is for a file; recorded is a list here.")
+    return Recorded(record)
 
 
 def _within(folder: Path, record: str) -> Path:
@@ -126,37 +119,36 @@ SIGNAL.register(
 )
 SIGNAL.register("filtered", FilteredCommand, forms={"signal": SIGNAL})
 SIGNAL.register("sum", SignalSum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
-SIGNAL.register("recorded", RecordedHere)
-OF_SERVO = "Of the servo problem: command, disturbance, sensor noise."
+SIGNAL.register("recorded", recorded)
+Components = list[Signal] | None
+OfServo = Annotated[
+    Components, _OneOrSeveral(), "Of the servo problem: command, disturbance, sensor noise."
+]
 
 
-@attrs.frozen(eq=False)
-class Signals:
-    """The signals of each block of the exogenous input."""
-
-    w: Annotated[list[Signal] | None, _OneOrSeveral(), "Of the standard problem."] = None
-    r: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
-    d: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
-    v: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
-
-    def of(self, plant: Plant | PlantSchedule) -> tuple[Signal, ...]:
-        """One signal for each channel of w; a block that the file does not name is zero."""
-        given = {name: parts for name in "wrdv" if (parts := getattr(self, name)) is not None}
-        for name in given:
-            if name not in plant.blocks:
-                raise InputError(
-                    f"[signals] sets {name!r}; this plant's exogenous input has "
-                    f"{', '.join(plant.blocks)}."
-                )
-        channels: list[Signal] = []
-        for name, width in plant.blocks.items():
-            parts = given.get(name, [Step(0.0)] * width)
-            if len(parts) != width:
-                raise InputError(
-                    f"[signals] {name} has {len(parts)} components; {width} are needed."
-                )
-            channels += parts
-        return tuple(channels)
+def channels(
+    plant: Plant | PlantSchedule,
+    w: Annotated[Components, _OneOrSeveral(), "Of the standard problem."] = None,
+    r: OfServo = None,
+    d: OfServo = None,
+    v: OfServo = None,
+) -> tuple[Signal, ...]:
+    """The signals of each block of the exogenous input, zero where the file does not name one."""
+    given = {"w": w, "r": r, "d": d, "v": v}
+    for name, parts in given.items():
+        if parts is not None and name not in plant.blocks:
+            raise InputError(
+                f"[signals] sets {name!r}; this plant's exogenous input has "
+                f"{', '.join(plant.blocks)}."
+            )
+    found: list[Signal] = []
+    for name, width in plant.blocks.items():
+        parts = given.get(name)
+        parts = [Step(0.0)] * width if parts is None else parts
+        if len(parts) != width:
+            raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
+        found += parts
+    return tuple(found)
 
 
-SIGNALS = Table(Signals)
+SIGNALS = Table(channels, given=["plant"])

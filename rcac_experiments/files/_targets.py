@@ -1,15 +1,13 @@
-"""The target models of an experiment file."""
+"""The target models of an experiment file: the functions of `rcac_numeric.targets`."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
-import attrs
-
 from compensator_theory.errors import InputError
-from rcac_experiments.format._parts import Unresolved
 from rcac_experiments.format._places import Place
+from rcac_experiments.format._signatures import Composed
 from rcac_experiments.format._tables import Deferred, Kind, Kinds, Table, Variant
 from rcac_experiments.format._values import (
     Choice,
@@ -20,7 +18,6 @@ from rcac_experiments.format._values import (
     OneOrMore,
     Row,
 )
-from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 from rcac_numeric.targets._data_driven import INPUTS, LITERAL, DataDriven
@@ -38,243 +35,75 @@ from rcac_numeric.targets._zero_directions import (
 
 # Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
 LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
+# What a file says otherwise than the library of the parameters of these names.
+NAMES = {"source": "markov_parameters", "filter": "G_f"}
+FORMS = {
+    "poles": Exact(),
+    "source": Numbers(),
+    "zeros": ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]")),
+    "delays": OneOrMore(Integer(at_most=10_000)),
+    "taps": Integer(at_most=LARGEST_TAPS),
+    "denominator": Numbers(LARGEST_ORDER + 1),
+    "filter": Exact(),
+}
+DOCS = {
+    "poles": "The roots of D_p, or D_p itself.",
+    "source": "H_0, H_1, ... in place of the plant's: numbers, or l_z x l_u matrices.",
+    "n_bar": "Index of the last one that is kept; all of them where it is left out.",
+    "zeros": "NMP zeros and their left directions, eta' G_zu(z0) = 0; of a complex pair one.",
+    "delays": "Relative degree of G_zu, or of each of its rows.",
+    "taps": "Number of coefficients behind the leading one; the least that is enough where it is "
+    "left out.",
+    "squaring": "S with u = S v, for a plant with more control inputs than performance variables.",
+    "numerator": "In place of G_f: a coefficient for each power of q^{-1}.",
+    "denominator": "Likewise; the first one is the identity. 1 where it is left out.",
+    "filter": "In q, with the relative degree of G_zu and no pole outside the unit circle.",
+}
 
 
-class TargetKind(Unresolved):
-    """A target model, but for what it takes from the plant."""
-
-    def of(self, plant: Plant | PlantSchedule) -> TargetModel:
-        """The target model for this plant, for what it is at step 0."""
-        return self.made(plant_at(plant, 0))
-
-    @abstractmethod
-    def made(self, plant: Plant) -> TargetModel:
-        """The target model for a plant that does not change."""
-
-
-RELATIVE_DEGREE = (
-    "What RCAC assumes of the relative degree of G_zu; that of the plant where it is left out."
-)
-LEADING = (
-    "Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is minus"
-    " the leading coefficient of G."
-)
-NMP_ZEROS = "Of its zeros on or outside the unit circle; likewise."
+def _model(
+    make: Callable[..., TargetModel],
+    words: str = "",
+    *,
+    given: Sequence[str] = (),
+    needs: Sequence[str] = (),
+    **makers: Callable[..., Any],
+) -> Table[TargetModel]:
+    """The table of a function that makes a target model, for the plant as it is at step 0."""
+    whole = Composed(make, words, plant=_at_first, **makers)
+    return Table(whole, given=("plant", *given), needs=needs, forms=FORMS, names=NAMES, docs=DOCS)
 
 
-@attrs.frozen
-class Fir(TargetKind):
-    """The FIR target model (2.49), or (2.50) where there are NMP zeros."""
-
-    d_zu: Annotated[int | None, RELATIVE_DEGREE] = None
-    H: Annotated[Any, Exact(), LEADING] = None
-    nmp_zeros: Annotated[list[Any] | None, ListOf(Exact()), NMP_ZEROS] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """From what is said, and the plant for the rest."""
-        return fir_target(self.information(plant))
-
-    def information(self, plant: Plant) -> ModellingInformation:
-        """What the file says of G_zu; the rest is taken from the plant."""
-        zeros = None if self.nmp_zeros is None else tuple(self.nmp_zeros)
-        if self.d_zu is not None and self.H is not None:
-            return ModellingInformation(self.d_zu, self.H, zeros or ())
-        return _information(plant).changed(d_zu=self.d_zu, H=self.H, nmp_zeros=zeros)
+def _at_first(plant: Plant | PlantSchedule) -> Plant:
+    return plant_at(plant, 0)
 
 
-@attrs.frozen
-class PolePlacement(Fir):
-    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros."""
-
-    poles: Annotated[Any, Exact(), "The roots of D_p, or D_p itself."]
-    d_zu: Annotated[int | None, RELATIVE_DEGREE] = None
-    H: Annotated[Any, Exact(), LEADING] = None
-    nmp_zeros: Annotated[list[Any] | None, ListOf(Exact()), NMP_ZEROS] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """From what is said, and the plant for the rest."""
-        return pole_placement_target(self.information(plant), self.poles)
-
-
-@attrs.frozen
-class MarkovOfPlant(TargetKind):
-    """The Markov-parameter target model of section 2.4.5, a truncation of (2.51)."""
-
-    n_bar: Annotated[
-        int,
-        Integer(at_most=LARGEST_N_BAR),
-        "Index of the last Markov parameter that is kept.",
-    ]
-
-    def made(self, plant: Plant) -> TargetModel:
-        """With the plant's Markov parameters."""
-        return markov_target(plant, self.n_bar)
-
-
-@attrs.frozen(eq=False)
-class Markov(TargetKind):
-    """The target model of section 2.4.5 with Markov parameters of your own."""
-
-    markov_parameters: Annotated[
-        Array,
-        "H_0, H_1, ... in place of the plant's: numbers, or l_z x l_u matrices.",
-    ]
-    n_bar: Annotated[
+def known_of(
+    plant: Plant,
+    d_zu: Annotated[
         int | None,
-        "Index of the last one that is kept; all of them where it is left out.",
-    ] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """With the plant's relative degree."""
-        return _with_relative_degree_of(plant, markov_target(self.markov_parameters, self.n_bar))
-
-
-@attrs.frozen
-class Filter(TargetKind):
-    """Any filter."""
-
-    G_f: Annotated[
+        "What RCAC assumes of the relative degree of G_zu; that of the plant where it is left out.",
+    ] = None,
+    H: Annotated[
         Any,
         Exact(),
-        "In q, with the relative degree of G_zu and no pole outside the unit circle.",
-    ]
-
-    def made(self, plant: Plant) -> TargetModel:
-        """With the plant's relative degree."""
-        return _with_relative_degree_of(plant, target_model(self.G_f))
-
-
-@attrs.frozen(eq=False)
-class Coefficients(TargetKind):
-    """Any filter, by its coefficients."""
-
-    numerator: Annotated[Array, "In place of G_f: a coefficient for each power of q^{-1}."]
-    denominator: Annotated[
-        Array | None,
-        Numbers(LARGEST_ORDER + 1),
-        "Likewise; the first one is the identity. 1 where it is left out.",
-    ] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """With the plant's relative degree."""
-        return _with_relative_degree_of(plant, TargetModel(self.numerator, self.denominator))
+        "Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is "
+        "minus the leading coefficient of G.",
+    ] = None,
+    nmp_zeros: Annotated[
+        list[Any] | None,
+        ListOf(Exact()),
+        "Of its zeros on or outside the unit circle; likewise.",
+    ] = None,
+) -> ModellingInformation:
+    """What the file says of G_zu; the rest is taken from the plant."""
+    zeros = None if nmp_zeros is None else tuple(nmp_zeros)
+    if d_zu is not None and H is not None:
+        return ModellingInformation(d_zu, H, zeros or ())
+    return _information(plant).changed(d_zu=d_zu, H=H, nmp_zeros=zeros)
 
 
-@attrs.frozen
-class HighAuthority(TargetKind):
-    """The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z."""
-
-    def made(self, plant: Plant) -> TargetModel:
-        """From the plant."""
-        return high_authority_target_model(plant)
-
-
-@attrs.frozen
-class OutputSubspace(TargetKind):
-    """The FIR target model of section 3.3, for more performance variables than inputs."""
-
-    def made(self, plant: Plant) -> TargetModel:
-        """From the plant."""
-        return output_subspace_target(plant)
-
-
-NUMBER_OF_TAPS = (
-    "Number of coefficients behind the leading one; the least that is enough where it is left out."
-)
-
-
-@attrs.frozen(eq=False)
-class ZeroDirections(TargetKind):
-    """The FIR target model with the plant's NMP zeros in their directions."""
-
-    taps: Annotated[int | None, Integer(at_most=LARGEST_TAPS), NUMBER_OF_TAPS] = None
-    squaring: Annotated[
-        Array | None,
-        "S with u = S v, for a plant with more control inputs than performance variables.",
-    ] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """From the plant."""
-        if plant.n > LARGEST_DIRECTED:
-            raise InputError(
-                f"the plant has {plant.n} states; zero directions are found up to "
-                f'{LARGEST_DIRECTED}. Use model = "markov".'
-            )
-        return zero_direction_target(plant, self.taps, self.squaring)
-
-
-ZEROS = ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]"))
-
-
-@attrs.frozen(eq=False)
-class GivenDirections(TargetKind):
-    """The same with H, zeros and directions of your own."""
-
-    H: Annotated[Array, "The first coefficient that is not zero of every row of G_zu."]
-    zeros: Annotated[
-        list[Any],
-        ZEROS,
-        "NMP zeros and their left directions, eta' G_zu(z0) = 0; of a complex pair one.",
-    ]
-    delays: Annotated[
-        int | list[int],
-        OneOrMore(Integer(at_most=10_000)),
-        "Relative degree of G_zu, or of each of its rows.",
-    ] = 1
-    taps: Annotated[int | None, Integer(at_most=LARGEST_TAPS), NUMBER_OF_TAPS] = None
-
-    def made(self, plant: Plant) -> TargetModel:
-        """Whatever the plant is."""
-        information = DirectionInformation(self.H, self.zeros, self.delays)
-        return zero_direction_target(information, self.taps)
-
-
-class _LearntFrom(Choice):
-    """The inputs of `DataDriven`; the literal u~ is passed on to it, which says why it is none."""
-
-    def read(self, value: object, place: Place) -> str:
-        """As a str."""
-        return str(value) if value in LITERAL else super().read(value, place)
-
-
-TARGETS: Kinds[TargetKind | DataDriven] = Kinds(
-    {
-        "fir": Fir,
-        "pole placement": PolePlacement,
-        "markov": Kind(Variant(Markov, "markov_parameters"), Variant(MarkovOfPlant)),
-        "high authority": HighAuthority,
-        "output subspace": OutputSubspace,
-        "data driven": Table(DataDriven, forms={"input": _LearntFrom(INPUTS)}),
-        "zero directions": Kind(Variant(GivenDirections, "zeros"), Variant(ZeroDirections)),
-        "filter": Kind(Variant(Coefficients, "numerator"), Variant(Filter)),
-    }
-)
-
-
-@attrs.frozen(eq=False)
-class Target(Unresolved):
-    """The target model G_f."""
-
-    model: Annotated[TargetKind | DataDriven, TARGETS, "Which target model."]
-
-    def of(self, plant: Plant | PlantSchedule) -> TargetModel | DataDriven:
-        """The target model for this plant, or how it is learnt."""
-        return self.model if isinstance(self.model, DataDriven) else self.model.of(plant)
-
-
-TARGET = Deferred(Table(Target), is_replaced=True)
-
-
-def _information(plant: Plant) -> ModellingInformation:
-    if plant.n > LARGEST_PLANT:
-        raise InputError(
-            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
-            f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
-        )
-    return modelling_information(plant)
-
-
-def _with_relative_degree_of(plant: Plant, target: TargetModel) -> TargetModel:
+def fitting(plant: Plant, target: TargetModel) -> TargetModel:
     """The target itself, if its relative degree is that of a scalar G_zu."""
     if (plant.l_z, plant.l_u) != (1, 1):
         return target
@@ -285,3 +114,101 @@ def _with_relative_degree_of(plant: Plant, target: TargetModel) -> TargetModel:
             "(4.18). Multiply G_f by a power of q."
         )
     return target
+
+
+def markov_of_plant(
+    plant: Plant, n_bar: Annotated[int, Integer(at_most=LARGEST_N_BAR)]
+) -> TargetModel:
+    """The Markov-parameter target model of section 2.4.5, a truncation of (2.51)."""
+    return markov_target(plant, n_bar)
+
+
+def with_directions(plant: Plant) -> Plant:
+    """The plant, if its zeros and their directions can be found."""
+    if plant.n > LARGEST_DIRECTED:
+        raise InputError(
+            f"the plant has {plant.n} states; zero directions are found up to "
+            f'{LARGEST_DIRECTED}. Use model = "markov".'
+        )
+    return plant
+
+
+class _LearntFrom(Choice):
+    """The inputs of `DataDriven`; the literal u~ is passed on to it, which says why it is none."""
+
+    def read(self, value: object, place: Place) -> str:
+        """As a str."""
+        return str(value) if value in LITERAL else super().read(value, place)
+
+
+TARGETS: Kinds[Any] = Kinds(
+    {
+        "fir": _model(fir_target, information=known_of),
+        "pole placement": _model(pole_placement_target, information=known_of),
+        "markov": Kind(
+            Variant(
+                _model(
+                    fitting,
+                    "The target model of section 2.4.5 with Markov parameters of your own.",
+                    target=markov_target,
+                ),
+                "markov_parameters",
+            ),
+            Variant(_model(markov_of_plant)),
+        ),
+        "high authority": _model(
+            high_authority_target_model,
+            "The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z.",
+        ),
+        "output subspace": _model(
+            output_subspace_target,
+            "The FIR target model of section 3.3, for more performance variables than inputs.",
+        ),
+        "data driven": Table(DataDriven, forms={"input": _LearntFrom(INPUTS)}),
+        "zero directions": Kind(
+            Variant(
+                _model(
+                    zero_direction_target,
+                    "The same with H, zeros and directions of your own.",
+                    given=["squaring"],
+                    needs=["zeros"],
+                    source=DirectionInformation,
+                ),
+                "zeros",
+            ),
+            Variant(
+                _model(
+                    zero_direction_target,
+                    "The FIR target model with the plant's NMP zeros in their directions.",
+                    source=with_directions,
+                )
+            ),
+        ),
+        "filter": Kind(
+            Variant(
+                _model(
+                    fitting, "Any filter, by its coefficients.", given=["exact"], target=TargetModel
+                ),
+                "numerator",
+            ),
+            Variant(_model(fitting, "Any filter.", target=target_model)),
+        ),
+    }
+)
+
+
+def _target(model: Annotated[Any, TARGETS, "Which target model."]) -> Any:
+    """The target model G_f."""
+    return model
+
+
+TARGET = Deferred(Table(_target, is_later=True), is_replaced=True)
+
+
+def _information(plant: Plant) -> ModellingInformation:
+    if plant.n > LARGEST_PLANT:
+        raise InputError(
+            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
+            f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
+        )
+    return modelling_information(plant)

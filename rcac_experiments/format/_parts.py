@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
@@ -11,14 +12,6 @@ import attrs
 from rcac_numeric.arrays._values import Value
 
 T = TypeVar("T")
-
-
-class Unresolved(ABC):
-    """A specification that says all but the plant; `of` makes what is asked for."""
-
-    @abstractmethod
-    def of(self, plant: Any) -> Any:
-        """What it is for this plant."""
 
 
 class Shorthand(ABC):
@@ -31,7 +24,7 @@ class Shorthand(ABC):
 
 def resolved(value: Any, plant: Any) -> Any:
     """A value with every specification in it resolved for a plant."""
-    if isinstance(value, Unresolved):
+    if isinstance(value, Part):
         return value.of(plant)
     if isinstance(value, list | tuple):
         return type(value)(resolved(entry, plant) for entry in value)
@@ -41,12 +34,24 @@ def resolved(value: Any, plant: Any) -> Any:
 
 
 @attrs.frozen(eq=False)
-class Part(Value, Unresolved, Generic[T]):
+class Part(Value, Generic[T]):
     """A function or class, and the arguments that a table has for it, read and typed."""
 
     make: Callable[..., T]
     arguments: dict[str, Any]
 
+    def argument(self, name: str) -> Any:
+        """An argument, or what it is where the table does not say it."""
+        if name in self.arguments:
+            return self.arguments[name]
+        return inspect.signature(self.make).parameters[name].default
+
     def of(self, plant: Any, **others: Any) -> T:
-        """Make it; `others` are arguments that do not stand in the file."""
+        """Make it, for this plant; `others` are arguments that do not stand in the file."""
+        if "plant" in inspect.signature(self.make).parameters:
+            others = {"plant": plant, **others}
         return self.make(**resolved(self.arguments, plant), **others)
+
+    def build(self) -> T:
+        """Make what hangs on no plant, such as a plant itself."""
+        return self.of(None)

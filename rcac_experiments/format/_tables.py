@@ -1,37 +1,34 @@
-"""Tables of a file, each a class of typed fields: one reader, one schema, one list of keys.
+"""Tables of a file, each made by a class or a function: one reader, one schema, one list of keys.
 
-A table is read from the fields of an attrs class. The annotation says which form a value has
-(`Literal` for a choice of words, a form in `Annotated` where a type alone does not say it) and what
-it means: a text in `Annotated`, or else the section Parameters of a public class's docstring. The
-default says whether the key may be left out. Functions that a file names, such as the measures of
-claims, are read in the same way from their signatures, as a `Part` that is called later.
+A table is read from the fields of an attrs class or the signature of a function, of the library as
+they are. The annotation says which form a value has (`Literal` for a choice of words, a form in
+`Annotated` where a type alone does not say it) and what it means: a text in `Annotated`, or else
+the section Parameters of the docstring. The default says whether the key may be left out. What a
+function asks for beside what stands in the file, such as the plant, it is given later: till then
+it is a `Part`. Where the file says an argument by keys of its own, the function is `Composed`.
 """
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import NoneType, UnionType
-from typing import (
-    Annotated,
-    Any,
-    Generic,
-    Literal,
-    TypeVar,
-    Union,
-    get_args,
-    get_origin,
-    get_type_hints,
-)  # fmt: skip
+from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, get_origin
 
 import attrs
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.format._parts import Part, Shorthand
 from rcac_experiments.format._places import Errors, Place, brief, did_you_mean
+from rcac_experiments.format._signatures import (
+    is_attrs_class,
+    parameters_of,
+    summary_of,
+    words_of,
+)
 from rcac_experiments.format._values import (
     ByStep,
     Choice,
@@ -53,6 +50,7 @@ Raw = Mapping[str, Any]
 FORMS: dict[Any, Form] = {
     int: Integer(), float: Real(), str: Text(), bool: Flag(), np.ndarray: Numbers(),
 }  # fmt: skip
+OF_ARRAYS = set(get_args(ArrayLike))
 
 
 @dataclass(frozen=True)
@@ -83,49 +81,26 @@ def keys_of(
     >>> [(key.name, key.form.words, key.default, key.doc) for key in keys_of(Pid)]
     [('terms', 'one of P, PI', 'PI', 'Which terms.')]
     """
-    described = parameters_in(make.__doc__ or "")
-    is_plain_class = isinstance(make, type) and not attrs.has(make)
-    hints = get_type_hints(make.__init__ if is_plain_class else make, include_extras=True)
     keys = []
-    for name, default in _defaults_of(make):
-        if name in given:
+    for one in parameters_of(make):
+        if one.name in given:
             continue
         try:
-            form = (forms or {}).get(name) or form_of(hints[name])
+            form = (forms or {}).get(one.name) or form_of(one.annotation)
         except TypeError as error:
-            raise TypeError(f"{make.__qualname__}: {error} for {name}") from None
-        is_required = default is attrs.NOTHING
+            raise TypeError(f"{make.__name__}: {error} for {one.name}") from None
+        is_required = one.default is one.empty
         keys.append(
             Key(
-                name=name.rstrip("_"),
-                parameter=name,
+                name=one.name.rstrip("_"),
+                parameter=one.name,
                 form=form,
                 is_required=is_required,
-                default=None if is_required else default,
-                doc=_words_of(hints[name]) or described.get(name, ""),
+                default=None if is_required else one.default,
+                doc=words_of(one.annotation),
             )
         )
     return tuple(keys)
-
-
-def _defaults_of(make: Any) -> Iterator[tuple[str, Any]]:
-    """Every field or parameter with its default, attrs.NOTHING where it has none."""
-    if _is_class(make):
-        for one in attrs.fields(make):
-            if one.init:
-                is_made = isinstance(one.default, attrs.Factory)  # type: ignore[arg-type]
-                yield one.name, one.default.factory() if is_made else one.default
-        return
-    for name, parameter in inspect.signature(make).parameters.items():
-        if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
-            is_needed = parameter.default is parameter.empty
-            yield name, attrs.NOTHING if is_needed else parameter.default
-
-
-def _words_of(hint: Any) -> str:
-    """The text in an annotation such as Annotated[int, "Order, at least 1."]."""
-    parts = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    return next((part for part in parts if isinstance(part, str)), "")
 
 
 def form_of(hint: Any) -> Form:
@@ -138,7 +113,7 @@ def form_of(hint: Any) -> Form:
         kinds = [one for one in inner if one is not NoneType]
         tables = [one for one in kinds if attrs.has(one)]
         others = [one for one in kinds if one not in tables]
-        if any(get_origin(one) is np.ndarray for one in others):
+        if any(get_origin(one) is np.ndarray for one in others) or set(inner) >= OF_ARRAYS:
             others = [np.ndarray]  # a number stands for an array where both may be
         if len(tables) + len(others) == 1:
             return form_of((*tables, *others)[0])
@@ -157,69 +132,24 @@ def form_of(hint: Any) -> Form:
     raise TypeError(f"no form is known of {hint}")
 
 
-def summary_of(make: Callable[..., Any]) -> str:
-    """The first sentence of a docstring.
-
-    Examples
-    --------
-    >>> from rcac_numeric import fir
-    >>> from rcac_experiments.format._tables import summary_of
-    >>> summary_of(fir)
-    'The FIR structure (2.34)-(2.35): every pole of the controller is at zero.'
-    """
-    return " ".join(inspect.cleandoc(make.__doc__ or "").split("\n\n")[0].split())
-
-
-def parameters_in(doc: str) -> dict[str, str]:
-    """What is said under Parameters or Attributes of a numpydoc docstring.
-
-    Examples
-    --------
-    >>> from rcac_experiments.format._tables import parameters_in
-    >>> parameters_in('''Do it.
-    ...
-    ... Parameters
-    ... ----------
-    ... a, b : int
-    ...     Two
-    ...     numbers.
-    ... ''')
-    {'a': 'Two numbers.', 'b': 'Two numbers.'}
-    """
-    said: dict[str, str] = {}
-    names: list[str] = []
-    is_inside = False
-    lines = inspect.cleandoc(doc).splitlines()
-    for line, following in zip(lines, [*lines[1:], ""], strict=False):
-        if following.startswith("---"):
-            is_inside, names = line in ("Parameters", "Attributes"), []
-        elif not is_inside or line.startswith("---") or not line.strip():
-            continue
-        elif line.startswith(" "):
-            for name in names:
-                said[name] = f"{said[name]} {line.strip()}".strip()
-        else:
-            names = [name.strip() for name in line.partition(" : ")[0].split(",")]
-            for name in names:  # a name may be described in two entries
-                said.setdefault(name, "")
-    return said
-
-
 class Table(Form, Generic[T]):
     """A table whose keys are the fields of an attrs class, or the parameters of a function.
 
     Parameters
     ----------
     make : class or callable
-        What is made of it. Of a function a `Part`, to be called later.
+        What is made of it.
     given : sequence of str
-        Fields or parameters that do not stand in the file. Those of a class keep their defaults.
+        Fields or parameters that do not stand in the file. Those of a class keep their defaults; of
+        a function that has any a `Part` is made, to be called with them.
+    needs : sequence of str
+        Parameters that must be there though they have a default.
     forms, names, docs : mappings from fields
         Forms, names of keys and descriptions that belong to this table alone.
     elsewhere : pair of Table and str, optional
         Keys that may stand here too, and who alone reads them.
     is_later : bool
-        Whether a class, too, is a `Part`, since some of its fields do not stand in the file.
+        Whether it is a `Part` in any case: some of what it is made of is known later.
 
     Notes
     -----
@@ -232,6 +162,7 @@ class Table(Form, Generic[T]):
         make: Callable[..., T],
         *,
         given: Sequence[str] = (),
+        needs: Sequence[str] = (),
         forms: Mapping[str, Form] | None = None,
         names: Mapping[str, str] | None = None,
         docs: Mapping[str, str] | None = None,
@@ -239,13 +170,14 @@ class Table(Form, Generic[T]):
         is_later: bool = False,
     ) -> None:
         self.make, self.given, self.elsewhere = make, tuple(given), elsewhere
-        self.is_later = is_later or not self.is_class
+        self._needs = needs
+        self.is_later = is_later or (bool(given) and not self.is_class)
         self._forms, self._names, self._docs = forms or {}, names or {}, docs or {}
 
     @property
     def is_class(self) -> bool:
         """Whether the keys are the fields of a class."""
-        return _is_class(self.make)
+        return is_attrs_class(self.make)
 
     @cached_property
     def keys(self) -> tuple[Key, ...]:
@@ -256,6 +188,7 @@ class Table(Form, Generic[T]):
                 key,
                 name=names.get(key.parameter, key.name),
                 doc=docs.get(key.parameter, key.doc),
+                is_required=key.is_required or key.parameter in self._needs,
             )
             for key in keys_of(self.make, self._forms, self.given)
         )
@@ -458,15 +391,6 @@ class Kinds(Form, Generic[T]):
         """Whether some kind reads this key."""
         return any(name in table.all_keys() for table in self.tables())
 
-    def name_of(self, made: object) -> str:
-        """The name of the kind that something was read as."""
-        return next(
-            name
-            for name, kind in self.kinds.items()
-            for variant in kind.variants
-            if type(made) is variant.table.make
-        )
-
     def choose(self, selector: str, table: Raw, here: Place) -> Kind[T]:
         """The kind that a table names."""
         name = table.get(selector, self.default)
@@ -634,7 +558,3 @@ def _require_form(forms: Iterable[Form], value: object, place: Place) -> None:
             return
     if refusal is not None:
         raise refusal
-
-
-def _is_class(make: Any) -> bool:
-    return isinstance(make, type) and attrs.has(make)

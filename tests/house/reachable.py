@@ -12,6 +12,7 @@ from rcac_experiments.files._builder import FILE
 from rcac_experiments.files._estimation import ESTIMATION_FILE
 from rcac_experiments.files._exact import EXACT_FILE
 from rcac_experiments.files._runs import TABLES
+from rcac_experiments.format._signatures import Composed
 from rcac_experiments.format._tables import ByKey, Kinds, Table
 from rcac_experiments.format._values import Form
 from rcac_experiments.judging._measures import MEASURES
@@ -42,6 +43,13 @@ def named(function) -> str:
     return f"{function.__module__}.{function.__qualname__}"
 
 
+def makers_of(make) -> list[object]:
+    """The function itself; of one that is composed, every function that it calls."""
+    if not isinstance(make, Composed):
+        return [make]
+    return [make.make, *(one for part in make.parts.values() for one in makers_of(part))]
+
+
 def of_form(form, name: str, seen: set[int]) -> Iterator[tuple[str, object]]:
     """What a form and those inside it make of a text, each under the key that names it."""
     if isinstance(form, list | tuple):
@@ -53,7 +61,7 @@ def of_form(form, name: str, seen: set[int]) -> Iterator[tuple[str, object]]:
     elif isinstance(form, Form) and id(form) not in seen:
         seen.add(id(form))
         if isinstance(form, Table):
-            yield name, form.make
+            yield from ((name, one) for one in makers_of(form.make))
             for key in form.keys:
                 yield from of_form(key.form, f"{name}.{key.name}" if name else key.name, seen)
         elif isinstance(form, Kinds):

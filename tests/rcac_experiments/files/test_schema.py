@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from compensator_theory import InputError
 from rcac_experiments import json_schema
 from rcac_experiments.dissertation._examples import example_ids, read_example
+from rcac_experiments.files import _plants, _structures, _targets
 from rcac_experiments.files._builder import FILE, build
 from rcac_experiments.files._claims import CHECK, CLAIM
 from rcac_experiments.files._controllers import ONE_OF_SEVERAL
@@ -60,6 +61,21 @@ def test_every_shipped_file_is_valid(table):
 def test_every_key_has_words(name):
     for key, found in DECLARED[name].all_keys().items():
         assert any(k.doc for k in found), f"{key} of [{name}] is not described"
+
+
+@pytest.mark.parametrize(
+    ("module", "kinds"),
+    [
+        (_structures, _structures.STRUCTURES),
+        (_targets, _targets.TARGETS),
+        (_plants, _plants.PROBLEMS),
+    ],
+)
+def test_what_a_file_says_otherwise_of_a_parameter_is_said_of_one_that_there_is(module, kinds):
+    """Renamed in the library, a parameter would lose the words and the bounds that files add."""
+    asked = {key.parameter for table in kinds.tables() for key in table.keys}
+    for name in ("DOCS", "FORMS", "NAMES"):
+        assert set(getattr(module, name, {})) <= asked, name
 
 
 def test_every_measure_is_a_kind_of_check():

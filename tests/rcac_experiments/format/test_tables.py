@@ -1,6 +1,7 @@
-"""What is new is one class and one line: its keys, errors, schema and words follow."""
+"""What is new is one function and one line: its keys, errors, schema and words follow."""
 
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
 import attrs
 import pytest
@@ -8,8 +9,10 @@ import pytest
 from compensator_theory import InputError
 from rcac_experiments.files._reference import kind_keys_table, kinds_table
 from rcac_experiments.files._schema import strict_schema
-from rcac_experiments.files._structures import STRUCTURES, StructureKind
+from rcac_experiments.files._structures import STRUCTURES
+from rcac_experiments.format._parts import Part
 from rcac_experiments.format._places import Place
+from rcac_experiments.format._signatures import Composed, parameters_of
 from rcac_experiments.format._tables import Kinds, Table, form_of
 from rcac_experiments.format._values import Integer, Numbers
 from rcac_numeric import Structure, Tap
@@ -18,27 +21,25 @@ from rcac_numeric.arrays._array_types import Array
 PLACE = Place("case.toml", "controller")
 
 
-@attrs.frozen
-class Spread(StructureKind):
+def spread(
+    n_c: int,
+    spacing: Annotated[int, Integer(1), "Steps from one lag to the next."] = 2,
+    memory: Annotated[Literal["long", "short"], "How much of it."] = "long",
+    plant: Any = None,
+) -> Structure:
     """Every second lag of y, or as you like."""
-
-    n_c: int
-    spacing: Annotated[int, Integer(1), "Steps from one lag to the next."] = 2
-    memory: Annotated[Literal["long", "short"], "How much of it."] = "long"
-
-    def of(self, plant):
-        taps = [Tap("y", 0, k) for k in range(1, self.n_c + 1, self.spacing)]
-        return Structure(taps, 1, 1, self.n_c)
+    taps = [Tap("y", 0, k) for k in range(1, n_c + 1, spacing)]
+    return Structure(taps, 1, 1, n_c)
 
 
-ALL = Kinds({**STRUCTURES.kinds, "spread": Spread}, default="iir")
+ALL = Kinds({**STRUCTURES.kinds, "spread": Table(spread, given=["plant"])}, default="iir")
 
 
 @attrs.frozen
 class Controller:
     """A controller."""
 
-    structure: Annotated[StructureKind, ALL]
+    structure: Annotated[Any, ALL]
 
 
 TABLE = Table(Controller)
@@ -49,7 +50,7 @@ def read(**table):
 
 
 def test_it_is_read():
-    assert read(structure="spread", n_c=5) == Spread(n_c=5), "as Python would say it"
+    assert read(structure="spread", n_c=5) == Part(spread, {"n_c": 5}), "as Python would say it"
     taps = read(structure="spread", n_c=5).of(None).taps
     assert [tap.delay for tap in taps] == [1, 3, 5]
     taps = read(structure="spread", n_c=5, spacing=4).of(None).taps
@@ -110,3 +111,61 @@ def test_a_field_that_cannot_be_read_is_noticed_where_it_is_declared():
 def test_an_array_is_numbers_whatever_numpy_makes_of_its_types():
     assert isinstance(form_of(Array), Numbers)
     assert isinstance(form_of(Array | None), Numbers)
+
+
+@dataclass
+class Spring:
+    """A spring.
+
+    Parameters
+    ----------
+    stiffness : float
+        In N/m.
+    """
+
+    stiffness: float = 1.0
+
+
+def force(extension: float, spring: Spring) -> float:
+    """The force of a spring.
+
+    Parameters
+    ----------
+    extension : float
+        In m.
+    """
+    return extension * spring.stiffness
+
+
+def length(end: Annotated[float, "Where it ends, m."], spring: Spring) -> float:
+    """How much longer than at rest it is."""
+    return end - spring.stiffness / 10
+
+
+OF_SPRING = Composed(force, "Of its end.", extension=length, spring=Spring)
+
+
+def test_what_is_composed_asks_for_what_its_makers_ask_for():
+    keys = [(key.name, key.doc, key.default) for key in Table(OF_SPRING).keys]
+    assert keys == [("end", "Where it ends, m.", None), ("stiffness", "In N/m.", 1.0)]
+    assert Table(OF_SPRING).summary == "Of its end."
+    assert Table(OF_SPRING).read({"end": 3, "stiffness": 10}, PLACE) == (3 - 1) * 10
+    assert OF_SPRING(end=3.0) == 3 - 0.1
+    assert [one.name for one in parameters_of(Composed(force))] == ["extension", "spring"]
+    for wrong in ({}, {"end": 1.0, "spring": Spring()}, {"end": 1.0, "extension": 1.0}):
+        with pytest.raises(TypeError):
+            OF_SPRING(**wrong)
+
+
+def test_what_has_a_default_may_be_needed():
+    table = Table(Spring, needs=["stiffness"])
+    with pytest.raises(InputError, match=r"needs the key 'stiffness'"):
+        table.read({}, PLACE)
+    assert table.read({"stiffness": 2}, PLACE) == Spring(2.0)
+
+
+def test_an_argument_that_does_not_stand_in_the_file_is_given_later():
+    part = Table(length, given=["spring"]).read({"end": 2}, PLACE)
+    assert part == Part(length, {"end": 2.0})
+    assert part.of(None, spring=Spring(10)) == 1
+    assert Table(Spring).read({}, PLACE) == Spring(), "and what needs none is made at once"
