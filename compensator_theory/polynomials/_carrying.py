@@ -399,7 +399,9 @@ def _plain(value: Any, unknowns: Unknowns) -> Any:
     if not _is_concerned(value, unknowns):
         return value
     if isinstance(value, str):
-        return _written(value, unknowns)
+        written = _written(value, unknowns)
+        unknowns.texts[written] = value
+        return written
     if isinstance(value, Poly) and len(value.gens) > 1:
         return value  # its reader refuses it
     if isinstance(value, Poly):

@@ -61,6 +61,8 @@ class Unknowns:
         shifted: bool = False,
     ) -> None:
         self.shifted = shifted
+        self.texts: dict[str, str] = {}
+        """Texts in unknowns, and as they were given."""
         self.inner: set[Symbol] = set()
         self._exponents: dict[Expr, Rational] = {}
         self._angles: dict[Expr, Rational] = {}
@@ -245,6 +247,8 @@ class Unknowns:
 
     def words(self, text: str, *, as_latex: bool = False) -> str:
         """Write a sentence with the functions in the place of the unknowns."""
+        for written, given in self.texts.items():
+            text = text.replace(written, given)
         if not self.functions:
             return text
         write = formula if as_latex else str

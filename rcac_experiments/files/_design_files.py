@@ -33,7 +33,7 @@ from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.signals._recordings import Recorded
-from rcac_numeric.signals._signal import Scaled, Signal, SignalSum, exogenous
+from rcac_numeric.signals._signal import Scaled, Signal, Sum, exogenous
 from rcac_numeric.signals._waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
 
 # The word of each signal in a file, and the field that stands under it; the others are keys.
@@ -230,7 +230,7 @@ def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
     """A signal as an inline table; a factor goes into what it multiplies."""
     if isinstance(signal, Scaled):
         return _signal(signal.signal, steps, factor * signal.factor)
-    if isinstance(signal, SignalSum):
+    if isinstance(signal, Sum):
         return f"{{ sum = [{', '.join(_signal(one, steps, factor) for one in signal.parts)}] }}"
     if type(signal) not in WORDS:
         # Any other signal, by its values; what is drawn is drawn as it is in the design.

@@ -15,7 +15,7 @@ from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.signals._commands import FilteredCommand
 from rcac_numeric.signals._recordings import Recorded, read_recording
 from rcac_numeric.signals._sequences import Levels, Piecewise
-from rcac_numeric.signals._signal import Signal, SignalSum
+from rcac_numeric.signals._signal import Signal, Sum
 from rcac_numeric.signals._waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
 
 
@@ -118,7 +118,7 @@ SIGNAL.register(
     },
 )
 SIGNAL.register("filtered", FilteredCommand, forms={"signal": SIGNAL})
-SIGNAL.register("sum", SignalSum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
+SIGNAL.register("sum", Sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
 SIGNAL.register("recorded", recorded)
 Components = list[Signal] | None
 OfServo = Annotated[

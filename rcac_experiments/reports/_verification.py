@@ -27,6 +27,7 @@ from rcac_numeric.reports._loop import (
     joined,
     loop_section,
     missed_poles,
+    poles_and_health,
 )
 from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
@@ -56,7 +57,8 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     if health is None:
         return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
     main = verification.main
-    said = []
+    said: list[Text] = []
+    poles: tuple[Text, ...] = ()
     if main.diverged:
         words = ", as it is known to" if main.as_expected else ""
         last = main.first.run.steps - 1
@@ -68,9 +70,9 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
             )
         )
     elif not main.first.obstacle and not health.is_held:
-        said += missed_poles(main.first.comparison, main.first.structure)
+        poles = missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
-    said.append(first)
+    said += poles_and_health(poles, [first])
     said += _changed(verification)
     said += [
         Text(f"Run {name!r} did not end as it is known to.", "bad")

@@ -13,7 +13,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of, number
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.signals._recordings import Recorded
-from rcac_numeric.signals._signal import Scaled, Signal, SignalSum, exogenous
+from rcac_numeric.signals._signal import Scaled, Signal, Sum, exogenous
 from rcac_numeric.signals._waveforms import Harmonic, Ramp, Step, WhiteNoise
 
 UNKNOWN = "unknown"
@@ -163,7 +163,7 @@ def _coloured(steps: int, rng: np.random.Generator) -> Array:
 
 def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
     """The signals that a sum consists of, each with its factor."""
-    if isinstance(signal, SignalSum):
+    if isinstance(signal, Sum):
         return [found for part in signal.parts for found in parts_of(part, factor)]
     if isinstance(signal, Scaled):
         return parts_of(signal.signal, factor * signal.factor)

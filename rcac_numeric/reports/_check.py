@@ -19,6 +19,7 @@ from rcac_numeric.reports._loop import (
     joined,
     match_section,
     missed_poles,
+    poles_and_health,
     reached_facts,
     split_section,
     zeros_facts,
@@ -49,8 +50,9 @@ def check_sheet(check: ControllerCheck) -> Sheet:
         remark=f": {check.log.steps} steps",
         health=(
             *_doubt(check),
-            *missed_poles(check.comparison, check.structure),
-            *health_lines(health),
+            *poles_and_health(
+                missed_poles(check.comparison, check.structure), health_lines(health)
+            ),
         ),
         sections=(*sections, _unanswered(check)),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -255,6 +256,12 @@ def missed_poles(c: ExactComparison | None, structure: Structure | None = None) 
     return (Text(f"NOT reached: {count} are missed, {words}{more}. {changed}.", "bad"),)
 
 
+def poles_and_health(poles: Iterable[Text], health: Iterable[Text]) -> tuple[Text, ...]:
+    """The verdict on the poles before the health of the loop, but behind that it is unstable."""
+    first, *rest = health
+    return (first, *poles, *rest) if first.level == "bad" else (*poles, first, *rest)
+
+
 def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
     """The number beside "reached", where it is no number of rounding or of a short run."""
     if not c.target_poles.any() or not c.judged or c.backward_error <= EXACTLY:
@@ -344,7 +351,7 @@ def comparison_sheet(c: ExactComparison) -> Sheet:
     """A compensator beside the exact prediction: stability, missed poles, the numbers."""
     radius = float(np.abs(c.poles).max(initial=0.0))
     is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
-    health = (*missed_poles(c), stability_line(is_stable, radius))
+    health = poles_and_health(missed_poles(c), [stability_line(is_stable, radius)])
     return Sheet(
         "The loop beside the exact prediction", health=health, sections=(comparison_section(c),)
     )
@@ -355,7 +362,7 @@ def analysis_sheet(found: LoopAnalysis) -> Sheet:
     if isinstance(found.of, Run):
         remark = f": {found.of.outcome} after {found.of.steps} steps"
         missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)
-        health = (*missed, *health_lines(loop_health(found)))
+        health = poles_and_health(missed, health_lines(loop_health(found)))
     else:
         remark = ""
         health = (stability_line(found.loop.is_stable, found.loop.spectral_radius),)

@@ -60,11 +60,7 @@ class Signal(Value, ABC):
     def __add__(self, other: Signal) -> Signal:
         if not isinstance(other, Signal):
             raise InputError(f"{other!r} is not a Signal; add Step({other!r}) for a constant.")
-        return (
-            SignalSum((*self.parts, other))
-            if isinstance(self, SignalSum)
-            else SignalSum((self, other))
-        )
+        return Sum((*self.parts, other)) if isinstance(self, Sum) else Sum((self, other))
 
     def __mul__(self, factor: float) -> Signal:
         return Scaled(factor, self)
@@ -73,7 +69,7 @@ class Signal(Value, ABC):
 
 
 @attrs.frozen(eq=False, slots=False)
-class SignalSum(Signal):
+class Sum(Signal):
     """A sum of signals, added in their order; what `+` makes.
 
     Parameters

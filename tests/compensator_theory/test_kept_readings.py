@@ -26,7 +26,7 @@ def test_names_that_are_functions_elsewhere_are_symbols(name):
 @pytest.mark.parametrize(
     ("text", "words"),
     [("i*s", "ambiguous"), ("s/0", "divides by zero"), ("0/0", "divides"),
-     ("nan", "finite"), ("1/(s - s)", "divides by zero"), ("sin(s)", "no function"),
+     ("nan", "finite"), ("1/(s - s)", "divides by zero"), ("sin(s)", "no rational function"),
      ("2 s", "spell products out")],
 )  # fmt: skip
 def test_refusals_that_name_what_is_wrong(text, words):

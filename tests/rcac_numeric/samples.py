@@ -13,7 +13,7 @@ import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.designing._logs import plant_from_log
-from rcac_numeric.signals._signal import Scaled, SignalSum
+from rcac_numeric.signals._signal import Scaled, Sum
 from tests.support.equality import SEEDS
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
@@ -226,7 +226,7 @@ SAMPLES = {
     ),
     rcac.Piecewise: lambda seed: rcac.Piecewise([(0, rcac.Step()), (1 + seed, rcac.Ramp())]),
     rcac.Recorded: lambda seed: rcac.Recorded(random(seed, 5), f"record {seed}"),
-    SignalSum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
+    Sum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
     rcac.ControllerChange: controller_change,

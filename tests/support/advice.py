@@ -10,7 +10,7 @@ import sympy
 from tests.support.public import public_objects
 
 PACKAGES = ("compensator_theory", "rcac_numeric", "rcac_experiments")
-MATHEMATICS = {"sqrt", "exp", "log", "sin", "cos", "a_0", "a_1", "G"}
+MATHEMATICS = {"sqrt", "exp", "log", "sin", "cos", "tan", "a_0", "a_1", "G"}
 ECHOED = {"Matrix", "masked_array", "array", "poly1d", "np.float64", "SampledPlant", "Realisation"}
 """Reprs of what was given."""
 NAME = r"(?<![\w.'\"\\])([A-Za-z_]\w*)"
