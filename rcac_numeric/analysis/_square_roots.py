@@ -59,19 +59,35 @@ def _doubled(S: Array, power: Array) -> Array:
 
 
 def least_squares(X: Array, Y: Array) -> Array:
-    """The K that minimises the norm of X K + Y, X of full column rank, rows of any sizes."""
+    """The K that minimises the norm of X K + Y, X of full column rank, rows of any sizes.
+
+    Householder's QR with rows and columns interchanged: in each pivot column the largest row leads
+    (M. J. D. Powell and J. K. Reid, IFIP Congress 1968), so that no row loses its own accuracy to a
+    larger one. LAPACK's pivots columns alone, and rows that are sorted beforehand are not enough:
+    where a large row has a small entry in the pivot column it mixes into all others.
+    """
     columns = np.linalg.norm(X, axis=0)
     if not (columns > 0).all():
         raise np.linalg.LinAlgError("a column of zeros")
     scale = np.exp2(-np.round(np.log2(columns)))
-    scaled = X * scale
-    order = np.argsort(-np.abs(scaled).max(axis=1, initial=0.0), kind="stable")
-    Q, R, pivots = linalg.qr(scaled[order], mode="economic", pivoting=True, check_finite=False)
-    diagonal = np.abs(np.diag(R))
-    if len(diagonal) < X.shape[1] or not diagonal.min() > 0:
+    R, Z, size = X * scale, np.array(Y, dtype=np.float64), X.shape[1]
+    if len(R) < size:
         raise np.linalg.LinAlgError("dependent columns")
-    K = np.zeros((X.shape[1], Y.shape[1]))
-    K[pivots] = -linalg.solve_triangular(R, Q.T @ Y[order], check_finite=False)
+    pivots = np.arange(size)
+    for k in range(size):
+        lead = k + int(np.argmax(np.linalg.norm(R[k:, k:], axis=0)))
+        R[:, [k, lead]], pivots[[k, lead]] = R[:, [lead, k]], pivots[[lead, k]]
+        row = k + int(np.argmax(np.abs(R[k:, k])))
+        R[[k, row]], Z[[k, row]] = R[[row, k]], Z[[row, k]]
+        if R[k, k] == 0:
+            raise np.linalg.LinAlgError("dependent columns")
+        v = R[k:, k].copy()
+        v[0] += np.copysign(np.linalg.norm(v), v[0])
+        twice = 2 / (v @ v)
+        R[k:, k:] -= twice * np.outer(v, v @ R[k:, k:])
+        Z[k:] -= twice * np.outer(v, v @ Z[k:])
+    K = np.zeros((size, Y.shape[1]))
+    K[pivots] = -linalg.solve_triangular(R[:size], Z[:size], check_finite=False)
     return np.asarray(K * scale[:, None])
 
 

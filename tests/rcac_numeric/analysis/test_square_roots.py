@@ -3,7 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy import linalg
 
@@ -81,15 +81,17 @@ def test_a_factor_is_that_of_the_lyapunov_equation(seed):
     assert np.allclose(np.tril(S, -1), 0)
 
 
-@given(seed=st.integers(0, 2**32 - 1), power=st.integers(-60, 60))
-def test_rows_of_any_size_are_fitted(seed, power):
+@given(seed=st.integers(0, 2**32 - 1), power=st.integers(-60, 60), units=st.integers(-40, 40))
+@example(seed=1_248_820_907, power=29, units=0)  # a column of 0 in the large row
+@example(seed=450, power=26, units=26)  # and it is the larger column
+def test_rows_and_columns_of_any_size_are_fitted(seed, power, units):
     """A row that is 2^power times the others has its weight in the normal equations, exactly."""
     rng = np.random.default_rng(seed)
     X, Y = rng.integers(-9, 10, (5, 2)).astype(float), rng.integers(-9, 10, (5, 3)).astype(float)
     if np.linalg.matrix_rank(X[1:]) < 2:
         return
     X[0], Y[0] = X[0] * 2.0**power, Y[0] * 2.0**power
-    K = least_squares(X, Y)
+    K = least_squares(X * [1.0, 2.0**units], Y) * [[1.0], [2.0**units]]
     with mpmath.workdps(80):
         x, y = mpmath.matrix(X.tolist()), mpmath.matrix(Y.tolist())
         exact = -mpmath.inverse(x.T * x) * (x.T * y)
