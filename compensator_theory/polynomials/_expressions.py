@@ -52,7 +52,7 @@ _TRANSCENDENTAL = {
 }
 """Functions where a parenthesis follows; else their names are those of symbols."""
 _NOT_NUMBERS = frozenset({"nan", "inf", "infinity", "oo", "zoo"})
-_GRAMMAR = "numbers, names, + - * / ** ^, parentheses and sqrt(...)"
+_GRAMMAR = "numbers, names, + - * / ** ^, parentheses, sqrt(...) and exp(...)"
 WORDS = frozenset({*_CONSTANTS, *_FUNCTIONS, *_TRANSCENDENTAL})
 """Names in a text that are, or may be, no symbols."""
 

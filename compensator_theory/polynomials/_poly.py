@@ -256,6 +256,8 @@ def is_rational(poly: Poly) -> bool:
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
+    if isinstance(poly, Poly) and poly.domain.is_EX:  # functions of symbols are shown in it
+        return False
     return bool(require_poly(poly).domain.is_QQ)
 
 

@@ -176,3 +176,10 @@ def test_poles_that_are_unstable_where_they_are_asked_for_are_said_first(rcac, p
     first = rcac("place", "--plant", plant, "--poles", poles).output.splitlines()[1]
     assert "UNSTABLE as asked for" in first and words in first
     assert "UNSTABLE" not in rcac("place", "--plant", plant, "--poles", "-1/2, -1/3").output
+
+
+def test_a_plant_with_a_function_of_a_symbol_is_placed(rcac):
+    """z - e^-T and the gain e^-T add to z."""
+    result = rcac("place", "--plant", "1/(z - exp(-T))", "--poles", "0", "--feedback", "-1")
+    assert result.exit_code == 0, result.output
+    assert "G_c = (exp(-T))/(1)" in result.output
