@@ -1,15 +1,18 @@
 """Studies under faults: each ends with the table of the undisturbed run, or names what is missing.
 
-Workers and coordinators are killed at random while two coordinators share a store; the disk is
-full; a worker hangs; memory is limited; dask loses a worker, and its scheduler.
+Workers and coordinators are killed at random and around the rename of a chunk, two at a time; the
+disk is full; the folder may only be read; a worker hangs; memory is limited; a run ends its worker
+under each executor; dask loses a worker, and its scheduler; the studies among the examples on every
+executor, and made of old stores; folders that are damaged or made to harm. As a table of Markdown.
 
-    python benchmarks/sweep_faults.py [--kills 40] [--only kills,disk,hang,memory,dask]
+    python -m benchmarks.sweep_faults [--kills 24] [--folders 4000] [--old STORES] [--only kills]
 """
 
 import argparse
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +20,10 @@ import tempfile
 import threading
 import time
 import warnings
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -30,13 +37,18 @@ from rcac_experiments.sweeps import (
     StoreError,
     Study,
     check_store,
+    convert_store,
+    load_study,
     read_table,
     run_study,
 )
-from rcac_experiments.sweeps import (
-    _sweep as sweep,
-)
+from rcac_experiments.sweeps import _directory as directory
+from rcac_experiments.sweeps import _folder as folders
+from rcac_experiments.sweeps import _reader as reader
+from rcac_experiments.sweeps import _sweep as sweep
+from tests.support import hostile_folders, studies
 
+EXAMPLES = Path(__file__).parents[1] / "examples" / "studies"
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},
     "signals": {"w": {"white_noise": 1.0}},
@@ -59,27 +71,72 @@ def hanging(r):
     return 1.0
 
 
-MEASURES = {"rms": "rms", "greedy": greedy, "hanging": hanging}
+def slow(r):
+    """Takes a moment, so that there is time to be killed in."""
+    time.sleep(0.01)
+    return 1.0
+
+
+MEASURES = {"rms": slow, "greedy": greedy, "hanging": hanging}
 
 
 def study(kind="rms", values=(0.01, 1.0, 100.0), repetitions=100):
     axis = Axis("R_theta", list(values), sets="controller.R_theta")
-    kept = [Kept("rms", "of_z"), Kept(MEASURES[kind])] if kind != "rms" else [Kept("rms", "of_z")]
+    kept = [Kept("rms", "of_z"), Kept(MEASURES[kind])]
     return Study(BASE, [axis], kept, repetitions=repetitions, seed=5, keep_signals=["z"])
 
 
 def small_chunks():
     """So that there are many to lose."""
-    sweep._chunk_size = lambda study, first, executor: 10
+    sweep._chunk_size = lambda study, first, pool: 10
 
 
-def coordinate(store, workers, kind="rms", **limits):
+def killed_around_a_rename():
+    """The process ends at one of its renames: before it, or when it was done."""
+    real, rng = os.rename, random.SystemRandom()
+
+    def rename(*names, **where):
+        fate = rng.random()
+        if fate < 0.1:
+            os.kill(os.getpid(), signal.SIGKILL)
+        real(*names, **where)
+        if fate > 0.9:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    directory.os.rename = rename
+
+
+def coordinate(store, workers, kind="rms", *words, **limits):
     """A coordinator as a process of its own."""
-    command = [sys.executable, __file__, "--coordinate", str(store), str(workers), kind]
-    command += [f"{which}={most}" for which, most in limits.items()]
+    command = [sys.executable, "-m", "benchmarks.sweep_faults", "--coordinate", str(store)]
+    command += [str(workers), kind, *words, *(f"{which}={most}" for which, most in limits.items())]
     return subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        cwd=Path(__file__).parents[1],
     )  # fmt: skip
+
+
+def coordinated(store, workers, kind, *words):
+    """What such a process does."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    written = Counter()
+    put = folders.Folder.put
+    folders.Folder.put = lambda folder, *what: (written.update(["chunks"]), put(folder, *what))
+    for word in words:
+        which, _, most = word.partition("=")
+        if which == "renames":
+            killed_around_a_rename()
+        elif which == "nobody":
+            os.setgid(65534)
+            os.setuid(65534)
+        else:
+            resource.setrlimit(getattr(resource, which), (int(most), int(most)))
+    try:
+        repetitions = 100 if kind == "rms" else 10
+        run_study(study(kind, repetitions=repetitions), store, workers=int(workers))
+    except StoreError as error:
+        sys.exit(str(error))
+    print(written["chunks"])
 
 
 def children(pid):
@@ -93,6 +150,10 @@ def children(pid):
     return found
 
 
+def say(what, found):
+    print(f"| {what} | {found} |", flush=True)
+
+
 def verdict(what, store, reference, missing=()):
     """One line; raises where the table is another one."""
     table = read_table(store)
@@ -103,64 +164,151 @@ def verdict(what, store, reference, missing=()):
         assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), (what, name)
     assert check_store(store).is_whole
     left = f", {len(missing)} named as failed" if missing else ""
-    print(f"{what}: {len(table)} rows as undisturbed{left}; the store is whole", flush=True)
+    say(what, f"{len(table)} rows as undisturbed{left}; whole")
 
 
 def kills(folder, reference, count):
-    """Two coordinators of a store at a time."""
-    rng, done, stores = random.Random(3), [0, 0], 0
+    """Two coordinators of a folder at a time."""
+    rng, done, stores = random.Random(3), [0, 0, 0], 0
     while sum(done) < count:
-        store = folder / f"kills{stores}.sqlite"
+        store = folder / f"kills{stores}"
         stores += 1
-        started = [coordinate(store, 1) for _ in range(2)]
+        started = [coordinate(store, 1, "rms", *(["renames"] if i else [])) for i in range(2)]
         while any(process.poll() is None for process in started):
-            time.sleep(rng.uniform(0.5, 4.0))
+            time.sleep(rng.uniform(0.2, 1.5))
+            for i, process in enumerate(started):
+                if process.poll() == -signal.SIGKILL:  # at a rename of its own
+                    done[2] += 1
+                    words = ["renames"] if done[2] < count // 3 else []
+                    started[i] = coordinate(store, 1, "rms", *words)
             i = rng.randrange(2)
             workers = [max(found)] if (found := children(started[i].pid)) else []
             if sum(done) >= count or started[i].poll() is not None:
                 continue
-            if workers and rng.random() < 0.5:
+            if workers and rng.random() < 0.4:
                 os.kill(workers[0], signal.SIGKILL)
                 done[0] += 1
-            elif rng.random() < 0.3:
+            elif rng.random() < 0.4:
+                if workers and rng.random() < 0.5:
+                    os.kill(workers[0], signal.SIGKILL)  # both
                 started[i].kill()
                 started[i].wait()
                 done[1] += 1
                 started[i] = coordinate(store, 1)
         for process in started:
             said = process.communicate()[1]
-            assert process.returncode == 0 and "Traceback" not in said, said
-        verdict(f"{done[0]} workers and {done[1]} coordinators killed", store, reference)
+            assert process.returncode in (0, -signal.SIGKILL) and "Traceback" not in said, said
+        run_study(study(), store, workers=0)
+        parts = len(list((store / "chunks").glob(".*")))
+        words = f"{done[0]} workers, {done[1]} coordinators killed, {done[2]} at a rename"
+        verdict(f"kills so far: {words}; {parts} hidden files left", store, reference)
+
+
+def two(folder, reference):
+    for i in range(3):
+        store = folder / f"two{i}"
+        started = [coordinate(store, 1) for _ in range(2)]
+        counts = [int(process.communicate()[0]) for process in started]
+        total = len(list((store / "chunks").glob("*.parquet")))
+        words = f"two coordinators at a time computed {counts[0]} + {counts[1]} chunks for {total}"
+        verdict(words, store, reference)
 
 
 def disk(folder, reference):
-    store = folder / "disk.sqlite"
-    process = coordinate(store, 1, RLIMIT_FSIZE=400_000)
-    said = process.communicate()[1]
-    assert process.returncode == 1 and "the disk is full" in said, said
-    before = len(read_table(store))
+    store = folder / "disk"
+    said = coordinate(store, 1, RLIMIT_FSIZE=20_000).communicate()[1]
+    assert "the disk is full" in said and "Traceback" not in said, said
     run_study(study(), store, workers=0)
-    verdict(f"a disk that was full after {before} runs", store, reference)
+    verdict("no file may be larger than 20 kB, then it may", store, reference)
+    mount = folder / "mount"
+    mount.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=1500k", "tmpfs", str(mount)]
+    if subprocess.run(command, capture_output=True, check=False).returncode:
+        say("a disk of 1.5 MB", "cannot be mounted here")
+        return
+    try:
+        said = coordinate(mount / "store", 1).communicate()[1]
+        assert "the disk is full" in said and "Traceback" not in said, said
+        found = check_store(mount / "store")
+        assert found.is_whole and found.done, found
+        hidden = list((mount / "store" / "chunks").glob(".*"))
+        shutil.copytree(mount / "store", folder / "larger")
+    finally:
+        subprocess.run(["umount", str(mount)], check=True)
+    run_study(study(), folder / "larger", workers=0)
+    words = f"a disk of 1.5 MB full after {found.done} runs ({len(hidden)} hidden files left)"
+    verdict(words + ", then a larger one", folder / "larger", reference)
+
+
+def readonly(folder, reference):
+    store = folder / "readonly"
+    shutil.copytree(folder / "reference", store)
+    for path in (store, *store.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    folder.chmod(0o755)
+    process = coordinate(store, 0, "rms", "nobody")
+    out, said = process.communicate()
+    assert process.returncode == 0 and out.strip() == "0", said
+    verdict("a folder that user nobody may only read, the command given again", store, reference)
+    for path in (store, *store.rglob("*")):
+        path.chmod(0o755)
+
+
+def deadly(folder):
+    values = [1.0, 2.0, studies.DEADLY, 4.0, 5.0]
+    whole = studies.over_R_theta(values, studies.deadly, 8)
+    others = studies.over_R_theta([v for v in values if v != studies.DEADLY], studies.deadly, 8)
+    run_study(others, folder / "others", workers=0)
+    expected = read_table(folder / "others")["rms"]
+    small = sweep._chunk_size
+    sweep._chunk_size = lambda study, first, pool: 8
+    pools = {
+        "processes of ours": {"workers": 2},
+        "a function that makes a ProcessPoolExecutor": {
+            "executor": partial(ProcessPoolExecutor, 2)
+        },
+    }
+    for what, how in pools.items():
+        store, start = folder / f"deadly{len(what)}", time.perf_counter()
+        progress = run_study(whole, store, **how)
+        table = read_table(store)
+        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 8
+        assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
+        say(f"8 of 40 runs end their worker; {what}", f"those 8 named, {since(start)}")
+    with ProcessPoolExecutor(2) as pool:
+        try:
+            run_study(whole, folder / "broken", executor=pool)
+        except StoreError as error:
+            say("the same; one ProcessPoolExecutor", f"refused: {str(error)[:60]}...")
+    with cluster(2, 0) as client:
+        start = time.perf_counter()
+        progress = run_study(whole, folder / "dask", executor=client.get_executor(pure=False))
+        table = read_table(folder / "dask")
+        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 8
+        assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
+        say("the same; dask, allowed-failures 0", f"those 8 named, {since(start)}")
+    sweep._chunk_size = small
+
+
+def since(start):
+    return f"{time.perf_counter() - start:.0f} s"
 
 
 def hang(folder):
-    values = (0.01, HANGING, 100.0)
-    store, other = folder / "hang.sqlite", folder / "others.sqlite"
-    whole = study("hanging", values, 2)
-    progress = run_study(whole, store, workers=2, time_limit=8.0)
+    store, other = folder / "hang", folder / "hangs not"
+    progress = run_study(
+        study("hanging", (0.01, HANGING, 100.0), 2), store, workers=2, time_limit=8.0
+    )
     run_study(study("hanging", (0.01, 100.0), 2), other, workers=0)
     table = read_table(store)
     assert set(table.failed["R_theta"]) == {HANGING} and progress.failed == 2, table.failed
-    assert np.array_equal(table["of_z"], read_table(other)["of_z"])
-    print(f"a worker that hangs: {progress}; the others as undisturbed", flush=True)
+    assert np.array_equal(np.sort(table["of_z"]), np.sort(read_table(other)["of_z"]))
+    say("a worker that hangs, time_limit 8 s", f"{progress}; the others as undisturbed")
 
 
 def memory(folder):
-    whole, store, other = (
-        study("greedy", repetitions=10),
-        folder / "memory.sqlite",
-        folder / "enough.sqlite",
-    )
+    store, other = folder / "memory", folder / "enough"
+    whole = study("greedy", repetitions=10)
     process = coordinate(store, 1, "greedy", RLIMIT_AS=2**31 + 2**28)
     said = process.communicate()[1]
     assert process.returncode == 0, said
@@ -172,34 +320,46 @@ def memory(folder):
     verdict(f"{words}, retried", store, read_table(other))
 
 
-def dask(folder, reference):
+@contextmanager
+def cluster(workers, failures=3):
     warnings.simplefilter("ignore")
+    import dask
     import distributed
 
-    def cluster(workers):
-        return distributed.LocalCluster(
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": failures}),
+        distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=60
-        )
+        ) as local,
+        distributed.Client(local) as client,
+    ):
+        yield client
 
+
+def losing(client, what, lost):
+    """A progress that ends a worker or the scheduler, once, when something has ended."""
+    local = client.cluster
+
+    def lose(progress):
+        if lost or not progress.done:
+            return
+        if what == "worker":
+            lost.append(next(iter(local.workers.values())).pid)
+            os.kill(lost[0], signal.SIGKILL)
+        else:
+            lost.append(0)
+            threading.Thread(target=lambda: local.sync(local.scheduler.close), daemon=True).start()
+
+    return lose
+
+
+def dask(folder, reference):
     for what in ("scheduler", "worker"):
-        store, lost = folder / f"{what}.sqlite", []
-        with cluster(2 if what == "worker" else 1) as local, distributed.Client(local) as client:
-
-            def lose(progress, what=what, local=local, lost=lost):
-                if lost or not progress.done:
-                    return
-                if what == "worker":
-                    lost.append(next(iter(local.workers.values())).pid)
-                    os.kill(lost[0], signal.SIGKILL)
-                else:
-                    lost.append(0)
-                    threading.Thread(
-                        target=lambda: local.sync(local.scheduler.close), daemon=True
-                    ).start()
-
+        store, lost = folder / what, []
+        with cluster(2 if what == "worker" else 1) as client:
             try:
                 run_study(study(), store, executor=client.get_executor(pure=False), window=4,
-                          progress=lose)  # fmt: skip
+                          progress=losing(client, what, lost))  # fmt: skip
                 ended = "went on by itself"
             except StoreError as error:
                 ended = f"refused ({str(error)[:60]}...), then gone on with"
@@ -208,37 +368,164 @@ def dask(folder, reference):
         verdict(f"dask lost its {what}: {ended}", store, reference)
 
 
+def reduced(path):
+    """A study among the examples with three values of each axis or fewer, and two repetitions."""
+    whole = load_study(path)
+    axes = [Axis(a.name, a.values[:: max(1, -(-len(a) // 3))], sets=a.sets) for a in whole.axes]
+    return Study(
+        whole.base, axes, whole.keep, repetitions=min(whole.repetitions, 2), seed=whole.seed,
+        common_noise=whole.common_noise, lanes=whole.lanes, file=whole.file, title=whole.title,
+        keep_signals=whole.keep_signals,
+    )  # fmt: skip
+
+
+def executors(folder, old):
+    """The studies among the examples: an old store converted, and the same computed anew."""
+    sweep._chunk_size = lambda study, first, pool: 4
+    for path in sorted(EXAMPLES.glob("*.toml")):
+        one, told = reduced(path), []
+        base = folder / path.stem
+        base.mkdir()
+        run_study(one, base / "in process", workers=0)
+        expected = read_table(base / "in process")
+        ways = {"2 processes": {"workers": 2}, "3 threads": {"executor": ThreadPoolExecutor(3)}}
+        for what, how in ways.items():
+            run_study(one, base / what, **how)
+            assert read_table(base / what) == expected, (path, what)
+            told.append(what)
+        lost = []
+        with cluster(2) as client:
+            run_study(one, base / "dask", executor=client.get_executor(pure=False), window=4,
+                      progress=losing(client, "worker", lost))  # fmt: skip
+        assert read_table(base / "dask") == expected and lost, path
+        told.append("dask, one of two workers killed")
+        if old is not None:
+            found = convert_store(old / f"{path.stem}.sqlite", base / "converted")
+            assert found.is_whole and found.done == one.runs
+            assert same_bits(read_table(base / "converted"), expected), path
+            told.append("old store converted")
+        say(f"{path.stem}, {one.runs} runs in process", "the same bits: " + ", ".join(told))
+
+
+def same_bits(a, b):
+    """Every number of two tables, also where their rows were planned in other chunks."""
+    return a == b and all(
+        a[name].tobytes() == b[name].tobytes() for name in a.columns if a[name].dtype != object
+    )
+
+
+MEASURED = """
+import resource, sys, time
+from rcac_experiments.sweeps import StoreError, check_store, read_table
+start = time.process_time()
+for use in (check_store, read_table):
+    try:
+        use(sys.argv[1])
+    except StoreError:
+        pass
+own, child = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+print(max(own.ru_maxrss, child.ru_maxrss) // 1024, time.process_time() - start, child.ru_utime)
+"""
+
+
+def hostile(folder, count):
+    """Each damaged or hostile folder: what a check, a reader and the same study make of it."""
+    rng, seen = random.Random(6), Counter()
+    one = studies.study(
+        20, base={**studies.BASE, "run": {"steps": 30}}, keep_signals=["y"], title="a study"
+    )
+    sweep._chunk_size = lambda study, first, pool: 20
+    whole, got, ours = folder / "whole", folder / "got", folder / "ours"
+    ours.mkdir()
+    victim = ours / "notes.txt"
+    victim.write_text("mine")
+    run_study(one, whole, workers=0)
+    before = read_table(whole)
+    guarded = folders.read_guarded
+    hardest = {"s": 0.0, "MB": 0}
+    kinds = [*hostile_folders.HOSTILE, *hostile_folders.DAMAGE]
+    for i in range(count):
+        kind = kinds[i % len(kinds)] if i < 8 * len(kinds) else rng.choice(kinds[-7:])
+        harm = hostile_folders.HOSTILE.get(kind, kind)
+        # Each hostile kind twice by the child that the commands use, the flips of bits here.
+        is_guarded = kind in hostile_folders.HOSTILE and i < 2 * len(kinds)
+        if kind in hostile_folders.HOSTILE and not is_guarded and "text of" in kind:
+            continue
+        folders.read_guarded = guarded if is_guarded else reader.read_here
+        shutil.rmtree(got, ignore_errors=True)
+        shutil.copytree(whole, got)
+        harm(got, rng, victim)
+        mine = sorted(ours.iterdir())
+        start = time.process_time()
+        if is_guarded:
+            out = subprocess.run([sys.executable, "-c", MEASURED, str(got)], capture_output=True,
+                                 text=True, check=True)  # fmt: skip
+            most, own, child = map(float, out.stdout.split())
+            hardest = {"s": max(hardest["s"], own, child), "MB": max(hardest["MB"], most)}
+        try:
+            named = not check_store(got).is_whole
+        except StoreError:
+            named = True
+        try:
+            table = read_table(got)
+            assert table == before, f"a wrong table: {kind}"
+            read = "read as it was"
+        except StoreError:
+            read = "refused"
+        try:
+            run_study(one, got, workers=0)
+            folders.read_guarded = reader.read_here
+            assert read_table(got) == before, f"a wrong table was computed: {kind}"
+            again = "computed again" if read == "refused" else "nothing to do"
+        except StoreError:
+            again = "the study refused"
+        if not is_guarded:
+            hardest["s"] = max(hardest["s"], time.process_time() - start)
+        assert victim.read_text() == "mine" and sorted(ours.iterdir()) == mine, kind
+        for moved in ours.glob("chunks*"):
+            shutil.rmtree(moved)
+        seen["in the child" if is_guarded else "in this process", read, again, named] += 1
+    folders.read_guarded = guarded
+    for (where, read, again, named), number in sorted(seen.items()):
+        say(f"{number} folders, read {where}",
+            f"{read}, {again}{', named by the check' if named else ''}")  # fmt: skip
+    say(f"{sum(seen.values())} folders", f"0 wrong tables, nothing outside touched; at most "
+        f"{hardest['s']:.1f} s of processor, {hardest['MB']:.0f} MB")  # fmt: skip
+
+
 def main():
     small_chunks()
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=40)
-    parser.add_argument("--only", default="kills,disk,hang,memory,dask")
+    parser.add_argument("--kills", type=int, default=24)
+    parser.add_argument("--folders", type=int, default=4000)
+    parser.add_argument("--old", type=Path, help="SQLite stores of the reduced studies, by name.")
+    parser.add_argument(
+        "--only", default="kills,two,disk,readonly,deadly,hang,memory,dask,executors,hostile"
+    )
     parser.add_argument("--coordinate", nargs="+")
     chosen = parser.parse_args()
     if chosen.coordinate:
-        store, workers, kind, *limits = chosen.coordinate
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        for which, most in (limit.split("=") for limit in limits):
-            resource.setrlimit(getattr(resource, which), (int(most), int(most)))
-        try:
-            run_study(
-                study(kind, repetitions=100 if kind == "rms" else 10), store, workers=int(workers)
-            )
-        except StoreError as error:
-            sys.exit(str(error))
+        coordinated(*chosen.coordinate)
         return
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        run_study(study(), folder / "reference.sqlite", workers=0)
-        reference = read_table(folder / "reference.sqlite")
         scenarios = {
             "kills": lambda: kills(folder, reference, chosen.kills),
+            "two": lambda: two(folder, reference),
             "disk": lambda: disk(folder, reference),
+            "readonly": lambda: readonly(folder, reference),
+            "deadly": lambda: deadly(folder),
             "hang": lambda: hang(folder),
             "memory": lambda: memory(folder),
             "dask": lambda: dask(folder, reference),
+            "executors": lambda: executors(folder, chosen.old),
+            "hostile": lambda: hostile(folder, chosen.folders),
         }
-        for scenario in chosen.only.split(","):
+        wanted = chosen.only.split(",")
+        if not set(wanted) <= {"executors", "hostile", "deadly", "hang", "memory"}:
+            run_study(study(), folder / "reference", workers=0)
+            reference = read_table(folder / "reference")
+        for scenario in wanted:
             scenarios[scenario]()
 
 

@@ -29,12 +29,9 @@ from rcac_experiments.sweeps import (
     read_table,
     run_study,
 )
-from rcac_experiments.sweeps import (
-    _schedule as schedule,
-)
-from rcac_experiments.sweeps import (
-    _store as store,
-)
+from rcac_experiments.sweeps import _coordinator as coordinator
+from rcac_experiments.sweeps._folder import Folder
+from rcac_experiments.sweeps._table import table_in
 from rcac_experiments.sweeps._worker import run_chunk
 from rcac_numeric import UD, ControllerSettings, FunctionPlant, SimulationCase, TargetModel, iir
 
@@ -83,16 +80,16 @@ def in_one_process(runs, repetitions):
         nonlocal spent
         spent, start = 0.0, time.process_time()
         with tempfile.TemporaryDirectory() as folder:
-            run_study(study(count), Path(folder) / "store.sqlite", workers=0)
+            run_study(study(count), Path(folder) / "store", workers=0)
         return time.process_time() - start, spent
 
-    schedule.run_chunk = timed
+    coordinator.run_chunk = timed
     for _ in range(repetitions):
         (few, few_inside), (many, many_inside) = cost(runs // 5), cost(runs)
         chunks = (many_inside - few_inside) / (runs - runs // 5)
         inside.append(1e6 * chunks)
         added.append(1e6 * (many - few) / (runs - runs // 5) - 1e6 * chunks)
-    schedule.run_chunk = run_chunk
+    coordinator.run_chunk = run_chunk
     engine, rest = statistics.median(inside), statistics.median(added)
     print(
         f"one process: {engine:.0f} us of CPU a run in the chunks; executor and store add "
@@ -105,8 +102,9 @@ def over_processes(runs, repetitions, workers):
     for _ in range(repetitions):
         before, start = cpu(resource.RUSAGE_CHILDREN) + cpu(), time.perf_counter()
         with tempfile.TemporaryDirectory() as folder:
-            run_study(study(runs), Path(folder) / "store.sqlite", workers=workers)
-            size = (Path(folder) / "store.sqlite").stat().st_size
+            run_study(study(runs), Path(folder) / "store", workers=workers)
+            files = (Path(folder) / "store" / "chunks").iterdir()
+            size = sum(file.stat().st_size for file in files)
         walls.append(time.perf_counter() - start)
         cpus.append(cpu(resource.RUSAGE_CHILDREN) + cpu() - before)
     wall, used = statistics.median(walls), statistics.median(cpus)
@@ -119,26 +117,29 @@ def over_processes(runs, repetitions, workers):
 
 
 def reading(runs):
-    """What holding rows against digests and plan costs: a table with it and without, in one run."""
+    """A table held against digests and plan; the same by pyarrow alone; a check in a child."""
+    from pyarrow import parquet
+
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "store.sqlite"
+        path = Path(folder) / "store"
         run_study(study(runs, steps=20, n_c=2), path, workers=0)
-        taken = {True: [], False: []}
-        checked = store.rows_fault
+        taken = {"held": [], "pyarrow": []}
         for _ in range(5):
-            for is_checked, times in taken.items():
-                store.rows_fault = checked if is_checked else lambda *of: ""
-                start = time.process_time()
-                read_table(path)
-                times.append(time.process_time() - start)
-        store.rows_fault = checked
-        start = time.process_time()
+            start = time.process_time()
+            with Folder(path) as opened:
+                table_in(opened, guarded=False)
+            between = time.process_time()
+            for file in (path / "chunks").iterdir():
+                parquet.ParquetFile(file).read(use_threads=False)
+            taken["held"].append(between - start)
+            taken["pyarrow"].append(time.process_time() - between)
+        start = time.perf_counter()
         check_store(path)
-        whole = time.process_time() - start
-    plain, verified = (statistics.median(taken[key]) for key in (False, True))
+        whole = time.perf_counter() - start
+    held, alone = (statistics.median(taken[key]) for key in ("held", "pyarrow"))
     print(
-        f"reading {runs} rows: {1e6 * verified / runs:.1f} us a row, {verified / plain:.2f} times "
-        f"what it takes unverified; a check of everything {whole / verified:.1f} times that"
+        f"reading {runs} rows: {1e6 * held / runs:.1f} us a row, {held / alone:.2f} times what "
+        f"pyarrow takes without a look; a check, in a child, {whole:.1f} s of wall"
     )
 
 

@@ -82,7 +82,7 @@ def _placed() -> object:
 
 
 def _studied(folder: Path) -> object:
-    study, store = folder / "study.toml", folder / "study.sqlite"
+    study, store = folder / "study.toml", folder / "study"
     study.write_text(STUDY)
     run_study(load_study(study), store, workers=0)
     return read_table(store)

@@ -12,10 +12,11 @@ from types import ModuleType
 from compensator_theory.errors import InputError
 
 EXTRAS = {
+    "distributed": "dask",
     "hypothesis": "proofs",
     "matplotlib": "plot",
     "pandas": "pandas",
-    "pyarrow": "pandas",
+    "pyarrow": "studies",
     "xarray": "pandas",
 }
 """Each library that is not always there, and the extra of ours that brings it."""

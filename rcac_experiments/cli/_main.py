@@ -43,7 +43,10 @@ COMMANDS = {
         "rcac_experiments.cli._studies:show_store",
         "Show an example's file, or what a study came to.",
     ),
-    "store": ("rcac_experiments.cli._studies:store", "Check the store of a study; repair it."),
+    "store": (
+        "rcac_experiments.cli._studies:store",
+        "Check the store of a study; convert an old one.",
+    ),
     "sweep": ("rcac_experiments.cli._studies:sweep", "Run a study: many runs of one experiment."),
     "tune": (
         "rcac_experiments.cli._design:tune_command",

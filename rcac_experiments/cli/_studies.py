@@ -6,7 +6,9 @@ import gc
 import importlib.util
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,30 +20,32 @@ from rcac_experiments.cli._exits import DONE, EXIT_STATUS, NO
 from rcac_experiments.cli._output import as_json_option, picture_option, show, silence
 from rcac_experiments.dissertation._examples import example_text
 from rcac_experiments.reports._studies import replay_sheet, store_sheet, sweep_sheet
-from rcac_experiments.sweeps._care import check_store, repair_store
+from rcac_experiments.sweeps._check import check_store
+from rcac_experiments.sweeps._convert import convert_store
 from rcac_experiments.sweeps._export import export_table
 from rcac_experiments.sweeps._files import load_study
 from rcac_experiments.sweeps._overview import sweep_overview
 from rcac_experiments.sweeps._progress import ProgressLine
 from rcac_experiments.sweeps._replay import replay_run
 from rcac_experiments.sweeps._sweep import StudyInterrupted, run_study
+from rcac_numeric.arrays._frames import imported
 from rcac_numeric.arrays._wording import printable, shortened
+
+CONNECTING = 10  # seconds that a scheduler has to answer
 
 
 @click.command("sweep")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
-    "-o", "--output", "store", required=True, type=click.Path(dir_okay=False, path_type=Path),
-    help="The store: an SQLite file, made where there is none.",
+    "-o", "--output", "store", required=True, type=click.Path(path_type=Path),
+    help="The store: a folder, made where there is none.",
 )  # fmt: skip
 @click.option("--workers", type=click.IntRange(0), help="Processes; 0: this one alone. "
               "Default: as many as there are processors.")  # fmt: skip
 @click.option("--yes", is_flag=True, help="More than a million runs are meant.")
 @click.option("--mixed", is_flag=True, help="Go on although versions or instructions differ.")
-@click.option(
-    "--journal", type=click.Choice(["wal", "rollback"]), default="wal", show_default=True,
-    help="rollback: for a store on a network file system, and one process at a time.",
-)  # fmt: skip
+@click.option("--scheduler", metavar="ADDRESS", default="",
+              help="Of a dask cluster, whose workers run the study.")  # fmt: skip
 @click.option(
     "--time-limit", type=click.FloatRange(0, min_open=True), metavar="SECONDS",
     help="What one run may take; one that takes longer has failed.",
@@ -57,7 +61,7 @@ def sweep(
     workers: int | None,
     yes: bool,
     mixed: bool,
-    journal: str,
+    scheduler: str,
     time_limit: float | None,
     retries: int,
     retry_failed: bool,
@@ -65,25 +69,26 @@ def sweep(
 ) -> int:
     """Run the study FILE, a TOML file with a table [study], and store each run when it ends.
 
-    Stopped by whatever, the same command goes on. Loops that diverge are results; where a run
-    failed (time or memory ran out, its process died, a function raised), or a result has an error
-    recorded, the status is 1.
+    Stopped by whatever, the same command goes on, and computes again what is damaged. Loops that
+    diverge are results; where a run failed (time or memory ran out, its process died, a function
+    raised), or a result has an error recorded, the status is 1.
     """
     study = load_study(file)
     line = ProgressLine() if sys.stderr.isatty() else None
     try:
-        run_study(
-            study,
-            store,
-            workers=workers,
-            progress=line or silence,
-            many=yes,
-            mixed=mixed,
-            journal=journal,
-            time_limit=time_limit,
-            retries=retries,
-            retry_failed=retry_failed,
-        )
+        with _cluster(scheduler, workers) as executor:
+            run_study(
+                study,
+                store,
+                workers=workers,
+                executor=executor,
+                progress=line or silence,
+                many=yes,
+                mixed=mixed,
+                time_limit=time_limit,
+                retries=retries,
+                retry_failed=retry_failed,
+            )
     except KeyboardInterrupt as stopped:
         if isinstance(stopped, StudyInterrupted):
             click.echo(f"\n{stopped.done} of {stopped.total} runs are stored in {store}, which is "
@@ -98,6 +103,24 @@ def sweep(
     overview = sweep_overview(store)
     show(sweep_sheet(overview), as_json)
     return NO if overview.errors or overview.failed else DONE
+
+
+@contextmanager
+def _cluster(address: str, workers: int | None) -> Iterator[Executor | None]:
+    """The executor of a dask cluster; None without an address."""
+    if not address:
+        yield None
+        return
+    if workers is not None:
+        raise InputError("--workers are processes of this machine; the scheduler has its own.")
+    distributed = imported("distributed")
+    try:
+        client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+    except (OSError, ValueError) as error:
+        words = printable(shortened(f"{type(error).__name__}: {error}", 200))
+        raise InputError(f"--scheduler {address} does not answer ({words}).") from None
+    with client:
+        yield client.get_executor(pure=False)
 
 
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -122,8 +145,8 @@ def show_store(
     """Show WHAT: the TOML file of an example, or what the store of a study holds.
 
     WHAT is the number of an example (see `rcac list`), whose file is printed as it is, ready to be
-    changed; or the path of an SQLite file that `rcac sweep` wrote, whole or still growing. The
-    options are those of a store.
+    changed; or the path of a folder that `rcac sweep` wrote, whole or still growing. The options
+    are those of a store.
 
     Of every group of runs: how many did not complete, with the 95 % interval of their share, and
     the median and quantiles of a measure over the others.
@@ -149,7 +172,7 @@ def _print_example(number: str, option: object) -> None:
 
 
 @click.command("replay")
-@click.argument("store", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("store", type=click.Path(path_type=Path))
 @click.argument("run", type=click.IntRange(0))
 @click.option(
     "--measures", "functions", type=click.Path(dir_okay=False, path_type=Path),
@@ -197,34 +220,38 @@ def functions_in(path: Path) -> dict[str, Callable[..., Any]]:
     return {key: value for key, value in vars(module).items() if callable(value)}
 
 
-STORE = click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
-
-
 @click.group("store")
 def store() -> None:
-    """Check the store of a study, or repair it."""
+    """Check the store of a study, or make one of an SQLite file of an earlier version."""
 
 
 @store.command(epilog=EXIT_STATUS)
-@STORE
+@click.argument("folder", type=click.Path(path_type=Path))
 @as_json_option
-def check(*, file: Path, as_json: bool) -> int:
-    """Hold everything in the store FILE against its digests and its plan.
+def check(*, folder: Path, as_json: bool) -> int:
+    """Hold everything in the store FOLDER against its digests and its plan.
 
-    The status is 1 where something is damaged. Nothing is changed.
+    The status is 1 where something is damaged. Nothing is changed; `rcac sweep` computes again what
+    is damaged.
     """
-    found = check_store(file)
+    found = check_store(folder)
     show(store_sheet(found), as_json)
     return DONE if found.is_whole else NO
 
 
 @store.command(epilog=EXIT_STATUS)
-@STORE
+@click.argument("old", type=click.Path(dir_okay=False, path_type=Path))
+@click.option(
+    "-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
+    help="The store that is made: a folder that is not there, or an empty one.",
+)  # fmt: skip
 @as_json_option
-def repair(*, file: Path, as_json: bool) -> int:
-    """Keep what is right in the store FILE, so that `rcac sweep` runs the rest again.
+def convert(*, old: Path, folder: Path, as_json: bool) -> int:
+    """Make a store of OLD, an SQLite file that `rcac sweep` of an earlier version wrote.
 
-    The damaged file stays beside it, its name followed by .damaged.
+    OLD is read only. The status is 1 where some of its runs are not what was stored: they are left
+    out, and `rcac sweep` computes them.
     """
-    show(store_sheet(repair_store(file)), as_json)
-    return DONE
+    found = convert_store(old, folder)
+    show(store_sheet(found), as_json)
+    return DONE if found.is_whole else NO

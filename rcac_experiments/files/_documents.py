@@ -49,7 +49,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
         )
     try:
         decoded = text.decode("utf-8-sig")  # editors of Windows put a byte order mark in front
-        _require_short_keys(decoded, str(path))
+        require_short_keys(decoded, str(path))
         table = parsed(decoded)
     except InputError:
         raise
@@ -71,7 +71,7 @@ def _number(digits: str) -> float | Decimal:
     return exact if exact.is_finite() and exact != Decimal(repr(rounded)) else rounded
 
 
-def _require_short_keys(text: str, file: str) -> None:
+def require_short_keys(text: str, file: str) -> None:
     """Refuse keys with more dots than tables may be deep, and more keys than a person writes.
 
     tomllib pays for a dotted key by the square of its length, and for any key a kilobyte. Asked in
@@ -81,7 +81,7 @@ def _require_short_keys(text: str, file: str) -> None:
     if text.count(".") + keys <= MOST_KEYS and text.count(".") <= DEEPEST:
         return
     keys = 0
-    for piece in _PIECES.finditer(_STRINGS.sub(" ", text)):
+    for piece in _PIECES.finditer(without_strings(text)):
         dots = piece[1].count(".")
         if dots > DEEPEST:
             raise InputError(f"{file} is nested more than {DEEPEST} deep: a key has {dots} dots.")
@@ -92,6 +92,11 @@ def _require_short_keys(text: str, file: str) -> None:
                 f"{file} has more than {MOST_KEYS} keys and lists. Long records belong in a .csv "
                 'or .npy file of their own: recorded = "flight.csv".'
             )
+
+
+def without_strings(text: str) -> str:
+    """A TOML text with a blank in the place of each string and comment."""
+    return _STRINGS.sub(" ", text)
 
 
 def require_plain(table: Raw, file: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rcac_experiments.sweeps._care import StoreCheck
+from rcac_experiments.sweeps._check import StoreCheck
 from rcac_experiments.sweeps._overview import SweepOverview
 from rcac_experiments.sweeps._replay import ReplayedRun
 from rcac_experiments.sweeps._statistics import SweepSummary, wilson_interval
@@ -218,7 +218,7 @@ MOST_FAULTS = 20  # that a reader looks through
 
 
 def store_sheet(check: StoreCheck) -> Sheet:
-    """Whether a store is whole, what is wrong with it, and what became of that."""
+    """Whether a store is whole, and what is wrong with it."""
     lost = sum(last - first + 1 for first, last in check.damaged)
     said = [Text("Everything in it is what was stored.", "good")]
     if not check.total:
@@ -227,10 +227,7 @@ def store_sheet(check: StoreCheck) -> Sheet:
                      "warning")]  # fmt: skip
     if not check.is_whole:
         said = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
-    if check.repaired:
-        said.append(
-            Text("What was right is kept, and the rest is run again when the study is.", "good")
-        )
+        said.append(Text("What is damaged is computed again by the same `rcac sweep`.", "warning"))
     blocks: list[Block] = [
         Fact("runs stored and right", f"{check.done} of {check.total}"),
         Fact("of them failed", str(check.failed)),
@@ -241,7 +238,6 @@ def store_sheet(check: StoreCheck) -> Sheet:
     record = {
         "path": check.path,
         "is_whole": check.is_whole,
-        "repaired": check.repaired,
         "done": check.done,
         "total": check.total,
         "failed": check.failed,

@@ -1,8 +1,8 @@
 from ._axes import Axis as Axis
 from ._axes import RandomAxis as RandomAxis
-from ._care import StoreCheck as StoreCheck
-from ._care import check_store as check_store
-from ._care import repair_store as repair_store
+from ._check import StoreCheck as StoreCheck
+from ._check import check_store as check_store
+from ._convert import convert_store as convert_store
 from ._export import export_table as export_table
 from ._files import load_study as load_study
 from ._measures import Kept as Kept

@@ -6,13 +6,12 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Iterator
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_experiments.sweeps._chunk import FAILED
-from rcac_experiments.sweeps._store import Store
+from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._table import Columns
 from rcac_numeric.arrays._files import replacing
 from rcac_numeric.arrays._frames import imported
@@ -30,7 +29,7 @@ def export_table(store: str | Path, path: str | Path) -> None:
     or tables as JSON. A text in a .csv file stands in quotes and is never a formula of a
     spreadsheet: one that begins as a formula does gets an apostrophe in front, and control
     characters are written out. Parquet keeps texts as they are; it needs pyarrow, which
-    `compensator-theory[pandas]` brings.
+    `compensator-theory[studies]` brings.
 
     Raises
     ------
@@ -48,8 +47,8 @@ def export_table(store: str | Path, path: str | Path) -> None:
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
     ...     "run": {"steps": 50}}
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> _ = run_study(Study(base, [], [Kept("steps")]), folder / "study.sqlite", workers=0)
-    >>> export_table(folder / "study.sqlite", folder / "study.csv")
+    >>> _ = run_study(Study(base, [], [Kept("steps")]), folder / "study", workers=0)
+    >>> export_table(folder / "study", folder / "study.csv")
     >>> print((folder / "study.csv").read_text().strip())
     "run","cell","repetition","outcome","failure","steps"
     0,0,0,"completed","",50.0
@@ -57,18 +56,18 @@ def export_table(store: str | Path, path: str | Path) -> None:
     suffix = Path(path).suffix.lower()
     if suffix not in WRITERS:
         raise InputError(f"{path}: the name must end in one of {', '.join(WRITERS)}.")
-    with Store(store, read_only=True) as opened, replacing(path) as new:
+    with Folder(store) as opened, replacing(path) as new:
         WRITERS[suffix](opened, new)
 
 
-def _write_csv(store: Store, path: Path) -> None:
+def _write_csv(store: Folder, path: Path) -> None:
     names, rows = _rows(store)
     with path.open("w", newline="", encoding="utf-8") as file:
         for some in itertools.chain([[tuple(names)]], rows):
             file.writelines(f"{','.join(map(_cell, row))}\n" for row in some)
 
 
-def _write_parquet(store: Store, path: Path) -> None:
+def _write_parquet(store: Folder, path: Path) -> None:
     arrow, parquet = imported("pyarrow"), imported("pyarrow.parquet")
     names, rows = _rows(store)
     axes = store.cell_columns([])
@@ -77,28 +76,32 @@ def _write_parquet(store: Store, path: Path) -> None:
     with parquet.ParquetWriter(str(path), schema) as writer:
         for piece in _pieces(rows):
             arrays = [
-                arrow.array([_plain(value, kind, arrow) for value in values], type=kind)
+                arrow.array(
+                    [_plain(value, kind, arrow) for value in values], type=kind,
+                    from_pandas=kind == arrow.float64(),
+                )
                 for values, kind in zip(zip(*piece, strict=True), kinds, strict=True)
-            ]
+            ]  # fmt: skip
             writer.write_batch(arrow.record_batch(arrays, schema=schema))
 
 
-def _rows(store: Store) -> tuple[list[str], Iterator[list[tuple[Any, ...]]]]:
+def _rows(store: Folder) -> tuple[list[str], Iterator[list[tuple[Any, ...]]]]:
     """The names of the columns, and their rows chunk by chunk, coordinates put in."""
-    axes = store.study.axes
-    names = ["run", "cell", "repetition", *axes, "outcome", "failure", *store.study.measures]
+    about = store.study
+    names = ["run", "cell", "repetition", *about.axes, "outcome", "failure", *about.measures]
+    outcome = names.index("outcome")
 
     def rows() -> Iterator[list[tuple[Any, ...]]]:
-        for some in store.all_rows():
-            results = [row for row in some if row[3] not in FAILED]
-            columns = store.cell_columns([row[1] for row in results]).values()
-            coordinates = zip(*columns, strict=True) if axes else repeat(())
-            yield [
-                (*row[:3], *where, *row[3:5], *row[6:])
-                for row, where in zip(results, coordinates, strict=False)
-            ]
+        for chunk in store.results():
+            known = chunk.columns | store.cell_columns(chunk.columns["cell"])
+            rows = zip(*(_listed(known[name]) for name in names), strict=True)
+            yield [row for row in rows if row[outcome] not in FAILED]
 
     return names, rows()
+
+
+def _listed(values: Any) -> list[Any]:
+    return list(values.tolist() if hasattr(values, "tolist") else values)
 
 
 def _pieces(rows: Iterator[list[tuple[Any, ...]]]) -> Iterator[list[tuple[Any, ...]]]:
@@ -137,7 +140,7 @@ def _plain(value: Any, kind: Any, arrow: Any) -> Any:
     return json.dumps(plain) if kind == arrow.string() and not isinstance(plain, str) else plain
 
 
-WRITERS: dict[str, Callable[[Store, Path], None]] = {
+WRITERS: dict[str, Callable[[Folder, Path], None]] = {
     ".csv": _write_csv,
     ".parquet": _write_parquet,
 }

@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._statistics import SweepSummary, summarise
-from rcac_experiments.sweeps._store import Store
 from rcac_experiments.sweeps._table import SweepTable, table_in
 from rcac_numeric.arrays._showing import report_of
 from rcac_numeric.arrays._values import Result
@@ -96,7 +96,7 @@ def sweep_overview(
     Raises
     ------
     StoreError
-        Where the file is no store or is damaged.
+        Where the folder is no store or is damaged.
 
     Examples
     --------
@@ -107,15 +107,14 @@ def sweep_overview(
     ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 50}}
     >>> study = Study(base, [Axis("R_theta", [0.1, 10], sets="controller.R_theta")], [Kept("rms")])
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> store = tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
     >>> overview = sweep_overview(store)
     >>> overview.done, overview.outcomes
     (2, {'completed': 2})
     """
-    with Store(store, read_only=True) as opened:
+    with Folder(store) as opened:
         row, table = opened.study, table_in(opened)
-        done, total, _ = opened.counts()
     first = table.measures[0] if table.measures else ""
     return SweepOverview(
         path=str(store),
@@ -128,8 +127,8 @@ def sweep_overview(
         seed=row.resolved["seed"],
         repetitions=row.resolved["repetitions"],
         axes={a["name"]: (a["sets"], len(a["values"])) for a in row.resolved["axes"]},
-        done=done,
-        total=total,
+        done=len(table) + table.failures,
+        total=row.plan.runs,
         table=table,
         summary=summarise(table, measure or first, by),
     )

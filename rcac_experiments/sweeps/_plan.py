@@ -6,7 +6,7 @@ import itertools
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -37,6 +37,7 @@ class Block:
     cells: int
     first_repetition: int
     repetitions: int
+    stage: int = 0
 
     @property
     def runs(self) -> int:
@@ -99,14 +100,14 @@ class Plan:
         """Which runs there are, by increasing number."""
         blocks: list[Block] = []
         cells = repetitions = runs = 0
-        for stage in self.stages:
+        for i, stage in enumerate(self.stages):
             more = (
-                Block(runs, 0, cells, repetitions, stage.repetitions - repetitions),
-                Block(0, cells, stage.cells - cells, 0, stage.repetitions),
+                Block(0, 0, cells, repetitions, stage.repetitions - repetitions, i),
+                Block(0, cells, stage.cells - cells, 0, stage.repetitions, i),
             )
             for block in more:
                 if block.runs:
-                    blocks.append(Block(runs, *list(vars(block).values())[1:]))
+                    blocks.append(replace(block, first_run=runs))
                     runs += block.runs
             cells, repetitions = stage.cells, stage.repetitions
         return tuple(blocks)
@@ -133,6 +134,18 @@ class Plan:
         block = self.blocks[i]
         first = block.first_run + (number - self._first_chunks[i]) * self.chunk_size
         return first, min(first + self.chunk_size, block.first_run + block.runs) - 1
+
+    def stage_of(self, number: int) -> int:
+        """The stage in which a chunk was planned."""
+        return self.blocks[bisect_right(self._first_chunks, number) - 1].stage
+
+    def values_of(self, number: int) -> dict[str, list[Any]]:
+        """The values that each axis had when a chunk was planned: a file's columns follow them."""
+        lengths = self.stages[self.stage_of(number)].lengths
+        return {
+            name: values[:length]
+            for (name, values), length in zip(self.values.items(), lengths, strict=True)
+        }
 
     def chunk_of(self, run: int) -> int:
         """The number of the chunk that a run is in."""
@@ -215,7 +228,6 @@ def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
     named_old, named_new = ({a["name"]: a for a in r["axes"]} for r in (old, new))
     if [a["name"] for a in old["axes"]] != [a["name"] for a in new["axes"]]:
         words.append(f"axes: {', '.join(named_old)} before, {', '.join(named_new)} now")
-    axes = []
     for name in named_old.keys() & named_new.keys():
         words += _axis_difference(name, named_old[name], named_new[name])
     if new["repetitions"] < old["repetitions"]:
@@ -223,14 +235,20 @@ def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
     if words:
         raise StoreError(
             f"{path} holds the results of another study; {'; '.join(words)}. Results are never "
-            "mixed: use another file. (More repetitions or more values of an axis would go on in "
+            "mixed: use another folder. (More repetitions or more values of an axis would go on in "
             "this one.)"
         )
-    for axis in old["axes"]:
+    return united(old, new)
+
+
+def united(old: Resolved, new: Resolved) -> Resolved:
+    """All that two studies ask for that differ in what may grow, the old values first."""
+    axes = []
+    for axis, other in zip(old["axes"], new["axes"], strict=True):
         known = {canonical_json(value) for value in axis["values"]}
-        more = [v for v in named_new[axis["name"]]["values"] if canonical_json(v) not in known]
+        more = [value for value in other["values"] if canonical_json(value) not in known]
         axes.append({**axis, "values": [*axis["values"], *more]})
-    return {**new, "axes": axes}
+    return {**new, "axes": axes, "repetitions": max(old["repetitions"], new["repetitions"])}
 
 
 def _axis_difference(name: str, old: Resolved, new: Resolved) -> list[str]:

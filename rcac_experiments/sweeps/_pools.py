@@ -50,13 +50,8 @@ class WorkerPool(Executor):
     been done.
     """
 
-    def __init__(
-        self,
-        workers: int,
-        time_limit: float | None = None,
-        on_progress: Callable[[], None] | None = None,
-    ) -> None:
-        self.time_limit, self._on_progress = time_limit, on_progress
+    def __init__(self, workers: int, time_limit: float | None = None) -> None:
+        self.time_limit = time_limit
         self._jobs: queue.SimpleQueue[tuple[Future[Any], Any, Any] | None] = queue.SimpleQueue()
         self._reader, self._alive = _CONTEXT.Pipe(duplex=False)
         self._lock, self._left, self._broken = threading.Lock(), False, ""
@@ -99,7 +94,7 @@ class WorkerPool(Executor):
                 continue
             try:
                 worker = worker or self._started()
-                future.set_result(worker.call(fn, args, self.time_limit, self._on_progress))
+                future.set_result(worker.call(fn, args, self.time_limit))
             except WorkerLost as lost:
                 if worker is not None:
                     self._forget(worker)
@@ -159,13 +154,7 @@ class _Worker:
             return self.process.exitcode or 0
         return None
 
-    def call(
-        self,
-        fn: Callable[..., Any],
-        args: tuple[Any, ...],
-        time_limit: float | None,
-        on_progress: Callable[[], None] | None,
-    ) -> Any:
+    def call(self, fn: Callable[..., Any], args: tuple[Any, ...], time_limit: float | None) -> Any:
         """What the function returns there; raises what it raises, or `WorkerLost`."""
         begun = False
         try:
@@ -179,8 +168,6 @@ class _Worker:
                 if kind == "raised":
                     raise value
                 begun = True
-                if on_progress is not None:
-                    on_progress()
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode or 0
@@ -197,9 +184,7 @@ class _Worker:
 class InProcess(Executor):
     """An executor that does everything here and now: one process, one thread."""
 
-    def __init__(
-        self, time_limit: float | None = None, on_progress: Callable[[], None] | None = None
-    ) -> None:
+    def __init__(self, time_limit: float | None = None) -> None:
         if time_limit is not None and not (
             hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
         ):
@@ -207,7 +192,7 @@ class InProcess(Executor):
                 "time_limit with workers=0 interrupts the main thread of a POSIX system by "
                 "SIGALRM, and this is none: use workers=1, whose process can be ended."
             )
-        self.time_limit, self._on_progress = time_limit, on_progress
+        self.time_limit = time_limit
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
         """Call it; Ctrl-C leaves at once."""
@@ -227,8 +212,6 @@ class InProcess(Executor):
         def progress() -> None:
             if limit is not None:
                 signal.setitimer(signal.ITIMER_REAL, limit)
-            if self._on_progress is not None:
-                self._on_progress()
 
         def too_long(number: int, frame: Any) -> None:
             raise TimeLimitReached(f"it took longer than {limit:g} s")

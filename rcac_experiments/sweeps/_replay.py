@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +15,11 @@ from rcac_experiments.sweeps._axes import Axis
 from rcac_experiments.sweeps._canonical import data_files, file_digests, source_of
 from rcac_experiments.sweeps._cells import Cells
 from rcac_experiments.sweeps._chunk import error_text
+from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._measures import Kept
 from rcac_experiments.sweeps._problems import StoreError
-from rcac_experiments.sweeps._store import Store, StudyRow
 from rcac_experiments.sweeps._study import Study
+from rcac_experiments.sweeps._study_file import StoredStudy
 from rcac_experiments.sweeps._versions import versions
 from rcac_experiments.sweeps._worker import MeasureFailed, measured, run_in_full
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
@@ -123,7 +123,7 @@ def replay_run(
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 200}}
     >>> study = Study({**base, "controller": {"n_c": 2, "R_theta": 1}}, [], [Kept("rms")],
     ...     repetitions=8)
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> store = tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
     >>> again = replay_run(store, 5)
     >>> again.is_identical, again.analysed.run.steps
@@ -134,9 +134,17 @@ def replay_run(
     for name, function in functions.items():
         if not callable(function):
             raise InputError(f"measures[{name!r}] = {function!r} is no function.")
-    with Store(store, read_only=True) as opened:
-        row, about = opened.row(run), opened.study
-        (coordinates,) = about.plan.coordinates([row[1]])
+    with Folder(store) as opened:
+        about = opened.study
+        plan = about.plan
+        if run >= plan.runs:
+            raise StoreError(f"{store} has no run {run}; its runs are 0 to {plan.runs - 1}.")
+        found = list(opened.results([plan.chunk_of(run)]))
+    if not found:
+        raise StoreError(f"run {run} of {store} has not been run yet.")
+    row = {name: values[run - found[0].first] for name, values in found[0].columns.items()}
+    cell, repetition = plan.place(run)
+    (coordinates,) = plan.coordinates([cell])
     study = _study(about, str(store), functions, data)
     if instruction_set() != about.instruction_set:
         raise StoreError(
@@ -146,7 +154,7 @@ def replay_run(
         )
     cells = Cells(study)
     with np.errstate(all="ignore"):
-        analysed = run_in_full(cells, coordinates, row[2])
+        analysed = run_in_full(cells, coordinates, repetition)
         try:
             values, _ = measured(cells.cell(coordinates), analysed)
         except MeasureFailed as failed:
@@ -157,15 +165,13 @@ def replay_run(
     now = versions()
     return ReplayedRun(
         number=run,
-        repetition=row[2],
+        repetition=repetition,
         coordinates=coordinates,
         analysed=analysed,
-        stored=dict(
-            zip(about.measures, (math.nan if v is None else v for v in row[6:]), strict=True)
-        ),
+        stored={name: float(row[name]) for name in about.measures},
         found=dict(zip(about.measures, (value + 0.0 for value in values), strict=True)),
-        stored_outcome=row[3],
-        stored_error=row[4],
+        stored_outcome=row["outcome"],
+        stored_error=row["failure"],
         differing_versions={
             name: (then, now.get(name, "absent"))
             for name, then in about.versions.items()
@@ -175,7 +181,10 @@ def replay_run(
 
 
 def _study(
-    about: StudyRow, store: str, functions: dict[str, Callable[..., Any]], data: str | Path | None
+    about: StoredStudy,
+    store: str,
+    functions: dict[str, Callable[..., Any]],
+    data: str | Path | None,
 ) -> Study:
     """The study of a store as an object again, with the functions and files of the caller."""
     resolved = about.resolved
@@ -225,7 +234,7 @@ def _study(
         raise StoreError(f"{store} holds no study ({type(error).__name__}: {error}).") from None
 
 
-def _file_in(data: str | Path | None, about: StudyRow, store: str) -> str:
+def _file_in(data: str | Path | None, about: StoredStudy, store: str) -> str:
     """A file beside the data files of the study, after they were found to be what they were."""
     resolved = about.resolved
     named = sorted(data_files([resolved["base"], *(a["values"] for a in resolved["axes"])]))

@@ -7,12 +7,13 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from rcac_experiments.sweeps._axes import Axis
+from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._measures import Kept
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Progress
 from rcac_experiments.sweeps._study import Study
 from rcac_experiments.sweeps._sweep import run_study
-from rcac_experiments.sweeps._table import read_table
+from rcac_experiments.sweeps._table import table_in
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.designing._trials import Trial, Trials, largest_error, sensitivity, whole_rms
 
@@ -28,7 +29,7 @@ def stored(
     ----------
     trials : Trials
     store : path
-        Of an SQLite file, made where there is none; one of other trials is refused.
+        Of a study's folder, made where there is none; one of other trials is refused.
     executor, progress
         As of `run_study`.
     """
@@ -44,7 +45,8 @@ def stored(
         title="Trials of a design",
     )
     run_study(study, store, executor=executor, progress=progress, retry_failed=True)
-    table = read_table(store)
+    with Folder(store) as opened:
+        table = table_in(opened, guarded=False)  # it was read and completed just now
     if table.failures:
         raise StoreError(
             f"{table.failures} of {trials.runs} runs in {store} failed, the first because "

@@ -7,26 +7,28 @@ import os
 import pickle
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, wait
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.libraries import require_library
 from rcac_experiments.files._builder import build
 from rcac_experiments.sweeps._canonical import canonical_json
 from rcac_experiments.sweeps._cells import Cell, Cells
 from rcac_experiments.sweeps._chunk import ChunkResult, ChunkTask
-from rcac_experiments.sweeps._claims import Claim, Claims
+from rcac_experiments.sweeps._coordinator import Coordinator, Pool
+from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._pools import InProcess, WorkerLost, WorkerPool
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Meter, Progress
-from rcac_experiments.sweeps._schedule import Schedule
-from rcac_experiments.sweeps._store import DONE, JOURNALS, LARGEST_CHUNK, Store
 from rcac_experiments.sweeps._study import Coordinates, Study, require_meant
+from rcac_experiments.sweeps._study_file import LARGEST_CHUNK
 from rcac_experiments.sweeps._versions import differing, versions
 from rcac_experiments.sweeps._worker import KeyWatch, run_chunk
-from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
+from rcac_numeric.arrays._validation import instance_of, integer, number
 from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 # A chunk takes about so many seconds, and its runs so many bytes.
@@ -62,7 +64,6 @@ def run_study(
     window: int | None = None,
     progress: Callable[[Progress], None] | None = None,
     many: bool = False,
-    journal: str = "wal",
     mixed: bool = False,
     time_limit: float | None = None,
     retries: int = 0,
@@ -72,9 +73,9 @@ def run_study(
 
     A run's numbers depend on its own coordinates and the seed alone: neither on chunks, workers
     and their order, nor, bit for bit for one instruction set, on the machine. Called again after
-    whatever stopped it, it goes on; several processes may work on one store at a time. A study
-    with more repetitions or more values of an axis goes on in the store of the smaller one; any
-    other change is refused.
+    whatever stopped it, it goes on, and computes again what is damaged; several processes may
+    work on one store at a time. A study with more repetitions or more values of an axis goes on in
+    the store of the smaller one; any other change is refused.
 
     A run that diverges or cannot be made is a result. A run has failed where its measure, or
     another function of the study, raised anything but a `CompensatorError`, where memory or time
@@ -84,12 +85,14 @@ def run_study(
     ----------
     study : Study
     store : path
-        An SQLite file; made where there is none.
+        A folder, made where there is none: study.toml, and chunks/NUMBER.parquet, which pandas,
+        polars, DuckDB and dask read without us. It needs pyarrow (`compensator-theory[studies]`).
     workers : int, optional
         Processes; as many as there are processors by default, and 0 for this process alone.
     executor : concurrent.futures.Executor, or a function that makes one; optional
         In place of processes of our own: `distributed.Client(...).get_executor(pure=False)`, or
-        that of `mpi4py.futures`. It is not shut down.
+        that of `mpi4py.futures`. It is not shut down; what a function makes is, and is made
+        again where it breaks.
     window : int, optional
         How many chunks are under way at a time: three for each process of our own, and 64 over an
         executor; three for each worker are enough.
@@ -97,8 +100,6 @@ def run_study(
         Called with a `Progress` while it goes on; `ProgressLine()` writes it down.
     many : bool
         That more than a million runs are meant.
-    journal : {"wal", "rollback"}
-        "rollback" for a store on a network file system, which one process alone may then use.
     mixed : bool
         Go on although the store was begun with other versions or instructions, so that its runs
         agree up to rounding only; the store says so from then on.
@@ -118,7 +119,7 @@ def run_study(
     InputError
         Where something of the study cannot be run: before anything is.
     StoreError
-        Where the store is damaged, full, in use, or of another study.
+        Where the store cannot be written, is of another study, or has lost its own.
     StudyInterrupted
         On Ctrl-C, within half a second.
 
@@ -133,7 +134,7 @@ def run_study(
     >>> study = Study(
     ...     base, [Axis("R_theta", [0.01, 100], sets="controller.R_theta")], [Kept("rms")],
     ...     repetitions=10)
-    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> store = tempfile.mkdtemp() + "/study"
     >>> print(run_study(study, store, workers=0))
     20 of 20 runs (100 %)
     >>> table = read_table(store)
@@ -141,7 +142,6 @@ def run_study(
     (20, [0.01, 100.0])
     """
     instance_of(study, "study", Study)
-    one_of(journal, "journal", list(JOURNALS))
     require_meant(study, many)
     count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
     limit = None if time_limit is None else number(time_limit, "time_limit")
@@ -154,143 +154,108 @@ def run_study(
         )
     again = integer(retries, "retries", at_least=0)
     instance_of(retry_failed, "retry_failed", bool)
+    usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
+    under_way = usual if window is None else integer(window, "window", at_least=1)
+    pool = _pool(executor, count, limit)
+    require_library("pyarrow")
     first = tried(study)
-    with Store(store, journal) as opened, KeyWatch():
-        run = _Running(opened, study, executor, count, limit)
+    with Folder(store, make=True) as opened, KeyWatch():
+        meter, coordinator = Meter(study.runs, 0), None
         try:
-            if not (opened.is_new and run.create(first)):
-                opened.chunks()  # before anything is written
+            if opened.is_new:
+                size = _chunk_size(study, first, pool)
+                opened.create(study, instruction_set(), size)
+            _tidy(opened)
+            before: bytes | None = None
+            while before != opened.text:  # another process may have made the study grow
                 differences = _require_same(opened, mixed)
-                opened.grow(study)
-                if differences:
-                    opened.note_mixed(differences)
-                if retry_failed:
-                    _free_failed(opened)
-            usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
-            under_way = usual if window is None else integer(window, "window", at_least=1)
-            instructions = "" if mixed else opened.study.instruction_set
-            return run.run(instructions, under_way, again, progress or _silence)
-        except KeyboardInterrupt:
-            run.leave()
-            counts = (0, study.runs) if opened.is_new else opened.counts()[:2]
-            raise StudyInterrupted(opened.path, *counts) from None
-        except BaseException:
-            run.leave()
+                opened.grow(study, differences, among_others=before is not None)
+                before = opened.text
+                absent, anew = _scan(opened, meter, retry_failed)
+                if progress is not None:
+                    progress(meter.now())
+                if absent or anew:
+                    coordinator = Coordinator(
+                        opened, pool,
+                        _tasks(opened, study, "" if mixed else opened.study.instruction_set, limit),
+                        under_way, again, meter, progress or _silence,
+                    )  # fmt: skip
+                    coordinator.run(absent, anew)
+                opened.refreshed()
+            pool.end()
+            return meter.now()
+        except BaseException as error:
+            pool.leave() if coordinator is None else coordinator.leave()
+            if isinstance(error, KeyboardInterrupt):
+                raise StudyInterrupted(opened.path, meter.done, meter.total) from None
             raise
 
 
-class _Running:
-    """A study that is being run into its store, and the executor that does it."""
+def _scan(folder: Folder, meter: Meter, retry_failed: bool) -> tuple[list[int], list[int]]:
+    """The chunks that have no file, and those that are written anew; the meter counts the rest."""
+    plan, there, anew = folder.study.plan, set(), []
+    meter.total, meter.done, meter.failed = plan.runs, 0, 0
+    for chunk in folder.read():
+        there.add(chunk.number)
+        if chunk.fault or (retry_failed and chunk.failed):
+            anew.append(chunk.number)
+        else:
+            meter.done += chunk.last - chunk.first + 1
+            meter.failed += chunk.failed
+    return [number for number in range(1, plan.chunks + 1) if number not in there], anew
 
-    def __init__(
-        self,
-        store: Store,
-        study: Study,
-        executor: Executor | Callable[[], Executor] | None,
-        workers: int,
-        time_limit: float | None,
-    ) -> None:
-        self.store, self.study = store, study
-        self.pickled, self.fingerprint = pickle.dumps(study), study.fingerprint
-        # A clock that starts anew with every run is read between few of them.
-        self.at_once = 256 if time_limit is None else 8
-        self._make = _maker(executor, workers, time_limit, self._progressed)
-        self._own = executor is None  # what somebody else made, somebody else ends
-        self._executor: Executor | None = None
-        self.claims: Claims | None = None
-        self.schedule: Schedule | None = None
 
-    @property
-    def executor(self) -> Executor:
-        """Made when the first run is to be run."""
-        if self._executor is None:
-            self._executor = self._make()
-        return self._executor
+def _tidy(folder: Folder) -> None:
+    """Remove what was being written when a process was killed, where that may be done."""
+    with suppress(OSError):
+        folder.directory.remove_abandoned()
+        if folder.chunks is not None:
+            folder.chunks.remove_abandoned()
 
-    def create(self, first: Cell) -> bool:
-        """Make the store; False where another process just did."""
-        return self.store.create(
-            self.study, instruction_set(), _chunk_size(self.study, first, self.executor)
+
+def _tasks(
+    folder: Folder, study: Study, instructions: str, time_limit: float | None
+) -> Callable[[int], ChunkTask]:
+    """What makes the task of a chunk."""
+    pickled, fingerprint = pickle.dumps(study), study.fingerprint
+    # A clock that starts anew with every run is read between few of them.
+    at_once = 256 if time_limit is None else 8
+
+    def task_of(chunk: int) -> ChunkTask:
+        plan = folder.study.plan
+        places = plan.places(*plan.chunk(chunk))
+        by_cell = groupby(places, key=lambda place: place[1])
+        runs = [[(run, repetition) for run, _, repetition in some] for _, some in by_cell]
+        cells = plan.coordinates(range(places[0][1], places[-1][1] + 1))
+        return ChunkTask(
+            pickled, fingerprint, instructions, list(zip(cells, runs, strict=True)), at_once
         )
 
-    def run(
-        self, instructions: str, window: int, retries: int, progress: Callable[[Progress], None]
-    ) -> Progress:
-        """Until the store has nothing left to do."""
-        store = self.store
-        ended = [chunk.state == DONE for chunk in store.chunks()]
-        done, total, failed = store.counts()
-        meter = Meter(total, done, failed=failed)
-        progress(meter.now())
-        if not all(ended):
-            self.claims = Claims(store)
-            self.claims.take_over()
-
-            def task_of(claim: Claim) -> ChunkTask:
-                plan = store.study.plan
-                places = plan.places(claim.first, claim.last)
-                by_cell = groupby(places, key=lambda place: place[1])
-                runs = [[(run, repetition) for run, _, repetition in some] for _, some in by_cell]
-                cells = plan.coordinates(range(places[0][1], places[-1][1] + 1))
-                return ChunkTask(
-                    self.pickled, self.fingerprint, instructions,
-                    list(zip(cells, runs, strict=True)), self.at_once,
-                )  # fmt: skip
-
-            self.schedule = Schedule(
-                self.claims, self.executor, task_of, window, retries, meter, progress
-            )
-            self.schedule.run()
-            self.claims.close()
-        if self._own and isinstance(self._executor, WorkerPool):
-            self._executor.shutdown()
-        meter.done, meter.total, meter.failed = store.counts()
-        return meter.now()
-
-    def leave(self) -> None:
-        """Let go of everything at once."""
-        if self.schedule is not None:
-            self.schedule.leave()
-        if self._own and isinstance(self._executor, WorkerPool):
-            self._executor.leave()
-        if self.claims is not None:
-            self.claims.close_quietly()
-
-    def _progressed(self) -> None:
-        if self.claims is not None:
-            self.claims.progressed()
+    return task_of
 
 
-def _maker(
-    executor: Executor | Callable[[], Executor] | None,
-    workers: int,
-    time_limit: float | None,
-    on_progress: Callable[[], None],
-) -> Callable[[], Executor]:
+def _pool(
+    executor: Executor | Callable[[], Executor] | None, workers: int, time_limit: float | None
+) -> Pool:
     if isinstance(executor, Executor):
-        return lambda: executor
+        return Pool(lambda: executor, own=False, renewable=False)
     if executor is not None:
         if not callable(executor):
             raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
-        return executor
+        return Pool(executor, own=True, renewable=True)
     if workers == 0:
-        return lambda: InProcess(time_limit, on_progress)
-    return lambda: WorkerPool(workers, time_limit, on_progress)
+        return Pool(lambda: InProcess(time_limit), own=True, renewable=False)
+    return Pool(lambda: WorkerPool(workers, time_limit), own=True, renewable=False)
 
 
-def _free_failed(store: Store) -> None:
-    """Let the chunks be run again in which a run has failed; all others of them come out alike."""
-    store.set_free([(c.chunk, c.first, c.last) for c in store.chunks() if c.failed])
-
-
-def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
+def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
     """As many runs as take a fraction of a second, found by running a few; their memory too.
 
-    They are run where all others will be, as long as that is ours: they may end their process.
+    They are run where all others will be, as long as that can be made again: they may end it.
     """
-    ours = executor if isinstance(executor, WorkerPool) else InProcess()
-    if isinstance(executor, InProcess):
-        ours = executor
+    executor = pool.executor
+    is_ours = isinstance(executor, WorkerPool | InProcess) or pool.renewable
+    ours = executor if is_ours else InProcess()
     runs, seconds = 1, 0.0
     for attempt in range(5):
         numbers = [(i, i % study.repetitions) for i in range(runs)]
@@ -302,9 +267,13 @@ def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
         try:
             seconds = future.result().seconds
         except BrokenExecutor as error:
-            raise InputError(
-                f"worker processes cannot be started: {error} workers=0 does all in one process."
-            ) from None
+            if isinstance(ours, WorkerPool):
+                raise InputError(
+                    f"worker processes cannot be started: {error} workers=0 does all in one "
+                    "process."
+                ) from None
+            pool.renew()
+            seconds = CHUNK_SECONDS
         except WorkerLost:
             seconds = CHUNK_SECONDS  # one by one, where it is recorded what is wrong with them
         if attempt == 0 and seconds < 10 * CHUNK_SECONDS:
@@ -322,7 +291,7 @@ def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
     return max(1, int(size) // 8 * 8 or int(size))
 
 
-def _require_same(store: Store, mixed: bool) -> list[str]:
+def _require_same(store: Folder, mixed: bool) -> list[str]:
     """What would give other bits; refuse to go on with it, unless that is meant."""
     row = store.study
     differences = [

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compensator_theory.errors import InputError
 from rcac_experiments.format._places import did_you_mean
 from rcac_experiments.sweeps._chunk import FAILED
-from rcac_experiments.sweeps._store import Row, Store
+from rcac_experiments.sweeps._folder import Folder
 from rcac_numeric.arrays import _frames as frames
 from rcac_numeric.arrays._values import Value
 
@@ -105,55 +105,48 @@ def read_table(store: str | Path) -> SweepTable:
     Raises
     ------
     StoreError
-        Where the file is no store, or anything in the table is not what was written.
+        Where the folder is no store, or anything in the table is not what was written.
 
     Examples
     --------
     >>> import tempfile
     >>> from rcac_experiments.sweeps import read_table
-    >>> read_table(tempfile.mkdtemp() + "/nothing.sqlite")
+    >>> read_table(tempfile.mkdtemp() + "/nothing")
     Traceback (most recent call last):
         ...
-    rcac_experiments.sweeps._problems.StoreError: /... cannot be read: there is no such file.
+    rcac_experiments.sweeps._problems.StoreError: /... cannot be read: there is no such folder.
     """
-    with Store(store, read_only=True) as opened:
+    with Folder(store) as opened:
         return table_in(opened)
 
 
-def table_in(store: Store) -> SweepTable:
+def table_in(store: Folder, guarded: bool = True) -> SweepTable:
     """The table of an open store."""
     about = store.study
-    results: list[Columns] = []
-    failures: list[Columns] = []
-    for rows in store.all_rows():
+    results, failures = [_piece({}, about.measures)], [_piece({}, ())]
+    for chunk in store.results(guarded=guarded):
         # Chunk by chunk as arrays, so that a large table is never held as Python's objects.
-        results.append(_piece([row for row in rows if row[3] not in FAILED], about.measures))
-        failures.append(_piece([row for row in rows if row[3] in FAILED], ()))
+        piece = _piece(chunk.columns, about.measures)
+        failed = np.array([outcome in FAILED for outcome in piece["outcome"]])
+        results.append({name: values[~failed] for name, values in piece.items()})
+        names = failures[0]
+        failures.append({name: piece[name][failed] for name in names})
     return SweepTable(
         _joined(results, store, about.measures), about.axes, about.measures,
         _joined(failures, store, ()),
     )  # fmt: skip
 
 
-def _piece(rows: list[Row], measures: tuple[str, ...]) -> Columns:
-    by_column = list(zip(*rows, strict=True)) or [()] * (6 + len(measures))
-    piece: Columns = {}
-    for name, values in zip(("run", "cell", "repetition"), by_column[:3], strict=True):
-        piece[name] = np.array(values, dtype=np.int64)
-    for name, values in zip(("outcome", "failure"), by_column[3:5], strict=True):
-        piece[name] = np.array(values, dtype=object)
-    for name, values in zip(measures, by_column[6 : 6 + len(measures)], strict=True):
-        piece[name] = np.array(values, dtype=np.float64)
-    return piece
+def _piece(columns: Columns, measures: tuple[str, ...]) -> Columns:
+    kinds: dict[str, Any] = dict.fromkeys(("run", "cell", "repetition"), np.int64)
+    kinds |= dict.fromkeys(("outcome", "failure"), object)
+    kinds |= dict.fromkeys(measures, np.float64)
+    return {name: np.array(columns.get(name, ()), dtype=kind) for name, kind in kinds.items()}
 
 
-def _joined(pieces: list[Columns], store: Store, measures: tuple[str, ...]) -> Columns:
+def _joined(pieces: list[Columns], store: Folder, measures: tuple[str, ...]) -> Columns:
     """The columns in their order, the coordinates put in."""
-    joined = {
-        name: np.concatenate([piece[name] for piece in pieces])
-        for name in _piece([], measures)
-        if pieces
-    } or _piece([], measures)
+    joined = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
     ordered = {name: joined[name] for name in ("run", "cell", "repetition")}
     ordered |= store.cell_columns(joined["cell"])
     return ordered | {name: joined[name] for name in ("outcome", "failure", *measures)}

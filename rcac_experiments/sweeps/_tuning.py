@@ -14,7 +14,9 @@ from scipy.stats import qmc
 
 from compensator_theory import figures
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
 from rcac_experiments.files._design_files import design_toml, save_design
+from rcac_experiments.sweeps._folder import STUDY
 from rcac_experiments.sweeps._pools import InProcess, WorkerPool
 from rcac_experiments.sweeps._progress import Progress
 from rcac_experiments.sweeps._stored_trials import stored
@@ -259,7 +261,8 @@ def _runner(
     folder = Path(instance_of(store, "store", str | Path))
     if folder.exists() and not folder.is_dir():
         raise InputError(f"store = {folder} is a file, and a folder is needed.")
-    member(folder, "round-1.sqlite")  # made now, or refused before anything is run
+    require_library("pyarrow")
+    member(folder, f"round-1/{STUDY}")  # made now, or refused before anything is run
     if executor is not None and workers is not None:
         raise InputError("workers are processes of our own, and executor stands in their place.")
     own = None
@@ -268,7 +271,7 @@ def _runner(
         executor = own = WorkerPool(count) if count else InProcess()  # once for all rounds
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
-        return stored(trials, member(folder, f"{name}.sqlite"), executor, progress)
+        return stored(trials, member(folder, f"{name}/{STUDY}").parent, executor, progress)
 
     try:
         yield into_store

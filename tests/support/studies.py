@@ -57,6 +57,12 @@ def study(repetitions=20, **changes):
     )  # fmt: skip
 
 
+def contents(folder):
+    """Every file in a folder and below it, its bytes by its path there."""
+    found = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+
+
 def over_R_theta(values, measure, repetitions=1):
     """One axis that a measure can tell runs by."""
     axis = sweeps.Axis("R_theta", values, sets="controller.R_theta")

@@ -1,13 +1,15 @@
 """The commands sweep, show and replay: what they print, write and end with."""
 
 import json
+import shutil
 
 import pytest
 from click.testing import CliRunner
 
 from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import read_table
-from rcac_experiments.sweeps._store import Store, chunk_digest
+from rcac_experiments.sweeps._chunk_files import decode, encode
+from rcac_experiments.sweeps._folder import Folder
 from tests.support import studies
 
 
@@ -19,10 +21,10 @@ def rcac(*arguments):
 def store(tmp_path_factory):
     folder = tmp_path_factory.mktemp("studies")
     (folder / "study.toml").write_text(studies.FILE % {"steps": 60, "repetitions": 4})
-    result = rcac("sweep", folder / "study.toml", "-o", folder / "s.sqlite", "--workers", 0)
+    result = rcac("sweep", folder / "study.toml", "-o", folder / "s", "--workers", 0)
     assert result.exit_code == 0, result.output
     assert "All 24 runs completed." in result.stdout
-    return folder / "s.sqlite"
+    return folder / "s"
 
 
 def test_the_same_command_again_has_nothing_to_do(store):
@@ -61,8 +63,8 @@ def test_what_show_cannot_do_it_says(store, tmp_path, monkeypatch, arguments, wo
         (tmp_path / "one.toml").write_text(
             (studies.FILE % {"steps": 60, "repetitions": 1}).split("axes.R_theta")[0]
         )
-        rcac("sweep", "one.toml", "-o", "one.sqlite", "--workers", 0)
-        store = tmp_path / "one.sqlite"
+        rcac("sweep", "one.toml", "-o", "one", "--workers", 0)
+        store = tmp_path / "one"
     result = rcac("show", store, *arguments)
     assert result.exit_code == 2 and words in result.stderr
 
@@ -80,19 +82,13 @@ def test_a_run_is_replayed(store, tmp_path):
 
 def test_a_run_that_is_not_what_is_stored_ends_with_1(store, tmp_path):
     """As another version of the software might leave it: stored whole, with another number."""
-    path = tmp_path / "other.sqlite"
-    path.write_bytes(store.read_bytes())
-    with Store(path) as opened:
-        chunk = opened.chunks()[0]
-        rows = [(*row[:6], 2 * row[6], *row[7:]) for row in opened.rows(chunk)]
-        with opened.writing() as connection:
-            connection.execute(
-                "UPDATE run SET rms = 2 * rms WHERE run BETWEEN ? AND ?", (chunk.first, chunk.last)
-            )
-            connection.execute(
-                "UPDATE chunk SET digest = ? WHERE chunk = 1",
-                (chunk_digest(opened.study, chunk, rows),),
-            )
+    path = tmp_path / "other"
+    shutil.copytree(store, path)
+    with Folder(path) as opened:
+        layout, (first, last) = opened.layout(1), opened.study.plan.chunk(1)
+        file = path / "chunks" / "00000001.parquet"
+        columns = decode(layout, 1, last - first + 1, file.read_bytes())
+        file.write_bytes(encode(layout, 1, {**columns, "rms": 2 * columns["rms"]}))
     result = rcac("replay", path, 0)
     assert result.exit_code == 1 and "Not the run that is stored: rms." in result.stdout
 
@@ -101,14 +97,14 @@ def test_a_measure_that_fails_is_seen_in_the_status(tmp_path):
     file = tmp_path / "study.toml"
     text = studies.FILE % {"steps": 60, "repetitions": 1}
     file.write_text(text.replace('{ measure = "rms" }', '{ measure = "coefficient", index = 8 }'))
-    result = rcac("sweep", file, "-o", tmp_path / "s.sqlite", "--workers", 0)
+    result = rcac("sweep", file, "-o", tmp_path / "s", "--workers", 0)
     assert result.exit_code == 1, result.output
     assert "3 runs have an error recorded." in result.stdout  # those with six coefficients
     assert "measure coefficient: InputError: index = 8" in result.stdout
 
 
 def test_bad_files_end_with_2_before_anything_is_made(tmp_path):
-    file, store = tmp_path / "study.toml", tmp_path / "s.sqlite"
+    file, store = tmp_path / "study.toml", tmp_path / "s"
     text, few = (studies.FILE % {"steps": 60, "repetitions": n} for n in (10**9, 1))
     for changed, words in (
         (text, "6000000000 runs: 3 (R_theta) x 2 (n_c)"),

@@ -2,7 +2,6 @@
 
 import signal
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -19,27 +18,23 @@ from rcac_experiments.sweeps import (
     sweep_overview,
 )
 from rcac_experiments.sweeps import (
-    _claims as claims,
-)
-from rcac_experiments.sweeps import (
     _pools as pools,
 )
 from rcac_experiments.sweeps import (
     _sweep as sweep,
 )
 from rcac_experiments.sweeps._chunk import LONGEST_TEXT
-from rcac_experiments.sweeps._store import Store
 from tests.support import studies
 
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    monkeypatch.setattr(sweep, "_chunk_size", lambda study, first, executor: 4)
+    monkeypatch.setattr(sweep, "_chunk_size", lambda study, first, pool: 4)
 
 
 def test_memory_that_comes_back_gives_the_table_of_an_undisturbed_run(tmp_path, monkeypatch):
     study = studies.over_R_theta([1.0, 2.0], studies.short_of_memory, 4)
-    store, undisturbed = tmp_path / "store.sqlite", tmp_path / "undisturbed.sqlite"
+    store, undisturbed = tmp_path / "store", tmp_path / "undisturbed"
     run_study(study, undisturbed, workers=0)
     short = tmp_path / "short"
     short.touch()
@@ -57,7 +52,7 @@ def test_memory_that_comes_back_gives_the_table_of_an_undisturbed_run(tmp_path, 
 @pytest.mark.parametrize("workers", [0, 1])
 def test_whatever_a_measure_raises_is_a_failure_of_its_run(tmp_path, workers, small_chunks):
     values = [*studies.ODD, 8.0]
-    store = tmp_path / "store.sqlite"
+    store = tmp_path / "store"
     progress = run_study(studies.over_R_theta(values, studies.odd), store, workers=workers)
     assert progress.failed == len(studies.ODD)
     table = read_table(store)
@@ -76,9 +71,7 @@ def test_a_key_that_is_pressed_in_a_measure_is_no_failure_of_it(tmp_path):
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with pytest.raises(StudyInterrupted):
-            run_study(
-                studies.over_R_theta([1.0], studies.pressing), tmp_path / "s.sqlite", workers=0
-            )
+            run_study(studies.over_R_theta([1.0], studies.pressing), tmp_path / "s", workers=0)
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
         signal.signal(signal.SIGINT, before)
@@ -90,7 +83,7 @@ def test_a_key_that_is_pressed_in_a_measure_is_no_failure_of_it(tmp_path):
 def test_a_run_that_never_ends_is_ended(tmp_path, workers, small_chunks):
     """The other runs are those of a study in which none hangs."""
     values = [1.0, 2.0, studies.HANGING, 4.0, 3.0]
-    store = tmp_path / "store.sqlite"
+    store = tmp_path / "store"
     study = studies.over_R_theta(values, studies.hanging)
     limit, progress = 1.0, run_study(study, store, workers=workers, time_limit=1.0)
     while progress.failed > 1 and limit < 100:  # a machine that is so busy that all were too slow
@@ -103,9 +96,9 @@ def test_a_run_that_never_ends_is_ended(tmp_path, workers, small_chunks):
     assert f"longer than {limit:g} s" in table.failed["failure"][0]
     run_study(
         studies.over_R_theta([v for v in values if v != studies.HANGING], studies.hanging),
-        tmp_path / "others.sqlite", workers=0,
+        tmp_path / "others", workers=0,
     )  # fmt: skip
-    assert np.array_equal(table["rms"], read_table(tmp_path / "others.sqlite")["rms"])
+    assert np.array_equal(table["rms"], read_table(tmp_path / "others")["rms"])
 
 
 def test_a_time_limit_needs_a_process_that_can_be_ended(tmp_path):
@@ -117,14 +110,14 @@ def test_a_time_limit_needs_a_process_that_can_be_ended(tmp_path):
         ({"retries": -1}, "retries"),
     ):
         with pytest.raises(InputError, match=words):
-            run_study(study, tmp_path / "s.sqlite", workers=0, **options)
+            run_study(study, tmp_path / "s", workers=0, **options)
 
 
 @pytest.mark.parametrize("retries", [0, 1])
 def test_retries_are_bounded(tmp_path, retries, small_chunks, monkeypatch):
     monkeypatch.setitem(studies.COUNT, "calls", 0)
     study = studies.over_R_theta([1.0, 2.0, 3.0], studies.failing_once)
-    progress = run_study(study, tmp_path / "s.sqlite", workers=0, retries=retries)
+    progress = run_study(study, tmp_path / "s", workers=0, retries=retries)
     assert progress.failed == 1 - retries and studies.COUNT["calls"] == 3 + retries
 
 
@@ -140,7 +133,7 @@ def test_a_worker_that_is_killed_while_it_starts_is_replaced(tmp_path, killed, m
             worker.process.kill()
 
     monkeypatch.setattr(pools._Worker, "__init__", start)
-    study, store = studies.study(1), tmp_path / "store.sqlite"
+    study, store = studies.study(1), tmp_path / "store"
     if killed < pools.STARTS:
         assert run_study(study, store, workers=1).done == 6 and len(started) == killed + 1
         return
@@ -159,30 +152,8 @@ def test_advice_is_given_to_a_script_that_needs_it(tmp_path, monkeypatch):
     assert pools._guard() == ""
 
 
-@pytest.mark.parametrize("stall", [-1.0, 1e6])
-def test_a_lease_is_renewed_for_progress_and_for_nothing_else(tmp_path, stall, monkeypatch):
-    monkeypatch.setattr(claims, "LEASE", 0.3)
-    monkeypatch.setattr(claims, "STALL", stall)
-    path = tmp_path / "store.sqlite"
-    run_study(studies.study(1), path, workers=0)
-    with Store(path) as store:
-        (first, *_) = store.chunks()
-        store.set_free([(first.chunk, first.first, first.last)])
-        holder, other = claims.Claims(store), claims.Claims(store)
-        assert holder.take() is not None
-        until = store.chunks()[0].until
-        for _ in range(2000):
-            freed = other.take_over()
-            if freed or store.chunks()[0].until > until + 0.2:
-                break
-            time.sleep(0.02)
-        assert freed == (stall < 0)
-        holder.close()
-        other.close()
-
-
 def test_failures_are_in_no_statistic_and_in_the_first_line(tmp_path):
-    store = tmp_path / "store.sqlite"
+    store = tmp_path / "store"
     axes = [
         Axis("R_theta", [1.0, studies.RAISING], sets="controller.R_theta"),
         Axis("noise", [0.5, 2], sets="signals.w.white_noise"),

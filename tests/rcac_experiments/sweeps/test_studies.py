@@ -181,7 +181,7 @@ def test_a_bad_file_is_refused_when_it_is_read(tmp_path, study, words):
     ],
 )  # fmt: skip
 def test_a_value_that_makes_no_run_is_refused_before_anything_runs(tmp_path, study, words):
-    file, store = tmp_path / "case.toml", tmp_path / "store.sqlite"
+    file, store = tmp_path / "case.toml", tmp_path / "store"
     file.write_text(FILE + study)
     with pytest.raises(CompensatorError, match=words):
         run_study(load_study(file), store, workers=0)
@@ -252,8 +252,8 @@ def test_a_shipped_study_runs(path, tmp_path):
     ends = [Axis(a.name, [a.values[0], a.values[-1]], sets=a.sets) for a in study.axes[:1]]
     rest = [Axis(a.name, a.values[:1], sets=a.sets) for a in study.axes[1:]]
     small = Study(study.base, [*ends, *rest], study.keep, seed=study.seed, file=study.file)
-    run_study(small, tmp_path / "store.sqlite", workers=0)
-    table = read_table(tmp_path / "store.sqlite")
+    run_study(small, tmp_path / "store", workers=0)
+    table = read_table(tmp_path / "store")
     assert len(table) == 2 and not any(table["failure"])
     assert len(SHIPPED) >= 4
 

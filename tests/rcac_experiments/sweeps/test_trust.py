@@ -1,6 +1,7 @@
 """A store chooses no code and no files: what a replay runs and reads comes from who calls it."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ from click.testing import CliRunner
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import Kept, StoreError, load_study, replay_run, run_study
-from rcac_experiments.sweeps._canonical import canonical_json, digest, source_of
-from rcac_experiments.sweeps._store import Store
-from rcac_numeric.arrays._values import replaced as replace
+from rcac_experiments.sweeps._canonical import digest, source_of
+from rcac_experiments.sweeps._chunk_files import decode, encode
+from rcac_experiments.sweeps._folder import Folder
+from rcac_experiments.sweeps._reader import file_of
 from tests.support import studies
 
 
@@ -27,20 +29,26 @@ def evil(tmp_path, monkeypatch):
 
 
 def altered(path, **changes):
-    """Rewrite the study of a store with the right digests, as anybody can."""
-    with Store(path) as store, store.writing():
-        about = store.refreshed()
-        resolved = {**about.resolved, **changes}
-        store.write_study(
-            replace(about, resolved=resolved, fingerprint=digest(canonical_json(resolved)))
-        )
+    """Rewrite the study of a store and its chunks with the right digests, as anybody can."""
+    with Folder(path) as store:
+        chunks = [decoded(store, number) for number in store.numbers()]
+        store.write(replace(store.study, resolved={**store.study.resolved, **changes}))
+        store.refreshed()
+        for number, columns in enumerate(chunks, 1):
+            store.chunks.put(file_of(number), encode(store.layout(number), number, columns))
+
+
+def decoded(store, number):
+    layout, (first, last) = store.layout(number), store.study.plan.chunk(number)
+    data = store.chunks.read(file_of(number), 10**9)
+    return decode(layout, number, last - first + 1, data)
 
 
 @pytest.mark.parametrize("what", ["keep", "base"])
 def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
     """Also where the hash of its source is right."""
     name, mark = evil
-    path = tmp_path / "store.sqlite"
+    path = tmp_path / "store"
     run_study(studies.study(1, keep=[Kept("rms")], axes=[]), path, workers=0)
     CliRunner().invoke(main, ["replay", str(tmp_path / "none"), "0"])  # imports what refusals need
     source = "def edit(*a, **k):\n    return 1.0\n"
@@ -59,7 +67,7 @@ def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
 
 
 def test_functions_of_the_caller_must_be_those_of_then(tmp_path):
-    path = tmp_path / "store.sqlite"
+    path = tmp_path / "store"
     run_study(studies.over_R_theta([1.0], studies.raising), path, workers=0)
     for name in ("raising", "tests.support.studies:raising"):
         assert replay_run(path, 0, {name: studies.raising}).is_identical
@@ -72,7 +80,7 @@ def test_functions_of_the_caller_must_be_those_of_then(tmp_path):
 
 
 def test_functions_come_from_a_file_that_the_command_names(tmp_path):
-    file, path = tmp_path / "mine.py", tmp_path / "store.sqlite"
+    file, path = tmp_path / "mine.py", tmp_path / "store"
     run_study(studies.over_R_theta([1.0], studies.deadly), path, workers=0)
     with open(studies.__file__) as source:
         file.write_text(source.read())
@@ -86,14 +94,14 @@ def test_functions_come_from_a_file_that_the_command_names(tmp_path):
 
 
 def test_a_failure_of_then_is_said_again(tmp_path):
-    path = tmp_path / "store.sqlite"
+    path = tmp_path / "store"
     run_study(studies.over_R_theta([studies.RAISING], studies.raising), path, workers=0)
     with pytest.raises(CompensatorError, match="measure raising raised ZeroDivisionError"):
         replay_run(path, 0, {"raising": studies.raising})
 
 
 def test_a_store_opens_no_file_but_in_the_folder_that_is_given(tmp_path, monkeypatch):
-    folder, path = tmp_path / "data", tmp_path / "store.sqlite"
+    folder, path = tmp_path / "data", tmp_path / "store"
     folder.mkdir()
     np.savetxt(folder / "w.csv", np.linspace(0, 1, 120), header="w", comments="")
     base = {**studies.BASE, "signals": {"w": {"recorded": "w.csv"}}}

@@ -1,0 +1,107 @@
+"""Whether the folder of a study is whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rcac_experiments.sweeps._folder import CHUNKS, Folder, fault_words
+from rcac_numeric.arrays._values import Value
+
+
+@dataclass(frozen=True)
+class StoreCheck(Value):
+    """What a check of a store found.
+
+    Attributes
+    ----------
+    path : str
+    done, total : int
+        Runs whose rows are what was stored, and runs of the study.
+    failed : int
+        How many of the former failed.
+    damaged : tuple of (int, int)
+        Runs, the first and the last one of each chunk, that had ended and are not what was stored.
+    faults : tuple of str
+        All that is wrong, in words.
+    """
+
+    path: str
+    done: int
+    total: int
+    failed: int
+    damaged: tuple[tuple[int, int], ...]
+    faults: tuple[str, ...]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.faults
+
+    def __str__(self) -> str:
+        if not self.total:
+            return f"{self.path}: no study was stored in it yet; nothing is damaged."
+        words = f"{self.path}: {self.done} of {self.total} runs are stored and right"
+        words += f", {self.failed} of them failed" if self.failed else ""
+        if self.is_whole:
+            return f"{words}; nothing is damaged."
+        lost = sum(last - first + 1 for first, last in self.damaged)
+        lines = [f"{words}; {lost} are damaged."] if lost else [f"{words}."]
+        lines += self.faults
+        if lost:
+            lines.append("What is damaged is computed again when the study is run.")
+        return "\n".join(lines)
+
+
+def check_store(store: str | Path) -> StoreCheck:
+    """Read everything in a store and hold it against its digests and its plan.
+
+    Nothing is changed. That runs have not been run yet is no fault, nor that none has and not even
+    the study is there, as where a sweep was killed before its first chunk. What is damaged is
+    computed again by the call of `run_study` that made the store.
+
+    Raises
+    ------
+    StoreError
+        Where the folder is no store, or its study is damaged, so that nothing can be held against
+        it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from rcac_experiments.sweeps import Kept, Study, check_store, run_study
+    >>> base = {
+    ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
+    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
+    ...     "run": {"steps": 50}}
+    >>> study, store = Study(base, [], [Kept("steps")]), tempfile.mkdtemp() + "/study"
+    >>> _ = run_study(study, store, workers=0)
+    >>> check_store(store).is_whole
+    True
+    >>> chunk = pathlib.Path(store) / "chunks" / "00000001.parquet"
+    >>> _ = chunk.write_bytes(chunk.read_bytes().replace(b"completed", b"diverged!"))
+    >>> check_store(store).damaged
+    ((0, 0),)
+    >>> _ = run_study(study, store, workers=0)
+    >>> check_store(store).is_whole
+    True
+    """
+    with Folder(store) as opened:
+        if opened.is_new:
+            return StoreCheck(str(opened.path), 0, 0, 0, (), ())
+        total, done, failed = opened.study.plan.runs, 0, 0
+        damaged: list[tuple[int, int]] = []
+        faults: list[str] = []
+        for chunk in opened.read():
+            if chunk.fault:
+                damaged.append((chunk.first, chunk.last))
+                faults.append(fault_words(chunk))
+            else:
+                done += chunk.last - chunk.first + 1
+                failed += chunk.failed
+        faults += [
+            f"{CHUNKS}/{name} is no chunk of this study, and other readers of {CHUNKS}/*.parquet "
+            "would count its rows: move it elsewhere"
+            for name in opened.strangers()
+        ]
+    return StoreCheck(str(opened.path), done, total, failed, tuple(damaged), tuple(faults))

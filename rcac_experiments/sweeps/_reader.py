@@ -1,0 +1,124 @@
+"""The chunks of a folder that may come from others, tried in one child with limits.
+
+pyarrow is not made for files of strangers: some damaged ones end the process, others unpack to
+gigabytes. The child reads each of them first; the one that it was at when it ended is damaged.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from rcac_experiments.sweeps._chunk_files import MOST_BYTES, Columns, Damaged, Layout, decode
+from rcac_experiments.sweeps._directory import Directory, NotOurs
+from rcac_experiments.sweeps._problems import StoreError
+
+MEMORY = 2**30  # bytes of the child, and four times what of a file is beyond 64 MiB
+SECONDS = 1.0  # of processor for a chunk, and one for each 64 MiB of its file
+LARGE = 2**26
+DEATHS = 2  # of children, after which the rest of the folder is not read
+ENVIRONMENT = {"ARROW_DEFAULT_MEMORY_POOL": "system", "OPENBLAS_NUM_THREADS": "1",
+               "OMP_NUM_THREADS": "1"}  # fmt: skip
+
+Wanted = tuple[int, int, Layout]  # the number of a chunk, its rows, its columns
+Found = tuple[int, Columns | str]  # its columns, or what is wrong with it
+
+
+def file_of(number: int) -> str:
+    """The name of a chunk's file."""
+    return f"{number:08d}.parquet"
+
+
+def read_here(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
+    """Those of some chunks that are there, in a folder of our own."""
+    for number, rows, layout in wanted:
+        try:
+            data = folder.read(file_of(number), MOST_BYTES)
+            yield number, decode(layout, number, rows, data)
+        except FileNotFoundError:
+            continue
+        except (Damaged, NotOurs) as fault:
+            yield number, str(fault)
+
+
+def read_guarded(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
+    """The same, after a child has read each of them within its limits."""
+    faults: dict[int, str] = {}
+    left = list(wanted)
+    for _ in range(DEATHS):
+        if left:
+            tried = _tried(folder, left)
+            faults.update(tried)
+            left = left[len(tried) :]
+        if left:
+            faults[left.pop(0)[0]] = "reading it took more memory or time than it may"
+    words = f"it was not read: {DEATHS} chunks before it ended the process that read them"
+    faults.update({number: words for number, _, _ in left})
+    for one in wanted:
+        if faults[one[0]]:
+            yield one[0], faults[one[0]]
+        else:
+            yield from read_here(folder, [one])
+
+
+def _tried(folder: Directory, wanted: Sequence[Wanted]) -> dict[int, str]:
+    """What a child found wrong with each chunk, as far as it came."""
+    layouts = list(dict.fromkeys(layout for _, _, layout in wanted))
+    task = {
+        "folder": str(folder.path.absolute()), "handle": folder.handle,
+        "layouts": [[layout.study, layout.columns] for layout in layouts],
+        "chunks": [[number, rows, layouts.index(layout)] for number, rows, layout in wanted],
+    }  # fmt: skip
+    child = subprocess.run(
+        # -P: nothing is imported from the folder that this process is in.
+        [sys.executable, "-P", "-m", __name__], input=json.dumps(task).encode(), check=False,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **ENVIRONMENT},
+        pass_fds=() if folder.handle is None else (folder.handle,),
+    )  # fmt: skip
+    ready, *answers = child.stdout.splitlines() or [b""]
+    if ready != b"ready":
+        raise StoreError(
+            f"{folder.path} cannot be read: the process that tries the chunks of others does not "
+            f"start ({sys.executable} -m {__name__})."
+        )
+    return dict(map(json.loads, answers))
+
+
+def _serve() -> None:
+    """The child: which chunks there are to read on stdin, what is wrong with each on stdout."""
+    task = json.loads(sys.stdin.buffer.read())
+    folder = Directory(Path(task["folder"]), task["handle"])
+    layouts = [Layout(study, tuple(map(tuple, columns))) for study, columns in task["layouts"]]
+    with suppress(Damaged):
+        decode(layouts[0], 0, 0, b"")  # reads the libraries, before anything is limited
+    print("ready", flush=True)
+    for number, rows, which in task["chunks"]:
+        size = 0
+        with suppress(OSError):
+            size = min(folder.about(file_of(number)).st_size, MOST_BYTES)
+        _limit(MEMORY + 4 * max(size - LARGE, 0), SECONDS + size / LARGE)
+        found = dict(read_here(folder, [(number, rows, layouts[which])]))
+        fault = found.get(number, "")
+        print(json.dumps([number, fault if isinstance(fault, str) else ""]), flush=True)
+
+
+def _limit(memory: int, seconds: float) -> None:
+    """From here on; the system ends the process that takes more."""
+    if sys.platform == "win32":
+        return
+    import resource
+    import signal
+
+    with suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+
+
+if __name__ == "__main__":
+    _serve()

@@ -1,0 +1,151 @@
+"""Damaged and hostile folders: each is read as it was written, refused, or computed again.
+
+`python benchmarks/sweep_faults.py --only hostile` tries 4000.
+"""
+
+import os
+import random
+import shutil
+import sys
+
+import pytest
+
+from rcac_experiments.sweeps import StoreError, check_store, read_table, run_study
+from rcac_experiments.sweeps import _folder as folders
+from rcac_experiments.sweeps import _reader as reader
+from rcac_experiments.sweeps._table import table_in
+from tests.support import hostile_folders as hostile
+from tests.support import studies
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="links and pipes of POSIX")
+
+STUDY = studies.study(
+    4, base={**studies.BASE, "run": {"steps": 30}}, keep_signals=["y"], title="a study"
+)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A finished store, and its table."""
+    path = tmp_path_factory.mktemp("whole") / "study"
+    run_study(STUDY, path, workers=0)
+    return path, read_table(path)
+
+
+@pytest.fixture
+def got(whole, tmp_path):
+    """A folder that came from others, and a file of ours beside it."""
+    (tmp_path / "ours").mkdir()
+    victim = tmp_path / "ours" / "notes.txt"
+    victim.write_text("mine\n")
+    return tmp_path / "got", victim
+
+
+def renewed(whole, got):
+    shutil.rmtree(got, ignore_errors=True)
+    shutil.copytree(whole, got)
+
+
+def tried(path, table):
+    """What reading, a check and the same study make of it: never another table."""
+    said = []
+    for use in (check_store, read_table, lambda path: run_study(STUDY, path, workers=0)):
+        try:
+            found = use(path)
+        except StoreError:
+            said.append("refused")
+            continue
+        if use is read_table:
+            assert found == table
+            said.append("same table")
+        elif use is check_store:
+            said.append("whole" if found.is_whole else "named")
+        else:
+            assert read_here(path) == table
+            said.append("computed again")
+    return said
+
+
+@pytest.mark.parametrize("damage", hostile.DAMAGE)
+def test_bytes_that_change_are_seen_and_computed_again(whole, got, damage, monkeypatch, in_full):
+    """In this process: 1.5 10^5 tries in others found no byte of a footer that ends it."""
+    monkeypatch.setattr(folders, "read_guarded", reader.read_here)
+    rng = random.Random(damage.__name__)
+    path, victim = got
+    seen = []
+    for _ in range(500 if in_full else 12):
+        renewed(whole[0], path)
+        damage(path, rng, victim)
+        seen.append(tried(path, whole[1]))
+    assert any(words[1] == "refused" for words in seen)
+    if damage is not hostile.bits_of_the_study and damage is not hostile.truncated:
+        assert all(words[2] == "computed again" for words in seen)
+
+
+@pytest.mark.costly
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("kind", hostile.HOSTILE)
+def test_a_hostile_folder_leads_nowhere(whole, got, kind):
+    """Named by a check, in the child; nothing of ours is touched, and a chunk computed again."""
+    path, victim = got
+    renewed(whole[0], path)
+    hostile.HOSTILE[kind](path, random.Random(kind), victim)
+    modules, mine = set(sys.modules), sorted(victim.parent.iterdir())
+    try:
+        assert not check_store(path).is_whole
+    except StoreError as error:
+        assert len(str(error)) < 2000 and kind not in COMPUTED
+    try:
+        run_study(STUDY, path, workers=0)
+        assert read_here(path) == whole[1]
+    except StoreError:
+        assert kind not in COMPUTED
+    assert victim.read_text() == "mine\n" and sorted(victim.parent.iterdir()) == mine
+    assert "antigravity" not in set(sys.modules) - modules
+
+
+def read_here(path):
+    with folders.Folder(path) as store:
+        return table_in(store, guarded=False)
+
+
+# Only a chunk is damaged, and an ordinary file can take its place.
+COMPUTED = {
+    "a chunk in another's place", "a chunk of another study", "a column missing",
+    "a column too many", "a column in float32", "2*10^6 rows in zstd", "10^9 claimed rows",
+    "a text of 5 MB in each row, in zstd", "a text of 0.9 MB in each row, by dictionary",
+    "other runs, right digest", "other coordinates, right digest",
+    "a failure with a number, right digest",
+}  # fmt: skip
+
+
+def test_a_child_that_ends_names_its_chunk(whole, monkeypatch):
+    """Where two have ended, the rest is not read."""
+    wanted = []
+
+    def ends_at_the_third(folder, some):
+        wanted.append([number for number, _, _ in some])
+        return {number: "" for number, _, _ in some[:2]}
+
+    monkeypatch.setattr(reader, "_tried", ends_at_the_third)
+    found = check_store(whole[0])
+    assert [numbers[0] for numbers in wanted] == [1, 4] and found.total == STUDY.runs
+    words = ["" if "memory or time" in fault else "not read" for fault in found.faults]
+    assert words == ["", "", *["not read"] * (len(wanted[0]) - 6)] and found.done == 4 * 3
+    with pytest.raises(StoreError, match=r"the runs 6 to 8 .*computes again what is damaged"):
+        read_table(whole[0])
+
+
+def test_the_child_and_this_process_read_the_same(whole, monkeypatch):
+    guarded = read_table(whole[0])
+    monkeypatch.setattr(folders, "read_guarded", reader.read_here)
+    assert read_table(whole[0]) == guarded == whole[1]
+
+
+def test_nothing_is_imported_from_the_folder_that_one_stands_in(whole, got, monkeypatch):
+    path, victim = got
+    renewed(whole[0], path)
+    for name in ("pyarrow", "numpy", "rcac_experiments"):
+        (path / f"{name}.py").write_text(f"open({str(victim)!r}, 'w').close()")
+    monkeypatch.chdir(path)
+    assert read_table(".") == whole[1] and victim.read_text() == "mine\n"
