@@ -22,7 +22,7 @@ import time
 import warnings
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
@@ -168,40 +168,45 @@ def verdict(what, store, reference, missing=()):
 
 
 def kills(folder, reference, count):
-    """Two coordinators of a folder at a time."""
-    rng, done, stores = random.Random(3), [0, 0, 0], 0
-    while sum(done) < count:
+    """At a rename of its own, and from outside when something has been stored, two at a time."""
+    stores = done = 0
+    while done < count // 3:
+        store = folder / f"renames{stores}"
+        stores += 1
+        while (process := coordinate(store, 0, "rms", "renames")).wait() != 0:
+            assert process.returncode == -signal.SIGKILL, process.communicate()[1]
+            done += 1
+        process.communicate()
+        parts = len(list(store.rglob("*.part")))
+        verdict(f"killed {done} times at a rename; {parts} hidden files left", store, reference)
+    rng, ended, stores = random.Random(3), Counter(), 0
+    while sum(ended.values()) < count - done:
         store = folder / f"kills{stores}"
         stores += 1
-        started = [coordinate(store, 1, "rms", *(["renames"] if i else [])) for i in range(2)]
+        started = [coordinate(store, 1) for _ in range(2)]
+        before = 0
         while any(process.poll() is None for process in started):
-            time.sleep(rng.uniform(0.2, 1.5))
-            for i, process in enumerate(started):
-                if process.poll() == -signal.SIGKILL:  # at a rename of its own
-                    done[2] += 1
-                    words = ["renames"] if done[2] < count // 3 else []
-                    started[i] = coordinate(store, 1, "rms", *words)
+            time.sleep(rng.uniform(0.0, 0.2))
+            now = len(list((store / "chunks").glob("*.parquet")))
             i = rng.randrange(2)
-            workers = [max(found)] if (found := children(started[i].pid)) else []
-            if sum(done) >= count or started[i].poll() is not None:
+            workers = children(started[i].pid)
+            if now <= before or sum(ended.values()) >= count - done or not workers:
                 continue
-            if workers and rng.random() < 0.4:
-                os.kill(workers[0], signal.SIGKILL)
-                done[0] += 1
-            elif rng.random() < 0.4:
-                if workers and rng.random() < 0.5:
-                    os.kill(workers[0], signal.SIGKILL)  # both
+            before = now
+            what = rng.choice(["a worker", "a coordinator", "both"])
+            if what != "a coordinator":
+                with suppress(ProcessLookupError):
+                    os.kill(max(workers), signal.SIGKILL)
+            if what != "a worker":
                 started[i].kill()
-                started[i].wait()
-                done[1] += 1
+                started[i].communicate()
                 started[i] = coordinate(store, 1)
+            ended[what] += 1
         for process in started:
-            said = process.communicate()[1]
-            assert process.returncode in (0, -signal.SIGKILL) and "Traceback" not in said, said
-        run_study(study(), store, workers=0)
-        parts = len(list((store / "chunks").glob(".*")))
-        words = f"{done[0]} workers, {done[1]} coordinators killed, {done[2]} at a rename"
-        verdict(f"kills so far: {words}; {parts} hidden files left", store, reference)
+            said = process.communicate()[1] if process.stderr and not process.stderr.closed else ""
+            assert process.returncode == 0 and "Traceback" not in said, said
+        words = ", ".join(f"{what} {number}" for what, number in sorted(ended.items()))
+        verdict(f"of two coordinators killed so far: {words}", store, reference)
 
 
 def two(folder, reference):

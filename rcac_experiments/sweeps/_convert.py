@@ -194,17 +194,18 @@ def _opened(path: Path) -> Iterator[_Old]:
 def _require_old(path: Path) -> int:
     """Refuse what is no SQLite file, and one with something beside it; the bytes of the file."""
     try:
-        if not path.is_file() and os.path.lexists(os.path.realpath(path)):
-            raise StoreError(f"{path} is no store of an earlier version: it is no ordinary file.")
-        with path.open("rb") as file:
-            head = file.read(len(SQLITE))
-        size = path.stat().st_size
+        is_ordinary = path.is_file() or not os.path.lexists(os.path.realpath(path))
+        if is_ordinary:
+            with path.open("rb") as file:
+                head, size = file.read(len(SQLITE)), os.fstat(file.fileno()).st_size
     except FileNotFoundError:
         raise StoreError(f"{path} cannot be read: there is no such file.") from None
     except OSError as error:
         raise StoreError(f"{path} cannot be read: {error.strerror}.") from None
     except ValueError as error:  # a null character in the path
         raise StoreError(f"{str(path)!r} cannot be read: {error}.") from None
+    if not is_ordinary:
+        raise StoreError(f"{path} is no store of an earlier version: it is no ordinary file.")
     if head != SQLITE:
         raise StoreError(
             f"{path} is damaged or no store of an earlier version: it does not begin as an SQLite "

@@ -360,15 +360,14 @@ def _number(name: str) -> int | None:
 
 def _require_folder(path: Path, make: bool) -> None:
     """Refuse what is no folder; make one where there is none."""
+    head, is_there = b"", True
     try:
         if path.is_dir():
             return
-        if not os.path.lexists(path):
-            if not make:
-                raise StoreError(f"{path} cannot be read: there is no such folder.")
+        is_there = os.path.lexists(path)
+        if not is_there and make:
             path.mkdir(exist_ok=True)
             return
-        head = b""
         if path.is_file():
             with path.open("rb") as file:
                 head = file.read(len(SQLITE))
@@ -379,6 +378,8 @@ def _require_folder(path: Path, make: bool) -> None:
             f"{path} cannot be made or read ({error.strerror}): is there such a folder, and may "
             "you write to it?"
         ) from None
+    if not is_there:
+        raise StoreError(f"{path} cannot be read: there is no such folder.")
     if head == SQLITE:
         raise StoreError(
             f"{path} is a store of an earlier version, an SQLite file: `rcac store convert {path} "

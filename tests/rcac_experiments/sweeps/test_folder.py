@@ -139,9 +139,13 @@ def test_things_of_others_are_left_alone(tmp_path):
         ("full", "other things are in it"), ("text", "it is a file"), ("case", "of no format"),
         ("old", "rcac store convert"), ("nowhere/else", "is there such a folder"),
     ):  # fmt: skip
-        with pytest.raises(StoreError, match=words):
+        with pytest.raises(StoreError, match=words) as caught:
             run_study(studies.study(1), tmp_path / name, workers=0)
+        assert str(caught.value).count(str(tmp_path / name)) <= 2
     assert studies.contents(tmp_path) == before
+    for name in ("none", "no\0ne"):
+        with pytest.raises(StoreError, match=r"^\S+ cannot be read: there is no such folder\.$"):
+            read_table(tmp_path / name)
 
 
 def test_a_folder_that_may_only_be_read_is_read_and_finished(stored, tmp_path, monkeypatch):
