@@ -126,9 +126,6 @@ def coordinated(store, workers, kind, *words):
         which, _, most = word.partition("=")
         if which == "renames":
             killed_around_a_rename()
-        elif which == "nobody":
-            os.setgid(65534)
-            os.setuid(65534)
         else:
             resource.setrlimit(getattr(resource, which), (int(most), int(most)))
     try:
@@ -246,17 +243,24 @@ def disk(folder, reference):
 
 
 def readonly(folder, reference):
+    """A mount that nobody can write to, root neither."""
     store = folder / "readonly"
-    shutil.copytree(folder / "reference", store)
-    for path in (store, *store.rglob("*")):
-        path.chmod(0o555 if path.is_dir() else 0o444)
-    folder.chmod(0o755)
-    process = coordinate(store, 0, "rms", "nobody")
-    out, said = process.communicate()
-    assert process.returncode == 0 and out.strip() == "0", said
-    verdict("a folder that user nobody may only read, the command given again", store, reference)
-    for path in (store, *store.rglob("*")):
-        path.chmod(0o755)
+    store.mkdir()
+    bind = ["mount", "--bind", str(folder / "reference"), str(store)]
+    if subprocess.run(bind, capture_output=True, check=False).returncode:
+        say("a folder that may only be read", "cannot be mounted here")
+        return
+    try:
+        subprocess.run(["mount", "-o", "remount,bind,ro", str(store)], check=True)
+        out, said = coordinate(store, 0).communicate()
+        assert out.strip() == "0", said
+        verdict("a file system that may only be read, the command given again", store, reference)
+        try:
+            run_study(study(repetitions=101), store, workers=0)
+        except StoreError as error:
+            say("the same, a larger study", f"refused: ...{str(error)[-60:]}")
+    finally:
+        subprocess.run(["umount", str(store)], check=True)
 
 
 def deadly(folder):

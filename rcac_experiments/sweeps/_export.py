@@ -1,23 +1,20 @@
-"""The results of a study as files for other programs, written in pieces of a bounded size."""
+"""The results of a study as files for other programs."""
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_experiments.sweeps._chunk import FAILED
-from rcac_experiments.sweeps._folder import Folder
-from rcac_experiments.sweeps._table import Columns
+from rcac_experiments.sweeps._table import SweepTable, read_table
 from rcac_numeric.arrays._files import replacing
 from rcac_numeric.arrays._frames import imported
 from rcac_numeric.arrays._wording import spreadsheet_text
 
-AT_ONCE = 50_000  # rows of a piece of Parquet
+AT_ONCE = 50_000  # rows that are made Python's objects at a time
 
 
 def export_table(store: str | Path, path: str | Path) -> None:
@@ -56,63 +53,28 @@ def export_table(store: str | Path, path: str | Path) -> None:
     suffix = Path(path).suffix.lower()
     if suffix not in WRITERS:
         raise InputError(f"{path}: the name must end in one of {', '.join(WRITERS)}.")
-    with Folder(store) as opened, replacing(path) as new:
-        WRITERS[suffix](opened, new)
+    table = read_table(store)
+    with replacing(path) as new:
+        WRITERS[suffix](table, new)
 
 
-def _write_csv(store: Folder, path: Path) -> None:
-    names, rows = _rows(store)
+def _write_csv(table: SweepTable, path: Path) -> None:
+    columns = table.columns.values()
     with path.open("w", newline="", encoding="utf-8") as file:
-        for some in itertools.chain([[tuple(names)]], rows):
-            file.writelines(f"{','.join(map(_cell, row))}\n" for row in some)
+        file.write(f"{','.join(map(_cell, table.columns))}\n")
+        for start in range(0, len(table), AT_ONCE):
+            rows = zip(*(v[start : start + AT_ONCE].tolist() for v in columns), strict=True)
+            file.writelines(f"{','.join(map(_cell, row))}\n" for row in rows)
 
 
-def _write_parquet(store: Folder, path: Path) -> None:
+def _write_parquet(table: SweepTable, path: Path) -> None:
     arrow, parquet = imported("pyarrow"), imported("pyarrow.parquet")
-    names, rows = _rows(store)
-    axes = store.cell_columns([])
-    kinds = [_arrow_type(arrow, axes, name) for name in names]
-    schema = arrow.schema(list(zip(names, kinds, strict=True)))
-    with parquet.ParquetWriter(str(path), schema) as writer:
-        for piece in _pieces(rows):
-            arrays = [
-                arrow.array(
-                    [_plain(value, kind, arrow) for value in values], type=kind,
-                    from_pandas=kind == arrow.float64(),
-                )
-                for values, kind in zip(zip(*piece, strict=True), kinds, strict=True)
-            ]  # fmt: skip
-            writer.write_batch(arrow.record_batch(arrays, schema=schema))
-
-
-def _rows(store: Folder) -> tuple[list[str], Iterator[list[tuple[Any, ...]]]]:
-    """The names of the columns, and their rows chunk by chunk, coordinates put in."""
-    about = store.study
-    names = ["run", "cell", "repetition", *about.axes, "outcome", "failure", *about.measures]
-    outcome = names.index("outcome")
-
-    def rows() -> Iterator[list[tuple[Any, ...]]]:
-        for chunk in store.results():
-            known = chunk.columns | store.cell_columns(chunk.columns["cell"])
-            rows = zip(*(_listed(known[name]) for name in names), strict=True)
-            yield [row for row in rows if row[outcome] not in FAILED]
-
-    return names, rows()
-
-
-def _listed(values: Any) -> list[Any]:
-    return list(values.tolist() if hasattr(values, "tolist") else values)
-
-
-def _pieces(rows: Iterator[list[tuple[Any, ...]]]) -> Iterator[list[tuple[Any, ...]]]:
-    piece: list[tuple[Any, ...]] = []
-    for some in rows:
-        piece += some
-        if len(piece) >= AT_ONCE:
-            yield piece
-            piece = []
-    if piece:
-        yield piece
+    columns = {
+        name: arrow.array(list(map(_text, values)) if values.dtype == object else values,
+                          from_pandas=name in table.measures)
+        for name, values in table.columns.items()
+    }  # fmt: skip
+    parquet.write_table(arrow.table(columns), str(path))
 
 
 def _cell(value: Any) -> str:
@@ -126,21 +88,11 @@ def _cell(value: Any) -> str:
     return str(value)
 
 
-def _arrow_type(arrow: Any, axes: Columns, name: str) -> Any:
-    if name in axes:
-        kinds = {"i": arrow.int64(), "f": arrow.float64(), "b": arrow.bool_()}
-        return kinds.get(axes[name].dtype.kind, arrow.string())
-    if name in ("run", "cell", "repetition"):
-        return arrow.int64()
-    return arrow.string() if name in ("outcome", "failure") else arrow.float64()
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
 
 
-def _plain(value: Any, kind: Any, arrow: Any) -> Any:
-    plain = value.item() if hasattr(value, "item") else value
-    return json.dumps(plain) if kind == arrow.string() and not isinstance(plain, str) else plain
-
-
-WRITERS: dict[str, Callable[[Folder, Path], None]] = {
+WRITERS: dict[str, Callable[[SweepTable, Path], None]] = {
     ".csv": _write_csv,
     ".parquet": _write_parquet,
 }

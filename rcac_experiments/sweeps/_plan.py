@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -186,12 +186,6 @@ class Plan:
             {name: values[i] for (name, values), i in zip(self.values.items(), where, strict=True)}
             for where in by_cell
         ]
-
-    def all_cells(self, first: int = 0) -> Iterator[tuple[Any, ...]]:
-        """The coordinates of all cells from one on, in the order of their numbers."""
-        for start in range(first, self.cells, 1000):
-            for found in self.coordinates(range(start, min(start + 1000, self.cells))):
-                yield tuple(found.values())
 
 
 def _new_combination(

@@ -146,9 +146,9 @@ def test_a_worker_that_is_killed_while_it_starts_is_replaced(tmp_path, killed, m
 def test_advice_is_given_to_a_script_that_needs_it(tmp_path, monkeypatch):
     script = tmp_path / "script.py"
     monkeypatch.setattr(sys.modules["__main__"], "__file__", str(script), raising=False)
-    script.write_text("run_study(study, 'store.sqlite')")
+    script.write_text("run_study(study, 'store')")
     assert "under `if __name__" in pools._guard()
-    script.write_text("if __name__ == '__main__':\n    run_study(study, 'store.sqlite')")
+    script.write_text("if __name__ == '__main__':\n    run_study(study, 'store')")
     assert pools._guard() == ""
 
 
