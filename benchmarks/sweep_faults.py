@@ -265,12 +265,12 @@ def readonly(folder, reference):
 
 def deadly(folder):
     values = [1.0, 2.0, studies.DEADLY, 4.0, 5.0]
-    whole = studies.over_R_theta(values, studies.deadly, 8)
-    others = studies.over_R_theta([v for v in values if v != studies.DEADLY], studies.deadly, 8)
+    whole = studies.over_R_theta(values, studies.deadly, 2)
+    others = studies.over_R_theta([v for v in values if v != studies.DEADLY], studies.deadly, 2)
     run_study(others, folder / "others", workers=0)
     expected = read_table(folder / "others")["rms"]
     small = sweep._chunk_size
-    sweep._chunk_size = lambda study, first, pool: 8
+    sweep._chunk_size = lambda study, first, pool: 5
     pools = {
         "processes of ours": {"workers": 2},
         "a function that makes a ProcessPoolExecutor": {
@@ -281,9 +281,9 @@ def deadly(folder):
         store, start = folder / f"deadly{len(what)}", time.perf_counter()
         progress = run_study(whole, store, **how)
         table = read_table(store)
-        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 8
+        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 2
         assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
-        say(f"8 of 40 runs end their worker; {what}", f"those 8 named, {since(start)}")
+        say(f"2 of 10 runs end their worker; {what}", f"those 2 named, {since(start)}")
     with ProcessPoolExecutor(2) as pool:
         try:
             run_study(whole, folder / "broken", executor=pool)
@@ -293,9 +293,9 @@ def deadly(folder):
         start = time.perf_counter()
         progress = run_study(whole, folder / "dask", executor=client.get_executor(pure=False))
         table = read_table(folder / "dask")
-        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 8
+        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 2
         assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
-        say("the same; dask, allowed-failures 0", f"those 8 named, {since(start)}")
+        say("the same; dask, allowed-failures 0", f"those 2 named, {since(start)}")
     sweep._chunk_size = small
 
 
@@ -468,7 +468,8 @@ def hostile(folder, count):
         start = time.process_time()
         if is_guarded:
             out = subprocess.run([sys.executable, "-c", MEASURED, str(got)], capture_output=True,
-                                 text=True, check=True)  # fmt: skip
+                                 text=True, check=False)  # fmt: skip
+            assert not out.stderr, (kind, out.stderr)
             most, own, child = map(float, out.stdout.split())
             hardest = {"s": max(hardest["s"], own, child), "MB": max(hardest["MB"], most)}
         try:

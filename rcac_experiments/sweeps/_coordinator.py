@@ -243,7 +243,7 @@ class Coordinator:
         half = len(numbers)
         if outcome == TIMED_OUT:
             half = 1
-        elif surely and work.lost[numbers[0]] > 1:  # the first time it may have been killed
+        elif surely and (shared or work.lost[numbers[0]] > 1):  # once it may have been killed
             half = (half + 1) // 2
         self.waiting.extend(
             Part(work, part.task.only(numbers[i : i + half]), shared)

@@ -253,18 +253,17 @@ def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
 
     They are run where all others will be, as long as that can be made again: they may end it.
     """
-    executor = pool.executor
-    is_ours = isinstance(executor, WorkerPool | InProcess) or pool.renewable
-    ours = executor if is_ours else InProcess()
+    is_ours = isinstance(pool.executor, WorkerPool | InProcess) or pool.renewable
     runs, seconds = 1, 0.0
     for attempt in range(5):
         numbers = [(i, i % study.repetitions) for i in range(runs)]
         task = ChunkTask(pickle.dumps(study), study.fingerprint, instruction_set(),
                          [(first.coordinates, numbers)])  # fmt: skip
-        future: Future[ChunkResult] = ours.submit(run_chunk, task)
-        while not wait([future], timeout=0.1).done:
-            pass  # here Ctrl-C is answered
+        ours = pool.executor if is_ours else InProcess()
         try:
+            future: Future[ChunkResult] = ours.submit(run_chunk, task)
+            while not wait([future], timeout=0.1).done:
+                pass  # here Ctrl-C is answered
             seconds = future.result().seconds
         except BrokenExecutor as error:
             if isinstance(ours, WorkerPool):

@@ -9,7 +9,13 @@ import subprocess
 import sys
 import time
 import warnings
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -235,6 +241,27 @@ def test_a_run_that_ends_its_worker_is_one_run_that_failed(tmp_path, small_chunk
     assert table.failed["outcome"].tolist() == ["worker died"]
     assert "ended with signal 9" in table.failed["failure"][0]
     assert len(table) == 4 and np.isfinite(table["rms"]).all()
+
+
+@pytest.mark.costly
+def test_an_executor_that_a_function_makes_is_made_again(tmp_path, small_chunks):
+    """A run that ends its worker breaks the whole pool; it is found by halves, and named."""
+    made = []
+
+    def make():
+        made.append(ProcessPoolExecutor(1, multiprocessing.get_context("spawn")))
+        return made[-1]
+
+    study = studies.over_R_theta([studies.DEADLY, 1.0], studies.deadly)
+    assert "1 failed" in str(run_study(study, tmp_path / "s", executor=make))
+    table = read_table(tmp_path / "s")
+    assert table.failed["R_theta"].tolist() == [studies.DEADLY] and len(made) > 2
+    assert table.failed["outcome"].tolist() == ["worker died"] and len(table) == 1
+    with (
+        ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as one,
+        pytest.raises(StoreError, match="give a function that makes the executor"),
+    ):
+        run_study(study, tmp_path / "t", executor=one)
 
 
 def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chunks):
