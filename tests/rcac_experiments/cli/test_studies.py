@@ -10,7 +10,7 @@ from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import read_table
 from rcac_experiments.sweeps._chunk_files import decode, encode
 from rcac_experiments.sweeps._folder import Folder
-from tests.support import studies
+from tests.support import old_stores, studies
 
 
 def rcac(*arguments):
@@ -116,3 +116,36 @@ def test_bad_files_end_with_2_before_anything_is_made(tmp_path):
         result = rcac("sweep", file, "-o", store)
         assert result.exit_code == 2 and words in result.stderr, result.stderr
         assert not store.exists()
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("rcac_experiments.cli._studies.CONNECTING", 0.2)
+    (tmp_path / "study.toml").write_text(studies.FILE % {"steps": 60, "repetitions": 1})
+    words = ("sweep", tmp_path / "study.toml", "-o", tmp_path / "s", "--scheduler")
+    result = rcac(*words, "tcp://127.0.0.1:9")
+    assert (
+        result.exit_code == 2 and "--scheduler tcp://127.0.0.1:9 does not answer" in result.stderr
+    )
+    result = rcac(*words, "tcp://127.0.0.1:9", "--workers", 2)
+    assert result.exit_code == 2 and "the scheduler has its own" in result.stderr
+    assert not (tmp_path / "s").exists()
+
+
+def test_an_old_store_is_converted(store, tmp_path):
+    old, new = tmp_path / "old.sqlite", tmp_path / "new"
+    old_stores.write(store, old)
+    for command in (("show", old), ("store", "check", old), ("replay", old, 1)):
+        result = rcac(*command)
+        assert result.exit_code == 2 and f"rcac store convert {old}" in result.stderr
+    result = rcac("store", "convert", old, "-o", new, "--json")
+    assert result.exit_code == 0 and json.loads(result.stdout)["done"] == 24
+    assert studies.contents(new) == studies.contents(store)
+    assert rcac("store", "check", new).exit_code == 0
+    assert rcac("store", "convert", old, "-o", new).exit_code == 2
+    (new / "chunks" / "00000001.parquet").write_bytes(b"PAR1")
+    result = rcac("store", "check", new)
+    assert result.exit_code == 1 and "computed again by the same `rcac sweep`" in result.stdout
+    assert rcac("sweep", store.parent / "study.toml", "-o", new, "--workers", 0).exit_code == 0
+    assert studies.contents(new) == studies.contents(store)
