@@ -163,6 +163,8 @@ class Coordinator:
                 if self.waiting[0].by_itself and self.in_flight:
                     return
                 part = self.waiting.popleft()
+                if part.by_itself:  # dask gives up a worker that is lost while it starts
+                    self._require_answer()
             elif (number := self._next()) is not None:
                 task = self.task_of(number)
                 part = Part(Work(number, set(task.numbers)), task)
@@ -251,7 +253,7 @@ class Coordinator:
         )
 
     def _require_answer(self) -> None:
-        """Refuse to call a run deadly where the executor as a whole is dead."""
+        """Wait until the executor does something, and refuse to go on where it is dead."""
         try:
             future, end = self.pool.executor.submit(os.getpid), time.monotonic() + ANSWER
             while not wait([future], timeout=PATIENCE).done:
