@@ -427,80 +427,97 @@ MEASURED = """
 import resource, sys, time
 from rcac_experiments.sweeps import StoreError, check_store, read_table
 start = time.process_time()
+said = []
 for use in (check_store, read_table):
     try:
-        use(sys.argv[1])
+        found = use(sys.argv[1])
+        said.append("named" if use is check_store and not found.is_whole else "read")
     except StoreError:
-        pass
+        said.append("refused")
+print(*said, sep=", ")
 own, child = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
 print(max(own.ru_maxrss, child.ru_maxrss) // 1024, time.process_time() - start, child.ru_utime)
 """
 
 
-def hostile(folder, count):
-    """Each damaged or hostile folder: what a check, a reader and the same study make of it."""
-    rng, seen = random.Random(6), Counter()
+def whole_study(folder):
+    """A finished store, its study and table, and a file of ours that nothing may touch."""
     one = studies.study(
         20, base={**studies.BASE, "run": {"steps": 30}}, keep_signals=["y"], title="a study"
     )
     sweep._chunk_size = lambda study, first, pool: 20
-    whole, got, ours = folder / "whole", folder / "got", folder / "ours"
-    ours.mkdir()
-    victim = ours / "notes.txt"
+    (folder / "ours").mkdir()
+    victim = folder / "ours" / "notes.txt"
     victim.write_text("mine")
-    run_study(one, whole, workers=0)
-    before = read_table(whole)
-    guarded = folders.read_guarded
-    hardest = {"s": 0.0, "MB": 0}
-    kinds = [*hostile_folders.HOSTILE, *hostile_folders.DAMAGE]
-    for i in range(count):
-        kind = kinds[i % len(kinds)] if i < 8 * len(kinds) else rng.choice(kinds[-7:])
-        harm = hostile_folders.HOSTILE.get(kind, kind)
-        # Each hostile kind twice by the child that the commands use, the flips of bits here.
-        is_guarded = kind in hostile_folders.HOSTILE and i < 2 * len(kinds)
-        if kind in hostile_folders.HOSTILE and not is_guarded and "text of" in kind:
-            continue
-        folders.read_guarded = guarded if is_guarded else reader.read_here
+    run_study(one, folder / "whole", workers=0)
+    return one, read_table(folder / "whole"), victim
+
+
+def hostile(folder):
+    """Each kind of hostile folder, as the commands read it: in a child, and measured."""
+    one, before, victim = whole_study(folder)
+    rng, seconds, megabytes = random.Random(6), 0.0, 0.0
+    for kind, harm in hostile_folders.HOSTILE.items():
+        got = folder / "got"
         shutil.rmtree(got, ignore_errors=True)
-        shutil.copytree(whole, got)
+        shutil.copytree(folder / "whole", got)
         harm(got, rng, victim)
-        mine = sorted(ours.iterdir())
+        mine = sorted(victim.parent.iterdir())
+        command = [sys.executable, "-c", MEASURED, str(got)]
+        out = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert not out.stderr, (kind, out.stderr)
+        most, own, child = map(float, out.stdout.splitlines()[-1].split())
+        seconds, megabytes = max(seconds, own, child), max(megabytes, most)
+        again = computed_again(one, got, before)
+        assert victim.read_text() == "mine" and sorted(victim.parent.iterdir()) == mine, kind
+        for moved in victim.parent.glob("chunks*"):
+            shutil.rmtree(moved)
+        words = f"{out.stdout.splitlines()[0]}; {again}; {max(own, child):.1f} s, {most:.0f} MB"
+        say(kind, words)
+    say(f"{len(hostile_folders.HOSTILE)} kinds", "0 wrong tables, nothing outside touched; at most "
+        f"{seconds:.1f} s of processor, {megabytes:.0f} MB")  # fmt: skip
+
+
+def damaged(folder, count):
+    """Bytes that were changed, in this process: what a check, a reader and the study make of it."""
+    one, before, victim = whole_study(folder)
+    rng, seen, slowest = random.Random(7), Counter(), 0.0
+    folders.read_guarded = reader.read_here
+    for i in range(count):
+        got = folder / "got"
+        shutil.rmtree(got, ignore_errors=True)
+        shutil.copytree(folder / "whole", got)
+        harm = hostile_folders.DAMAGE[i % len(hostile_folders.DAMAGE)]
+        harm(got, rng, victim)
         start = time.process_time()
-        if is_guarded:
-            out = subprocess.run([sys.executable, "-c", MEASURED, str(got)], capture_output=True,
-                                 text=True, check=False)  # fmt: skip
-            assert not out.stderr, (kind, out.stderr)
-            most, own, child = map(float, out.stdout.split())
-            hardest = {"s": max(hardest["s"], own, child), "MB": max(hardest["MB"], most)}
         try:
-            named = not check_store(got).is_whole
+            is_named = not check_store(got).is_whole
         except StoreError:
-            named = True
+            is_named = True
         try:
-            table = read_table(got)
-            assert table == before, f"a wrong table: {kind}"
+            assert read_table(got) == before, f"a wrong table: {harm.__name__}"
             read = "read as it was"
         except StoreError:
             read = "refused"
-        try:
-            run_study(one, got, workers=0)
-            folders.read_guarded = reader.read_here
-            assert read_table(got) == before, f"a wrong table was computed: {kind}"
-            again = "computed again" if read == "refused" else "nothing to do"
-        except StoreError:
-            again = "the study refused"
-        if not is_guarded:
-            hardest["s"] = max(hardest["s"], time.process_time() - start)
-        assert victim.read_text() == "mine" and sorted(ours.iterdir()) == mine, kind
-        for moved in ours.glob("chunks*"):
-            shutil.rmtree(moved)
-        seen["in the child" if is_guarded else "in this process", read, again, named] += 1
+        slowest = max(slowest, time.process_time() - start)
+        again = computed_again(one, got, before) if i % 10 == 0 else "not run"
+        seen[f"{read}{', named by the check' if is_named else ''}", again] += 1
+    for (read, again), number in sorted(seen.items()):
+        say(f"{number} folders with changed bytes", f"{read}; {again}")
+    say(f"{count} folders", f"0 wrong tables; at most {slowest:.1f} s of processor")
+
+
+def computed_again(one, store, before):
+    """What the study makes of a folder."""
+    guarded = folders.read_guarded
+    try:
+        run_study(one, store, workers=0)
+    except StoreError:
+        return "the study refused"
+    folders.read_guarded = reader.read_here
+    assert read_table(store) == before, "a wrong table was computed"
     folders.read_guarded = guarded
-    for (where, read, again, named), number in sorted(seen.items()):
-        say(f"{number} folders, read {where}",
-            f"{read}, {again}{', named by the check' if named else ''}")  # fmt: skip
-    say(f"{sum(seen.values())} folders", f"0 wrong tables, nothing outside touched; at most "
-        f"{hardest['s']:.1f} s of processor, {hardest['MB']:.0f} MB")  # fmt: skip
+    return "the study gives the table"
 
 
 def main():
@@ -510,7 +527,8 @@ def main():
     parser.add_argument("--folders", type=int, default=4000)
     parser.add_argument("--old", type=Path, help="SQLite stores of the reduced studies, by name.")
     parser.add_argument(
-        "--only", default="kills,two,disk,readonly,deadly,hang,memory,dask,executors,hostile"
+        "--only",
+        default="kills,two,disk,readonly,deadly,hang,memory,dask,executors,hostile,damaged",
     )
     parser.add_argument("--coordinate", nargs="+")
     chosen = parser.parse_args()
@@ -529,10 +547,11 @@ def main():
             "memory": lambda: memory(folder),
             "dask": lambda: dask(folder, reference),
             "executors": lambda: executors(folder, chosen.old),
-            "hostile": lambda: hostile(folder, chosen.folders),
+            "hostile": lambda: hostile(folder),
+            "damaged": lambda: damaged(folder, chosen.folders),
         }
         wanted = chosen.only.split(",")
-        if not set(wanted) <= {"executors", "hostile", "deadly", "hang", "memory"}:
+        if not set(wanted) <= {"executors", "hostile", "damaged", "deadly", "hang", "memory"}:
             run_study(study(), folder / "reference", workers=0)
             reference = read_table(folder / "reference")
         for scenario in wanted:

@@ -29,6 +29,9 @@ ALONE = 2  # times that a run that is by itself is lost before it is given up
 # Seconds between looks at Ctrl-C, and those that an executor of others has to answer at all after
 # it lost a run.
 PATIENCE, ANSWER = 0.25, 60.0
+# Seconds in which workers of others that were lost come back: dask gives up one for good that is
+# lost once more while it starts.
+SETTLING = 8.0
 
 
 class Pool:
@@ -163,7 +166,9 @@ class Coordinator:
                 if self.waiting[0].by_itself and self.in_flight:
                     return
                 part = self.waiting.popleft()
-                if part.by_itself:  # dask gives up a worker that is lost while it starts
+                if part.by_itself:
+                    if not self.pool.renewable:
+                        time.sleep(SETTLING)
                     self._require_answer()
             elif (number := self._next()) is not None:
                 task = self.task_of(number)

@@ -42,8 +42,9 @@ def bits_of_the_footer(folder, rng, victim):
 def bytes_of_the_footer(folder, rng, victim):
     path = chunk_of(folder, rng)
     data = bytearray(path.read_bytes())
+    first = footer_of(data)
     for _ in range(rng.randint(1, 4)):
-        data[rng.randrange(footer_of(data), len(data))] = rng.randrange(256)
+        data[rng.randrange(first, len(data))] = rng.randrange(256)
     path.write_bytes(data)
 
 
