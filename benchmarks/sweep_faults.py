@@ -290,12 +290,17 @@ def deadly(folder):
         except StoreError as error:
             say("the same; one ProcessPoolExecutor", f"refused: {str(error)[:60]}...")
     with cluster(2, 0) as client:
-        start = time.perf_counter()
-        progress = run_study(whole, folder / "dask", executor=client.get_executor(pure=False))
+        start, how = time.perf_counter(), client.get_executor(pure=False)
+        try:
+            run_study(whole, folder / "dask", executor=how)
+            said = "those 2 named"
+        except StoreError as error:  # its nannies give up
+            said = f"refused: {str(error)[:60]}...; then on processes of ours: those 2 named"
+            run_study(whole, folder / "dask", workers=2)
         table = read_table(folder / "dask")
-        assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 2
+        assert set(table.failed["R_theta"]) == {studies.DEADLY} and table.failures == 2
         assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
-        say("the same; dask, allowed-failures 0", f"those 2 named, {since(start)}")
+        say("the same; dask, allowed-failures 0", f"{said}, {since(start)}")
     sweep._chunk_size = small
 
 
@@ -435,8 +440,10 @@ for use in (check_store, read_table):
     except StoreError:
         said.append("refused")
 print(*said, sep=", ")
-own, child = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-print(max(own.ru_maxrss, child.ru_maxrss) // 1024, time.process_time() - start, child.ru_utime)
+child = resource.getrusage(resource.RUSAGE_CHILDREN)
+with open("/proc/self/status") as status:  # what a process had before exec counts for ru_maxrss
+    most = next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
+print(max(most, child.ru_maxrss) // 1024, time.process_time() - start, child.ru_utime)
 """
 
 

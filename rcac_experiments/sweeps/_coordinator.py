@@ -29,9 +29,6 @@ ALONE = 2  # times that a run that is by itself is lost before it is given up
 # Seconds between looks at Ctrl-C, and those that an executor of others has to answer at all after
 # it lost a run.
 PATIENCE, ANSWER = 0.25, 60.0
-# Seconds in which workers of others that were lost come back: dask gives up one for good that is
-# lost once more while it starts.
-SETTLING = 8.0
 
 
 class Pool:
@@ -166,9 +163,7 @@ class Coordinator:
                 if self.waiting[0].by_itself and self.in_flight:
                     return
                 part = self.waiting.popleft()
-                if part.by_itself:
-                    if not self.pool.renewable:
-                        time.sleep(SETTLING)
+                if part.by_itself:  # dask gives up workers that are lost while they start
                     self._require_answer()
             elif (number := self._next()) is not None:
                 task = self.task_of(number)
@@ -210,9 +205,9 @@ class Coordinator:
             )
         return StoreError(
             f"the executor broke: it takes nothing more ({type(error).__name__}). What had ended "
-            "is kept; go on with a new one. Where a run ends its worker, give a function that "
-            "makes the executor, executor=lambda: ProcessPoolExecutor(2) for instance: then it is "
-            "made again, and that run is found."
+            "is kept; go on with a new one. Where a run ends its worker, processes of our own "
+            "(workers=2) find it, or a function that makes the executor, executor=lambda: "
+            "ProcessPoolExecutor(2) for instance: then it is made again."
         )
 
     def _end(self, future: Future[ChunkResult]) -> None:

@@ -259,7 +259,7 @@ def test_an_executor_that_a_function_makes_is_made_again(tmp_path, small_chunks)
     assert table.failed["outcome"].tolist() == ["worker died"] and len(table) == 1
     with (
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as one,
-        pytest.raises(StoreError, match="give a function that makes the executor"),
+        pytest.raises(StoreError, match="a function that makes the executor"),
     ):
         run_study(study, tmp_path / "t", executor=one)
 
