@@ -27,8 +27,7 @@ STUDY = studies.study(
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """A finished store, and its table."""
-    path = tmp_path_factory.mktemp("whole") / "study"
-    run_study(STUDY, path, workers=0)
+    path = studies.stored(STUDY, tmp_path_factory.mktemp("whole") / "study", 3)
     return path, read_table(path)
 
 

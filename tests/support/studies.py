@@ -6,11 +6,13 @@ import signal
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
 import rcac_numeric as rcac
 from rcac_experiments import sweeps
+from rcac_experiments.sweeps import _sweep
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},
@@ -55,6 +57,13 @@ def study(repetitions=20, **changes):
         arguments.pop("base", BASE), arguments.pop("axes", axes), arguments.pop("keep", keep),
         **arguments,
     )  # fmt: skip
+
+
+def stored(study, path, chunk_size):
+    """A finished store whose chunks have a size that no clock chooses."""
+    with mock.patch.object(_sweep, "_chunk_size", lambda *of: chunk_size):
+        sweeps.run_study(study, path, workers=0)
+    return path
 
 
 def contents(folder):

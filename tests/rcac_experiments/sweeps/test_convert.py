@@ -32,7 +32,7 @@ STUDY = studies.study(
 def made(tmp_path_factory):
     """A folder, and the old store with the same in it."""
     folder = tmp_path_factory.mktemp("made")
-    run_study(STUDY, folder / "study", workers=0)
+    studies.stored(STUDY, folder / "study", 8)
     old_stores.write(folder / "study", folder / "old.sqlite")
     return folder / "study", folder / "old.sqlite"
 

@@ -41,9 +41,7 @@ ROOT = Path(__file__).parents[3]
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     """A finished store of several chunks, which nobody changes."""
-    path = tmp_path_factory.mktemp("stored") / "study"
-    run_study(studies.study(), path, workers=0)
-    return path
+    return studies.stored(studies.study(), tmp_path_factory.mktemp("stored") / "study", 8)
 
 
 @pytest.fixture
