@@ -26,8 +26,8 @@ def main(
 ) -> None:
     """Check every statement that the software relies on, and print the ledger of their evidence.
 
-    SELECTION names chapters (2, 4, 7, 8, A, B) or entries; default: all. The exit status is 1 if
-    anything fails that should hold.
+    SELECTION names chapters (2, 4, 7, 8, 9, field, A, B) or entries; default: all. The exit
+    status is 1 if anything fails that should hold.
     """
     console, progress_console = Console(), Console(stderr=True)
     try:

@@ -110,7 +110,7 @@ class Entry:
     name : str
         Identifier, as the command takes it.
     chapter : str
-        ``2``, ``4``, ``7``, ``8``, ``9``, ``A`` or ``B``.
+        ``2``, ``4``, ``7``, ``8``, ``9``, ``field``, ``A`` or ``B``.
     title, source : str
         What it is called, and its numbers in the dissertation.
     hypotheses : tuple of str

@@ -7,7 +7,7 @@ the statements are what their files say.
 import re
 from collections.abc import Iterator
 
-_GREEK = "theta|lambda|alpha|gamma|eta|rho|phi|psi|chi|Phi|Upsilon"
+_GREEK = "theta|lambda|alpha|gamma|delta|eta|rho|phi|psi|chi|Phi|Upsilon|Gamma|Delta|Theta"
 _FUNCTIONS = "det|rank|deg|gcd|adj|diag|vec|max|min|binomial|mspec|mzeros"
 _NAME = rf"(?:{_GREEK}|(?:{_FUNCTIONS})(?![a-z])|z0|[A-Za-z])"
 _HAT = r"(?:~|\^(?=[_^]|$|[\s,.;:)\]']|\(k))?"

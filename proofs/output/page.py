@@ -17,6 +17,7 @@ _CHAPTERS = {
     "7": "Chapter 7: which compensators are observer-based",
     "8": "Chapter 8: Riccati equations and least squares",
     "9": "Chapter 9: directions of zeros, the joint fit",
+    "field": "The field: stability, all compensators, loops that vary in time",
     "A": "Appendix A: LQG and high-authority LQG",
     "B": "Appendix B: Sylvester resultants",
 }

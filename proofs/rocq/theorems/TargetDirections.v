@@ -43,4 +43,41 @@ Proof.
 apply: contraR => pole; apply/eqP/direction_is_kept; rewrite unitmxE unitfE.
 by move: pole; rewrite rootE -[_.[z_0]]/(horner_eval z_0 _) -det_map_mx.
 Qed.
+
+(* The same of G_f itself, whichever numerator and denominator it is written with: v is its value at z_0 if
+   some fraction of it, N / D with D(z_0) not 0, has that value. *)
+Hypotheses (exists_f : D_f != 0) (regular : at_point loop_matrix \in unitmx).
+
+Definition value_of_target (v : 'M[R]_(l_z, l_u)) := exists (D' : {poly R}) (N' : 'M[{poly R}]_(l_z, l_u)),
+  [/\ D_f *: N' = D' *: N_f, D'.[z_0] != 0 & v = (D'.[z_0])^-1 *: at_point N'].
+
+Lemma cancel_denominator (M M' : 'M[{poly R}]_(l_z, l_u)) : D_f *: M = D_f *: M' -> M = M'.
+Proof. by move/matrixP=> E; apply/matrixP=> i j; have := E i j; rewrite !mxE; apply: mulfI. Qed.
+
+(* G_f has one value at z_0, whether or not D_f vanishes there. *)
+Theorem target_has_a_value : exists! v, value_of_target v.
+Proof.
+pose N_1 := 'X^n_c *: (N_zu *m \adj loop_matrix); pose D_1 := \det loop_matrix.
+have nz_1 : D_1.[z_0] != 0 by move: regular; rewrite unitmxE unitfE det_map_mx.
+have same_1 : D_f *: N_1 = D_1 *: N_f.
+  have := congr1 (mulmxr (\adj loop_matrix)) matches => /=.
+  by rewrite -scalemxAl -mulmxA mul_mx_adj mul_mx_scalar scalerA.
+clearbody D_1 N_1; exists ((D_1.[z_0])^-1 *: at_point N_1); split=> [|_ [D_2 [N_2 [same_2 nz_2 ->]]]].
+  by exists D_1, N_1.
+have : D_2 *: N_1 = D_1 *: N_2.
+  by apply: cancel_denominator; rewrite !scalerA ![D_f * _]mulrC -!scalerA same_1 same_2 !scalerA mulrC.
+move/(congr1 (@at_point l_z l_u)); rewrite !at_point_scale => /(congr1 ( *:%R (D_1.[z_0] * D_2.[z_0])^-1)).
+by rewrite !scalerA invfM divfK // mulrAC mulVf // mul1r => ->.
+Qed.
+
+Theorem direction_of_the_function v : value_of_target v -> eta *m v = 0.
+Proof.
+case=> D' [N' [same nz_D' ->]]; rewrite -scalemxAr.
+suff zero' : eta *m at_point N' *m at_point loop_matrix = 0.
+  by rewrite -[eta *m _](mulmxK regular) zero' mul0mx scaler0.
+have -> : eta *m at_point N' *m at_point loop_matrix = eta *m at_point (N' *m loop_matrix).
+  by rewrite -mulmxA at_point_mul.
+have -> : N' *m loop_matrix = (D' * 'X^n_c) *: N_zu; last by rewrite at_point_scale -scalemxAr zero scaler0.
+by apply: cancel_denominator; rewrite scalerA mulrCA -scalerA (matches : _ *: _ = _) !scalemxAl same.
+Qed.
 End TargetDirections.

@@ -1,0 +1,253 @@
+"""Stability from coefficients, parity of real roots, all compensators by one parameter."""
+
+from hypothesis import assume
+from hypothesis import strategies as st
+from sympy import Expr, Poly, Rational, Symbol
+
+from compensator_theory import (
+    TransferFunction,
+    bezout_identity,
+    decide_interval_stability,
+    decide_stability,
+    decide_strong_stabilisability,
+    place_poles,
+    polynomial_from_roots,
+    stabilising_compensators,
+)
+from compensator_theory.strategies import (
+    boundary_polynomials,
+    coprime_pairs,
+    hurwitz_spectra,
+    polynomials,
+    rationals,
+    schur_spectra,
+    spectra,
+    strictly_proper_plants,
+)
+
+from ..ledger.checks import for_all
+
+s, z = Symbol("s"), Symbol("z")
+positive = st.builds(Rational, st.integers(1, 9), st.integers(1, 4))
+sizes = st.integers(1, 5)
+
+
+def _from(roots: tuple[Expr, ...], variable: str) -> Poly:
+    return polynomial_from_roots(roots, variable)
+
+
+continuous = st.one_of(
+    sizes.flatmap(hurwitz_spectra).map(lambda roots: _from(roots, "s")),
+    sizes.flatmap(spectra).map(lambda roots: _from(roots, "s")),
+    boundary_polynomials("s"),
+).map(lambda p: p if p.LC() > 0 else -p)
+discrete = st.one_of(
+    sizes.flatmap(schur_spectra).map(lambda roots: _from(roots, "z")),
+    sizes.flatmap(spectra).map(lambda roots: _from(roots, "z")),
+    boundary_polynomials("z"),
+)
+
+
+def _routh(p: Poly) -> bool:
+    """Whether the coefficient before the first of every polynomial of Routh's array is positive."""
+    while p.degree() > 0:
+        n = p.degree()
+        if p.nth(n - 1) <= 0:
+            return False
+        other = Poly({(i,): p.nth(i) for i in range(n - 1, -1, -2)}, s)
+        p = p - p.LC() / p.nth(n - 1) * Poly(s, s) * other
+    return True
+
+
+@for_all(p=continuous)
+def routh_array(p: Poly) -> bool:
+    """Routh's array says of a polynomial what its certified roots say: whether it is Hurwitz."""
+    return _routh(p) is decide_stability(p, time="continuous").by_roots
+
+
+@for_all(lower=st.lists(rationals(), min_size=2, max_size=4))
+def hurwitz_inequalities(lower: list[Rational]) -> bool:
+    """The inequalities for degrees 2, 3 and 4 say what the certified roots say."""
+    coefficients = [abs(x) if k % 2 else x for k, x in enumerate(lower)]
+    if len(lower) == 2:
+        a, b = coefficients
+        wanted = a > 0 and b > 0
+    elif len(lower) == 3:
+        a, b, c = coefficients
+        wanted = a > 0 and c > 0 and c < a * b
+    else:
+        a, b, c, d = coefficients
+        wanted = a > 0 and c > 0 and d > 0 and a**2 * d < c * (a * b - c)
+    p = Poly([1, *coefficients], s)
+    return bool(wanted) is decide_stability(p, time="continuous").by_roots
+
+
+@for_all(
+    lower=st.lists(positive, min_size=3, max_size=4),
+    widths=st.lists(st.integers(0, 2), min_size=4, max_size=4),
+)
+def kharitonov_polynomials(lower: list[Rational], widths: list[int]) -> bool:
+    """One polynomial for degree 3 and two for degree 4 decide what Kharitonov's four decide, where
+    the lower ends are positive.
+    """
+    ends = [(x, x + w) for x, w in zip(lower, widths, strict=False)]
+    (a_1, a_2), (b_1, _), (c_1, c_2), *rest = ends
+    if rest:
+        ((_, d_2),) = rest
+        deciding = [[1, a_1, b_1, c_2, d_2], [1, a_2, b_1, c_1, d_2]]
+    else:
+        deciding = [[1, a_1, b_1, c_2]]
+    stable = all(decide_stability(Poly(p, s), time="continuous").by_roots for p in deciding)
+    return stable is decide_interval_stability([1, *ends]).is_stable
+
+
+def _schur(p: Poly) -> bool:
+    """Whether a_0^2 < a_n^2 in every polynomial of the table of Schur and Cohn."""
+    while p.degree() > 0:
+        n, a, b = p.degree(), p.LC(), p.nth(0)
+        if b**2 >= a**2:
+            return False
+        p = Poly([a * p.nth(i + 1) - b * p.nth(n - i - 1) for i in range(n - 1, -1, -1)], z)
+    return True
+
+
+@for_all(p=discrete)
+def schur_table(p: Poly) -> bool:
+    """The table of Schur and Cohn says what the certified roots say: whether all are inside."""
+    return _schur(p) is decide_stability(p, time="discrete").by_roots
+
+
+@st.composite
+def quadratics_and_cubics(draw: st.DrawFn) -> Poly:
+    """Draw monic polynomials of degree 2 or 3, half of them with all roots inside the circle."""
+    size = draw(st.integers(2, 3))
+    if draw(st.booleans()):
+        return _from(draw(schur_spectra(size)), "z")
+    return Poly([1, *draw(st.lists(rationals(3, 4), min_size=size, max_size=size))], z)
+
+
+@for_all(p=quadratics_and_cubics())
+def jury_inequalities(p: Poly) -> bool:
+    """Jury's inequalities for degrees 2 and 3 say what the certified roots say."""
+    _, a, b, *rest = p.all_coeffs()
+    if rest:
+        (c,) = rest
+        wanted = abs(c) < 1 and abs(b - a * c) < 1 - c**2 and -1 - b < a + c < 1 + b
+        wanted = wanted and 1 + a + b + c > 0
+    else:
+        wanted = b < 1 and abs(a) < 1 + b
+    return bool(wanted) is decide_stability(p, time="discrete").by_roots
+
+
+def _between(p: Poly, low: Rational, high: Rational) -> int:
+    """Count the real roots of a polynomial between two numbers, each as often as it counts."""
+    return sum(m * factor.count_roots(low, high) for factor, m in p.sqf_list()[1])
+
+
+@for_all(
+    roots=st.lists(rationals(), min_size=1, max_size=3),
+    zeros=st.lists(positive, min_size=2, max_size=2, unique=True),
+    rest=polynomials(max_degree=1),
+    D_c=st.integers(0, 2).flatmap(hurwitz_spectra),
+    N_c=polynomials(max_degree=2),
+)
+def loop_has_the_parity_of_the_plant(
+    roots: list[Rational], zeros: list[Rational], rest: Poly, D_c: tuple[Expr, ...], N_c: Poly
+) -> bool:
+    """With a stable D_c the loop has between two positive zeros of the plant an even number of real
+    roots where D has one, and an odd number where D has: not none.
+    """
+    low, high = sorted(zeros)
+    assume(low not in roots and high not in roots)
+    D = _from(tuple(roots), "s")
+    N = (Poly(s, s) - low) * (Poly(s, s) - high) * rest
+    loop = D * _from(D_c, "s") + N * N_c
+    return (_between(loop, low, high) - _between(D, low, high)) % 2 == 0
+
+
+@for_all(
+    places=st.lists(st.integers(-3, 12), min_size=2, max_size=6, unique=True),
+    order=st.integers(1, 6),
+)
+def strongly_stabilisable_plants_interlace(places: list[int], order: int) -> bool:
+    """A strictly proper plant with real poles and zeros is strongly stabilisable if and only if
+    between two zeros in [0, oo] there is an even number of poles.
+    """
+    poles = places[: max(order % len(places), len(places) // 2 + 1)]
+    zeros = places[len(poles) :]
+    unstable = sorted(zero for zero in zeros if zero >= 0)
+    above = [sum(pole > zero for pole in poles) for zero in unstable]
+    plant = TransferFunction(_from(tuple(zeros), "s"), _from(tuple(poles), "s"))
+    found = decide_strong_stabilisability(plant).is_strongly_stabilisable
+    return bool(found) is all(number % 2 == 0 for number in above)
+
+
+@for_all(pair=coprime_pairs(), D_c=polynomials(max_degree=3), N_c=polynomials(max_degree=3))
+def pairs_have_one_parameter(pair: tuple[Poly, Poly], D_c: Poly, N_c: Poly) -> bool:
+    """Of X N + Y D = 1: Q = Y N_c - X D_c gives D_c = D~ Y - Q N and N_c = D~ X + Q D."""
+    D, N = pair
+    found = bezout_identity(D, N)
+    Y, X = found.x, found.y
+    placed, Q = D * D_c + N * N_c, Y * N_c - X * D_c
+    return bool((X * N + Y * D).is_one and D_c == placed * Y - Q * N and N_c == placed * X + Q * D)
+
+
+@st.composite
+def plants_with_spectra(
+    draw: st.DrawFn,
+) -> tuple[TransferFunction, tuple[Expr, ...], tuple[Expr, ...]]:
+    """Draw a plant of order n and n stable poles for the regulator and for the observer."""
+    plant = draw(strictly_proper_plants(max_order=2))
+    spectrum = hurwitz_spectra(plant.order)
+    return plant, draw(spectrum), draw(spectrum)
+
+
+@for_all(case=plants_with_spectra(), gain=rationals(), pole=positive)
+def compensators_of_stable_parameters(
+    case: tuple[TransferFunction, tuple[Expr, ...], tuple[Expr, ...]],
+    gain: Rational,
+    pole: Rational,
+) -> bool:
+    """The observer-based compensator with a stable Q stabilises the plant, its parameter is Q, and
+    with an unstable Q of degree 1 it does not.
+    """
+    plant, regulator, observer = case
+    every = stabilising_compensators(plant, regulator, observer, feedback=-1)
+
+    def answers(sign: int) -> tuple[bool, bool]:
+        Q = TransferFunction(Poly(gain, s), Poly(s, s) + sign * pole)
+        C = every.compensator(Q).transfer_function()
+        found = every.parameter(C)[0, 0]
+        loop = plant.denominator * C.denominator + plant.numerator * C.numerator
+        return (
+            bool(decide_stability(loop, time="continuous").is_stable),
+            (found.numerator * Q.denominator - Q.numerator * found.denominator).is_zero,
+        )
+
+    return answers(1) == (True, True) and (gain == 0 or not answers(-1)[0])
+
+
+@st.composite
+def plants_and_poles(draw: st.DrawFn) -> tuple[TransferFunction, tuple[Expr, ...]]:
+    """Draw a plant of order n and n + n_c poles, n - 1 <= n_c <= n + 1."""
+    plant = draw(strictly_proper_plants(max_order=3))
+    return plant, draw(spectra(2 * plant.order - 1 + draw(st.integers(0, 2))))
+
+
+@for_all(case=plants_and_poles(), Q=polynomials(max_degree=2))
+def placements_differ_by_one_polynomial(
+    case: tuple[TransferFunction, tuple[Expr, ...]], Q: Poly
+) -> bool:
+    """D_0 - Q N and N_0 + Q D place what D_0 and N_0 place, and N_0 is the only numerator of them
+    below the degree of D.
+    """
+    plant, poles = case
+    D, N = plant.denominator, plant.numerator
+    found = place_poles(plant, polynomial_from_roots(poles, "s"), feedback=-1).compensator
+    D_0, N_0 = found.denominator, found.numerator
+    D_c, N_c = D_0 - Q * N, N_0 + Q * D
+    return bool(
+        D * D_c + N * N_c == polynomial_from_roots(poles, "s")
+        and N_c.rem(D) == N_0
+        and N_c.degree() - D.degree() == Q.degree()
+    )
