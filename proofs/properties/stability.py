@@ -50,12 +50,11 @@ discrete = st.one_of(
 
 def _routh(p: Poly) -> bool:
     """Whether the coefficient before the first of every polynomial of Routh's array is positive."""
-    while p.degree() > 0:
-        n = p.degree()
+    for n in range(p.degree(), 0, -1):
         if p.nth(n - 1) <= 0:
             return False
         other = Poly({(i,): p.nth(i) for i in range(n - 1, -1, -2)}, s)
-        p = p - p.LC() / p.nth(n - 1) * Poly(s, s) * other
+        p = p - p.nth(n) / p.nth(n - 1) * Poly(s, s) * other
     return True
 
 
@@ -65,14 +64,19 @@ def routh_array(p: Poly) -> bool:
     return _routh(p) is decide_stability(p, time="continuous").by_roots
 
 
-@for_all(lower=st.lists(rationals(), min_size=2, max_size=4))
-def hurwitz_inequalities(lower: list[Rational]) -> bool:
-    """The inequalities for degrees 2, 3 and 4 say what the certified roots say."""
-    coefficients = [abs(x) if k % 2 else x for k, x in enumerate(lower)]
-    if len(lower) == 2:
+@for_all(
+    roots=st.integers(2, 4).flatmap(hurwitz_spectra),
+    shift=st.sampled_from([0, 0, Rational(1, 2), 1, 2]),
+)
+def hurwitz_inequalities(roots: tuple[Expr, ...], shift: Rational) -> bool:
+    """The inequalities for degrees 2, 3 and 4 say what the certified roots say, of Hurwitz
+    polynomials and of such with their roots shifted to the right.
+    """
+    _, *coefficients = _from(tuple(root + shift for root in roots), "s").all_coeffs()
+    if len(coefficients) == 2:
         a, b = coefficients
         wanted = a > 0 and b > 0
-    elif len(lower) == 3:
+    elif len(coefficients) == 3:
         a, b, c = coefficients
         wanted = a > 0 and c > 0 and c < a * b
     else:
@@ -83,14 +87,19 @@ def hurwitz_inequalities(lower: list[Rational]) -> bool:
 
 
 @for_all(
-    lower=st.lists(positive, min_size=3, max_size=4),
-    widths=st.lists(st.integers(0, 2), min_size=4, max_size=4),
+    center=st.integers(3, 4).flatmap(hurwitz_spectra),
+    widths=st.lists(st.integers(0, 3), min_size=4, max_size=4),
+    stretch=st.sampled_from([4, 16, 64]),
 )
-def kharitonov_polynomials(lower: list[Rational], widths: list[int]) -> bool:
+def kharitonov_polynomials(center: tuple[Expr, ...], widths: list[int], stretch: int) -> bool:
     """One polynomial for degree 3 and two for degree 4 decide what Kharitonov's four decide, where
     the lower ends are positive.
     """
-    ends = [(x, x + w) for x, w in zip(lower, widths, strict=False)]
+    coefficients = _from(center, "s").all_coeffs()[1:]
+    ends = [
+        (c * (1 - Rational(w, stretch)), c * (1 + Rational(w, stretch)))
+        for c, w in zip(coefficients, widths, strict=False)
+    ]
     (a_1, a_2), (b_1, _), (c_1, c_2), *rest = ends
     if rest:
         ((_, d_2),) = rest
@@ -101,10 +110,40 @@ def kharitonov_polynomials(lower: list[Rational], widths: list[int]) -> bool:
     return stable is decide_interval_stability([1, *ends]).is_stable
 
 
+@for_all(
+    center=st.integers(3, 5).flatmap(hurwitz_spectra),
+    widths=st.lists(st.integers(0, 4), min_size=6, max_size=6),
+    stretch=st.sampled_from([8, 32, 128]),
+    shares=st.lists(st.integers(0, 4), min_size=6, max_size=6),
+)
+def four_polynomials_decide_the_box(
+    center: tuple[Expr, ...], widths: list[int], stretch: int, shares: list[int]
+) -> bool:
+    """Routh's test of the four polynomials says what the decision on the box says, and where that
+    is yes, a polynomial of the box is Hurwitz.
+    """
+    ascending = list(reversed(_from(center, "s").all_coeffs()))
+    low = [c * (1 - Rational(w, stretch)) for c, w in zip(ascending, widths, strict=False)]
+    high = [c * (1 + Rational(w, stretch)) for c, w in zip(ascending, widths, strict=False)]
+
+    def corner(even: int, odd: int) -> Poly:
+        upper = [((odd if i % 2 else even) + i // 2) % 2 for i in range(len(low))]
+        ends = [h if u else l for u, l, h in zip(upper, low, high, strict=True)]  # noqa: E741
+        return Poly(ends[::-1], s)
+
+    stable = all(_routh(corner(even, odd)) for even in (0, 1) for odd in (0, 1))
+    box = list(zip(low, high, strict=True))[::-1]
+    if stable is not decide_interval_stability(box).is_stable:
+        return False
+    gaps = zip(low, high, shares, strict=False)
+    member = [at + (end - at) * Rational(t, 4) for at, end, t in gaps]
+    return not stable or _routh(Poly(member[::-1], s))
+
+
 def _schur(p: Poly) -> bool:
     """Whether a_0^2 < a_n^2 in every polynomial of the table of Schur and Cohn."""
-    while p.degree() > 0:
-        n, a, b = p.degree(), p.LC(), p.nth(0)
+    for n in range(p.degree(), 0, -1):
+        a, b = p.nth(n), p.nth(0)
         if b**2 >= a**2:
             return False
         p = Poly([a * p.nth(i + 1) - b * p.nth(n - i - 1) for i in range(n - 1, -1, -1)], z)
@@ -119,10 +158,13 @@ def schur_table(p: Poly) -> bool:
 
 @st.composite
 def quadratics_and_cubics(draw: st.DrawFn) -> Poly:
-    """Draw monic polynomials of degree 2 or 3, half of them with all roots inside the circle."""
-    size = draw(st.integers(2, 3))
-    if draw(st.booleans()):
-        return _from(draw(schur_spectra(size)), "z")
+    """Draw monic polynomials of degree 2 or 3: with all roots inside the circle, with such roots
+    stretched by 5/4 to 2, or any.
+    """
+    size, stretch = draw(st.integers(2, 3)), draw(st.sampled_from([0, 4, 5, 6, 8]))
+    if stretch:
+        roots = draw(schur_spectra(size))
+        return _from(tuple(root * stretch / 4 for root in roots), "z")
     return Poly([1, *draw(st.lists(rationals(3, 4), min_size=size, max_size=size))], z)
 
 
@@ -171,7 +213,7 @@ def loop_has_the_parity_of_the_plant(
 )
 def strongly_stabilisable_plants_interlace(places: list[int], order: int) -> bool:
     """A strictly proper plant with real poles and zeros is strongly stabilisable if and only if
-    between two zeros in [0, oo] there is an even number of poles.
+    between two zeros that are not negative, infinity among them, the number of poles is even.
     """
     poles = places[: max(order % len(places), len(places) // 2 + 1)]
     zeros = places[len(poles) :]

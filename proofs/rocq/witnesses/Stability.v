@@ -244,6 +244,16 @@ Proof. by move=> absurd; apply: (absurd RR 'X 0%N); rewrite size_polyX. Qed.
 Lemma schur_cohn : ltac:(can_be_met (@SchurCohn.schur_cohn)).
 Proof. by move=> absurd; apply: (absurd RR 0%N 1); rewrite size_poly1. Qed.
 
+Lemma kharitonov : ltac:(can_be_met (@Kharitonov.kharitonov)).
+Proof.
+have constant e o : Kharitonov.kharitonov_polynomial 0 (fun=> 1 : RR) (fun=> 1) e o = 1.
+  by apply/polyP=> -[|i]; rewrite coef_poly coef1 //= if_same.
+move=> absurd; apply: (absurd RR 0%N (fun=> 1) (fun=> 1) 1 ltr01) => [|e o z].
+  split=> [|i]; first by rewrite size_poly1.
+  by rewrite leqn0 => /eqP->; rewrite coef1 !lexx.
+by rewrite constant rmorph1 (negPf (root1 z)).
+Qed.
+
 Lemma kharitonov_3 : ltac:(can_be_met (@Kharitonov.kharitonov_3)).
 Proof.
 move=> absurd; apply: (absurd RR 2%:R 2%:R 1 1 1 1 ltr01 _ 2%:R 1 1); rewrite ?lexx //.
