@@ -6,6 +6,7 @@
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary.
+From Compensators.theorems Require Import HighAuthorityPoles.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.
 Local Open Scope ring_scope.
@@ -103,6 +104,47 @@ rewrite /closed_loop_polynomial !hornerE zero lead_coefDl; last first.
   move: strictly_proper proper nz_c; rewrite -size_poly_gt0.
   by move: (size N) (size D) (size N_c) (size D_c) => [|?] ? ? [|?]; lia.
 by rewrite lead_coefM mul0r addr0 mulrACA pmulr_lgt0.
+Qed.
+
+(* From a positive zero through infinity to a negative one, as discrete time has it: the roots beyond are
+   those of the reversed polynomials between. *)
+Lemma reversed_loop n n_c D N D_c N_c : degree_at_most D n -> degree_at_most N n ->
+  degree_at_most D_c n_c -> degree_at_most N_c n_c ->
+  reversed (n + n_c) (closed_loop_polynomial D N D_c N_c)
+  = closed_loop_polynomial (reversed n D) (reversed n N) (reversed n_c D_c) (reversed n_c N_c).
+Proof.
+move=> deg_D deg_N deg_Dc deg_Nc; rewrite /closed_loop_polynomial -!reversed_mul //.
+by apply/polyP=> i; rewrite coefD !coef_poly coefD; case: ifP; rewrite ?addr0.
+Qed.
+
+Lemma root_of_reversed n p x : degree_is p n -> (x != 0 -> ~~ root p x^-1) -> ~~ root (reversed n p) x.
+Proof.
+move=> deg_p none; have [->|nz_x] := eqVneq x 0.
+  by rewrite rootE reversed_0 -[n]/(n.+1.-1) -deg_p -lead_coefE lead_coef_eq0 -size_poly_gt0 deg_p.
+by rewrite rootE reversed_at ?deg_p // mulf_eq0 expf_eq0 (negPf nz_x) andbF /= -rootE none.
+Qed.
+
+Theorem parity_interlacing_through_infinity n n_c D N D_c N_c z_1 z_2 s : 0 < z_1 -> z_2 < 0 ->
+  root N z_1 -> root N z_2 -> degree_is D n -> degree_at_most N n -> degree_is D_c n_c ->
+  degree_at_most N_c n_c -> degree_is (closed_loop_polynomial D N D_c N_c) (n + n_c)%N ->
+  (forall x, z_1 <= x \/ x <= z_2 -> ~~ root D_c x) ->
+  (forall x, z_1 <= x \/ x <= z_2 -> ~~ root (closed_loop_polynomial D N D_c N_c) x) ->
+  roots_between (reversed n D) z_2^-1 z_1^-1 s -> ~~ odd (size s).
+Proof.
+move=> z1_gt0 z2_lt0 zero_1 zero_2 deg_D deg_N deg_Dc deg_Nc deg_L none_c none_L.
+have zero z : z != 0 -> root N z -> root (reversed n N) z^-1.
+  by move=> nz /rootP root_z; rewrite rootE reversed_at ?invr_eq0 // invrK root_z mulr0.
+have beyond x : z_2^-1 <= x <= z_1^-1 -> x != 0 -> z_1 <= x^-1 \/ x^-1 <= z_2.
+  case/andP=> low high nz; have [x_gt0|x_le0] := ltP 0 x.
+    by left; rewrite -[z_1]invrK lef_pinv ?posrE ?invr_gt0.
+  by right; rewrite -[z_2]invrK lef_ninv ?negrE ?invr_lt0 // lt_neqAle nz.
+apply: (parity_interlacing _ _ _ (D_c := reversed n_c D_c) (N_c := reversed n_c N_c) (N := reversed n N)).
+- by apply: ltW; apply: lt_trans (_ : 0 < _); rewrite ?invr_lt0 ?invr_gt0.
+- by apply: zero => //; rewrite lt_eqF.
+- by apply: zero => //; rewrite gt_eqF.
+- by move=> x inside; apply: root_of_reversed => // nz; apply/none_c/beyond.
+move=> x inside; rewrite -reversed_loop ?deg_D ?deg_Dc //.
+by apply: root_of_reversed => // nz; apply/none_L/beyond.
 Qed.
 
 (* The lists exist. *)

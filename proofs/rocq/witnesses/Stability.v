@@ -182,6 +182,19 @@ move=> absurd; apply: (absurd RR 1 0 1 0 0 [::] (root0 _)) => [||x _|x _|]; rewr
 by exists 1; rewrite big_nil mulr1; split=> // x _; rewrite root1.
 Qed.
 
+Lemma parity_interlacing_through_infinity :
+  ltac:(can_be_met (@ParityInterlacing.parity_interlacing_through_infinity)).
+Proof.
+have reversed_1 : reversed 0 (1 : {poly RR}) = 1.
+  by apply/polyP=> -[|i]; rewrite coef_poly ?coef1 //= coefC.
+move=> absurd; apply: (absurd RR 0%N 0%N 1 0 1 0 1 (- 1) [::] ltr01 _ (root0 _) (root0 _));
+  rewrite ?size_poly1 ?size_poly0 ?oppr_lt0 ?ltr01 //.
+- by rewrite /closed_loop_polynomial mulr1 mul0r addr0 size_poly1.
+- by move=> x _; rewrite root1.
+- by move=> x _; apply: no_roots.
+by exists 1; rewrite reversed_1 big_nil mulr1; split=> // x _; rewrite root1.
+Qed.
+
 Lemma roots_between_exist : ltac:(can_be_met (@ParityInterlacing.roots_between_exist)).
 Proof. by move=> absurd; apply: (absurd RR 1 0 1); rewrite ?oner_neq0 ?root1. Qed.
 
