@@ -77,7 +77,9 @@ def test_the_statements_that_the_software_rests_on_are_there():
         "theorem-1-realisations", "forms-are-subspaces", "count-of-forms", "hidden-mode-rule",
         "youla-chains", "lqg-spectrum", "return-difference", "spectral-factorisation",
         "high-authority-poles", "innovation-weight", "theorem-a1", "theorem-a2",
-        "riccati-duality", "forward-riccati", "subsystem-recursion",
+        "riccati-duality", "forward-riccati", "subsystem-recursion", "contraction",
+        "small-gain-ellipsoid", "predictive-control-limit", "parity-interlacing",
+        "all-compensators", "routh-hurwitz", "kharitonov", "schur-cohn",
     }  # fmt: skip
     assert wanted <= {entry.name for entry in ENTRIES}
 
