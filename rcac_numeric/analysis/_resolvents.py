@@ -56,7 +56,7 @@ class ShiftedHessenberg:
         return x
 
     def solve_adjoint(self, right: ComplexArray) -> ComplexArray:
-        """(zI - H)^{-*} right."""
+        """Solve with the conjugate transpose of zI - H."""
         x = right.astype(np.complex128)
         for k, upper in enumerate(self.upper):
             x[k] /= upper[0].conj()

@@ -279,7 +279,7 @@ class ControllerSettings(Value):
 def settings_with_numbers(
     settings: ControllerSettings, of_update: Mapping[str, Any], of_settings: Mapping[str, Any]
 ) -> ControllerSettings | None:
-    """The same with other R_theta, lambda_; R_z, R_u, theta_0.
+    """The same with other R_theta, lambda, R_z, R_u and theta_0.
 
     Whatever else the settings were checked for does not depend on them, and is not asked again.
     None where one stands in the place of what is no number.

@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.files import _runs
-from rcac_experiments.files._targets import Target
+from rcac_experiments.format._parts import Part
 from rcac_experiments.sweeps import Axis, Kept, Study
 from rcac_experiments.sweeps._cells import Cells
+from rcac_numeric import TargetModel
 from rcac_numeric.arrays._values import fingerprint
 
 BASE = {
@@ -73,6 +74,15 @@ def specification(cells, coordinates):
     ]  # fmt: skip
 
 
+MAKES = Part.of
+
+
+def of_no_target(part, plant, **others):
+    made = MAKES(part, plant, **others)
+    assert not isinstance(made, TargetModel), "a target model is made again"
+    return made
+
+
 @given(walks())
 def test_it_does_not_depend_on_those_before(walk):
     """In any order, with tables that are wrong among them: the same settings, the same errors."""
@@ -89,7 +99,7 @@ def test_a_number_of_the_controller_reads_no_table(path, monkeypatch):
     cells = Cells(study)
     first = cells.cell({"x": 0.5}).specification
     monkeypatch.setattr(_runs, "read_controllers", None)  # a call would fail
-    monkeypatch.setattr(Target, "of", None)
+    monkeypatch.setattr(Part, "of", of_no_target)
     for value in (0.75, 1.0):
         made = cells.cell({"x": value}).specification
         assert made.settings.structure is first.settings.structure
@@ -107,8 +117,10 @@ def test_a_number_of_the_controller_reads_no_table(path, monkeypatch):
 def test_a_target_model_is_made_once(path, values, monkeypatch):
     cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")]))
     first = cells.cell({"x": values[0]}).specification
-    monkeypatch.setattr(Target, "of", None)
+    monkeypatch.setattr(Part, "of", of_no_target)
     for value in values[1:]:
         made = cells.cell({"x": value}).specification
         assert made.settings.target is first.settings.target
         assert made != first
+    with pytest.raises(AssertionError, match="made again"):
+        Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")])).cell({"x": values[0]})
