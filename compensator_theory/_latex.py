@@ -18,14 +18,7 @@ SPECIAL = re.compile("([" + re.escape("".join(ESCAPED)) + "])")
 
 
 def latex(value: object) -> str:
-    r"""Write one value as a formula, without the signs around it.
-
-    Parameters
-    ----------
-    value : sympy object, result of ours, number, tuple, str or anything else
-        A str is taken as the formula that it is; a matrix without rows or columns shows its shape,
-        anything else is words.
-    """
+    r"""Write one value as a formula, without the signs around it."""
     if isinstance(value, str):
         return value
     if isinstance(value, Poly):
@@ -48,88 +41,38 @@ def displayed(*formulas: str) -> str:
 
 
 def unless(exceptional: Iterable[Expr]) -> str:
-    r"""Say where a symbolic result holds.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory._latex import unless
-    >>> print(unless((a, a - b)))
-    a \neq 0, \; a - b \neq 0
-    """
+    r"""Say where a symbolic result holds."""
     return r", \; ".join(rf"{latex(factor)} \neq 0" for factor in exceptional)
 
 
 def words(text: str) -> str:
-    r"""Return words that may stand in a formula.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import words
-    >>> print(words("det(sI - A_cl)"))
-    \text{det(sI - A}\_\text{cl)}
-    """
+    r"""Return words that may stand in a formula."""
     parts = SPECIAL.split(text.replace("\n", " "))
     return "".join(ESCAPED.get(part) or rf"\text{{{part}}}" for part in parts if part)
 
 
 def diagonal(entries: Iterable[object]) -> str:
-    r"""Write a diagonal matrix by its entries.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import diagonal
-    >>> print(diagonal((1, "L_2")))
-    \operatorname{diag}\left(1, L_2\right)
-    """
+    r"""Write a diagonal matrix by its entries."""
     return r"\operatorname{diag}" + latex(tuple(entries))
 
 
 def fraction(top: object, bottom: object) -> str:
-    r"""Write a quotient.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import fraction
-    >>> print(fraction(1, "D_c"))
-    \frac{1}{D_c}
-    """
+    r"""Write a quotient."""
     return rf"\frac{{{latex(top)}}}{{{latex(bottom)}}}"
 
 
 def total(terms: Iterable[str]) -> str:
-    r"""Write a sum; the sign of a term takes the place of the plus.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import total
-    >>> print(total(["a", r"- \frac{1}{2} b"]))
-    a - \frac{1}{2} b
-    """
+    r"""Write a sum; the sign of a term takes the place of the plus."""
     return " + ".join(terms).replace("+ - ", "- ").replace("+ -", "- ")
 
 
 def lines(formulas: Iterable[str]) -> str:
-    r"""Write formulas one below the other.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import lines
-    >>> print(lines(["a = 1", "b = 2"]))
-    \begin{array}{l} a = 1 \\ b = 2 \end{array}
-    """
+    r"""Write formulas one below the other."""
     return r"\begin{array}{l} " + r" \\ ".join(formulas) + r" \end{array}"
 
 
 def table(rows: Iterable[Iterable[object]]) -> str:
-    r"""Write a matrix by its entries.
-
-    Examples
-    --------
-    >>> from compensator_theory._latex import table
-    >>> print(table([[1, "a"], [0, 1]]))
-    \left[\begin{matrix}1 & a\\0 & 1\end{matrix}\right]
-    """
+    r"""Write a matrix by its entries."""
     cells = r"\\".join(" & ".join(map(latex, row)) for row in rows)
     return rf"\left[\begin{{matrix}}{cells}\end{{matrix}}\right]"
 

@@ -14,15 +14,7 @@ GROUP = "compensator_theory.pictures"
 
 
 def picture_of(result: object, **options: Any) -> figures.Figure:
-    """Return the picture of a result.
-
-    Examples
-    --------
-    >>> from compensator_theory import root_locus
-    >>> from compensator_theory._showing import picture_of
-    >>> len(picture_of(root_locus("1/(s*(s + 1))", feedback=-1)).axes)
-    1
-    """
+    """Return the picture of a result."""
     for one in entry_points(group=GROUP):
         drawn: figures.Figure = one.load()(result, **options)
         return drawn

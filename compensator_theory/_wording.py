@@ -24,12 +24,5 @@ def printable(text: str) -> str:
 
 
 def in_a_line(text: str) -> str:
-    r"""Write out the ends of lines too, as in a title.
-
-    Examples
-    --------
-    >>> from compensator_theory._wording import in_a_line
-    >>> print(in_a_line("a title\nverdict: reproduced"))
-    a title\nverdict: reproduced
-    """
+    r"""Write out the ends of lines too, as in a title."""
     return printable(text.replace("\n", "\\n").replace("\t", "\\t"))

@@ -25,16 +25,6 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
 
     .. math:: a\,x + b\,y = c, \qquad \deg y < \deg a
 
-    Parameters
-    ----------
-    a, b, c : sympy.Poly
-        Rational, in one variable; a and b not zero.
-
-    Returns
-    -------
-    pair of sympy.Poly, or None
-        (x, y), the only one with that degree of y; None if a and b share a root.
-
     Notes
     -----
     With small coefficients y is c times the inverse of b modulo a, by the extended Euclidean

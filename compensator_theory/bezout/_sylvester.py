@@ -21,15 +21,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def holds_while_degrees_do(function: Function) -> Function:
-    """Mark a function of two polynomials whose answer is made of coefficients, by the degrees.
-
-    Examples
-    --------
-    >>> from compensator_theory.bezout import sylvester_m1
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer
-    >>> generic_answer(sylvester_m1)("a*s + 1", "s - b", variable="s")[1]
-    [a, 1]
-    """
+    """Mark a function of two polynomials whose answer is made of coefficients, by the degrees."""
 
     @generic_answer_of(function)
     def companion(
@@ -170,15 +162,7 @@ def sylvester_m1(
 
 
 def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMatrix:
-    """Return the Sylvester matrix of two lists of exact descending coefficients.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.bezout._sylvester import matrix_of_coefficients
-    >>> matrix_of_coefficients([a, a], [a])
-    Matrix([[a]])
-    """
+    """Return the Sylvester matrix of two lists of exact descending coefficients."""
     k, l = len(first) - 1, len(second) - 1  # noqa: E741
     ask("entries", (k + l) ** 2, "the Sylvester matrix")
     return _from_columns(_shifts(first, l, 0) + _shifts(second, k, 0), k + l)
@@ -228,14 +212,7 @@ def with_formal_degrees(
     variable: str | Symbol | None,
     degrees: tuple[int | None, int | None] = (None, None),
 ) -> list[tuple[Poly, int]]:
-    """Read two polynomials in one variable, each with its formal degree.
-
-    Examples
-    --------
-    >>> from compensator_theory.bezout._sylvester import with_formal_degrees
-    >>> [degree for _, degree in with_formal_degrees([0, 1], "s + 2", None)]
-    [1, 1]
-    """
+    """Read two polynomials in one variable, each with its formal degree."""
     a, b = in_our_order(a), in_our_order(b)
     read = in_one_variable(a, b, variable=variable, default="s")
     found = []
@@ -257,15 +234,7 @@ def _degree(poly: Poly) -> int:
 
 
 def formal_coefficients(poly: Poly, degree: int) -> list[Expr]:
-    """Return descending coefficients with leading zeros up to a formal degree.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.bezout._sylvester import formal_coefficients
-    >>> formal_coefficients(polynomial("s + 2"), 2)
-    [0, 1, 2]
-    """
+    """Return descending coefficients with leading zeros up to a formal degree."""
     true = [] if poly.is_zero else poly.all_coeffs()
     return [sympy.Integer(0)] * (degree + 1 - len(true)) + true
 

@@ -62,15 +62,7 @@ class Conditions:
 
 
 def irreducible_factors(expression: Expr) -> tuple[Expr, ...] | None:
-    """Return the factors of a numerator that may vanish somewhere; None for zero.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.exceptional_sets._equations import irreducible_factors
-    >>> irreducible_factors((a**2 - b**2) / b), irreducible_factors(a - a)
-    ((a + b, a - b), None)
-    """
+    """Return the factors of a numerator that may vanish somewhere; None for zero."""
     numerator = sympy.fraction(sympy.cancel(settled(expression)))[0]
     symbols = sorted(numerator.free_symbols, key=lambda s: str(s.name))
     if not symbols:
@@ -91,15 +83,6 @@ def solutions(conditions: Conditions) -> Iterator[Conditions]:
 
     The symbols stand for real numbers. An irreducible polynomial that is linear in no symbol and
     has several symbols stays pending, and so does one whose roots span too large a field.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b, c
-    >>> from compensator_theory.exceptional_sets._equations import Conditions, solutions
-    >>> [case.values for case in solutions(Conditions(pending=(a * b - c,)))]
-    [{c: a*b}]
-    >>> [case.values for case in solutions(Conditions(pending=(a**2 * b - b,)))]
-    [{b: 0}, {a: -1}, {a: 1}]
     """
     if not conditions.pending:
         yield conditions
@@ -184,14 +167,6 @@ def _size(expression: Expr) -> tuple[int, int, str]:
 
 
 def distinct(polynomials: Iterable[Expr], known: Iterable[Expr]) -> tuple[Expr, ...]:
-    """Return the irreducible factors of polynomials that are not known to be nonzero.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.exceptional_sets._equations import distinct
-    >>> distinct([a * b, b - a], [b])
-    (a, a - b)
-    """
+    """Return the irreducible factors of polynomials that are not known to be nonzero."""
     found = (factor for p in polynomials for factor in irreducible_factors(p) or ())
     return tuple(dict.fromkeys(factor for factor in found if factor not in set(known)))

@@ -52,21 +52,6 @@ def elementary_divisors(
     The coefficients of a minimal basis span a subspace that sE - A maps into one with a dimension
     less for each vector; what is left over between both sides is the regular part, and with t =
     1/(s - c) it is t I - F for one matrix F, which has infinity at t = 0.
-
-    Parameters
-    ----------
-    pencil : Pencil
-    right, left : vectors
-        Minimal bases of both null spaces.
-
-    Examples
-    --------
-    >>> from flint import fmpz_mat
-    >>> from compensator_theory.forms._pencil_kernels import Pencil
-    >>> from compensator_theory.forms._kronecker import elementary_divisors
-    >>> pencil = Pencil(fmpz_mat([[2, 0], [0, 1]]), fmpz_mat([[1, 0], [0, 0]]))
-    >>> elementary_divisors(pencil, [], [])
-    ([(x + (-2), [1])], [1])
     """
     size = pencil.rank - _degrees(right) - _degrees(left)
     columns = _between(pencil.E, right, left)
@@ -98,15 +83,7 @@ def elementary_divisors(
 
 
 def invariant_polynomials(orders: Orders) -> list[flint.fmpq_poly]:
-    """Return the products of elementary divisors that divide each other, the smallest first.
-
-    Examples
-    --------
-    >>> from flint import fmpq_poly
-    >>> from compensator_theory.forms._kronecker import invariant_polynomials
-    >>> invariant_polynomials([(fmpq_poly([0, 1]), [2, 1]), (fmpq_poly([1, 1]), [1])])
-    [x, x^3 + x^2]
-    """
+    """Return the products of elementary divisors that divide each other, the smallest first."""
     one = flint.fmpq_poly([1])
     found = [one] * max((len(exponents) for _, exponents in orders), default=0)
     for factor, exponents in orders:

@@ -139,20 +139,6 @@ def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
     The pencil is that of :math:`(x, s x, \ldots, s^{d-1} x)` for P of degree d. The coefficients of
     a minimal basis of a pencil are independent, all of them, so that a constant matrix sends those
     of s^0 to unit vectors and the others to zero.
-
-    Parameters
-    ----------
-    P : PolynomialMatrix
-        With rational coefficients.
-    vectors : nested lists of int
-        Each by ascending powers of s, the shortest first.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._minimal_bases import basis_of_pencil
-    >>> print(basis_of_pencil(polynomial_matrix([["s", -1]]), [[[1, 0], [0, 1]]]).left_inverse)
-    [[1, 0]]
     """
     if not vectors:
         return _none(P, ())

@@ -35,14 +35,6 @@ class Pencil:
         c.
     rank : int
         Of R, and the normal rank.
-
-    Examples
-    --------
-    >>> from flint import fmpz_mat
-    >>> from compensator_theory.forms._pencil_kernels import Pencil
-    >>> pencil = Pencil(fmpz_mat([[0, 1, 0], [0, 0, 1]]), fmpz_mat([[1, 0, 0], [0, 1, 0]]))
-    >>> pencil.rank, pencil.null_vectors()
-    (2, [[[1, 0, 0], [0, 1, 0], [0, 0, 1]]])
     """
 
     def __init__(self, A: flint.fmpz_mat, E: flint.fmpz_mat) -> None:

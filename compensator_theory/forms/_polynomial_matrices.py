@@ -228,13 +228,6 @@ def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
 
     An identity between polynomial matrices holds for all values of the symbols where none of these
     is zero, whatever was divided by on the way to it.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._polynomial_matrices import denominators
-    >>> denominators(polynomial_matrix([["s/a", "b*s/(a + 1)"]], "s"))
-    [a, a + 1]
     """
     found: dict[Expr, None] = {}
     for poly in (entry for matrix in matrices for row in matrix.rows for entry in row):
@@ -246,31 +239,14 @@ def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
 
 
 def joint_ring(*matrices: PolynomialMatrix) -> Ring:
-    """Return the ring that has the entries of all matrices.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._polynomial_matrices import joint_ring
-    >>> joint_ring(polynomial_matrix([["s"]])).variable
-    s
-    """
+    """Return the ring that has the entries of all matrices."""
     if len({matrix.variable for matrix in matrices}) != 1:
         raise InputError("the matrices are in different variables; both need one variable")
     return ring_of(entry for matrix in matrices for row in matrix.rows for entry in row)
 
 
 def read_into(ring: Ring, matrix: PolynomialMatrix) -> Grid:
-    """Return the entries as elements of a ring.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.forms._polynomial_matrices import joint_ring, read_into
-    >>> P = polynomial_matrix([["s"]])
-    >>> read_into(joint_ring(P), P)
-    [[x]]
-    """
+    """Return the entries as elements of a ring."""
     ask("degree", max(matrix.shape) * max(1, matrix.degree), "the polynomial matrix")
     return [[ring.read(entry) for entry in row] for row in matrix.rows]
 

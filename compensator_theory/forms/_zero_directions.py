@@ -109,25 +109,6 @@ def zeros_of(
 
     The vectors are multiplied by the maps, and split into state and signal by the sizes; what
     exceeds the sizes is not asked for.
-
-    Parameters
-    ----------
-    right, left : Equivalence
-        Of matrices with the same invariant polynomials: V of the one has the directions on the
-        right, U of the other those on the left.
-    right_sizes, left_sizes : tuple of int
-        Numbers of entries of state and input, of costate and output.
-    right_map, left_map : PolynomialMatrix, optional
-        What makes signals of the vectors.
-
-    Examples
-    --------
-    >>> from compensator_theory.forms import smith_form
-    >>> from compensator_theory.forms._zero_directions import zeros_of
-    >>> smith = smith_form([["s + 1", 0], [0, 1]])
-    >>> print(zeros_of(smith, smith, (2, 0), (2, 0)))
-    zeros of s + 1
-    s + 1 = 0: state [1, 0], costate [1, 0]
     """
     s = right.matrix.variable
     invariants = tuple(p for p in right.invariant_polynomials if p.degree() > 0)

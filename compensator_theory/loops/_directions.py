@@ -18,14 +18,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 
 def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
-    """Read a matrix of rationals from its rows.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._directions import rational_matrix
-    >>> rational_matrix([[0.5, 1]], "H")
-    Matrix([[1/2, 1]])
-    """
+    """Read a matrix of rationals from its rows."""
     try:
         given = [listed(row, "degree", name) for row in listed(value, "degree", name)]
         ask("entries", sum(map(len, given)), name)
@@ -40,14 +33,7 @@ def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
 
 
 def gaussian(value: NumberLike, name: str) -> Expr:
-    """Read a number with rational real and imaginary parts.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._directions import gaussian
-    >>> gaussian(0.5 + 1j, "z0")
-    1/2 + I
-    """
+    """Read a number with rational real and imaginary parts."""
     number = exact_number(value)
     if number.free_symbols or not all(part.is_rational for part in number.as_real_imag()):
         raise InputError(f"{name} is not rational; give a decimal of it")
@@ -55,14 +41,7 @@ def gaussian(value: NumberLike, name: str) -> Expr:
 
 
 def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
-    """Read a direction, a column of that size that is not zero.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._directions import read_direction
-    >>> read_direction([1, "1/2"], 2).T
-    Matrix([[1, 1/2]])
-    """
+    """Read a direction, a column of that size that is not zero."""
     name = f"the direction {shown(eta)}"
     entries = [gaussian(entry, name) for entry in listed(eta, "degree", name)]
     if len(entries) != size:
@@ -96,15 +75,6 @@ def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
 
 
 def residual(G: TransferMatrix, z0: Expr, W: Matrix, eta: Matrix) -> Matrix:
-    """Return eta' W G(z0) for exact data.
-
-    Examples
-    --------
-    >>> from sympy import Integer, Matrix
-    >>> from compensator_theory import transfer_matrix
-    >>> from compensator_theory.loops._directions import residual
-    >>> residual(transfer_matrix([["(q - 2)/q"]]), Integer(3), Matrix([[1]]), Matrix([1]))
-    Matrix([[1/3]])
-    """
+    """Return eta' W G(z0) for exact data."""
     left, weights = (DomainMatrix.from_Matrix(M).convert_to(QQ_I) for M in (eta.T, W))
     return (left * weights * _value(G, z0)).to_Matrix()

@@ -49,13 +49,6 @@ class Loop(ExactValue):
     -----
     The powers of D that the formulas of the dissertation leave in numerator and denominator are
     divided out exactly: the loop has :math:`n + l_u n_c` poles.
-
-    Examples
-    --------
-    >>> from compensator_theory import standard_problem
-    >>> from compensator_theory.loops._loop import close_loop
-    >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").characteristic_polynomial()
-    Poly(q**2 - q - 3, q, domain='QQ')
     """
 
     problem: StandardProblem
@@ -157,23 +150,7 @@ class Loop(ExactValue):
 def close_loop(
     problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> Loop:
-    r"""Check a compensator against a plant and join the two.
-
-    Parameters
-    ----------
-    problem : StandardProblem
-        The plant.
-    N_c, D_c : polynomial or matrix
-        For scalar u and y anything :func:`polynomial` reads; else a SymPy matrix or nested lists of
-        such entries, l_u x l_y and l_u x l_u, with :math:`D_c = q^{n_c} I - \cdots`.
-
-    Examples
-    --------
-    >>> from compensator_theory import standard_problem
-    >>> from compensator_theory.loops._loop import close_loop
-    >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").n_c
-    1
-    """
+    r"""Check a compensator against a plant and join the two."""
     require_problem(problem)
     q = problem.variable
     numerator = _polynomial_rows(N_c, (problem.l_u, problem.l_y), q, "N_c")
@@ -199,14 +176,7 @@ def close_loop(
 
 
 def require_problem(problem: StandardProblem) -> None:
-    """Refuse what is no standard problem.
-
-    Examples
-    --------
-    >>> from compensator_theory import servo_problem
-    >>> from compensator_theory.loops._loop import require_problem
-    >>> require_problem(servo_problem("1/q"))
-    """
+    """Refuse what is no standard problem."""
     if not isinstance(problem, StandardProblem):
         raise InputError(
             f"{shown(problem)} is not a StandardProblem; make one with standard_problem or "

@@ -27,34 +27,13 @@ LoopPart: TypeAlias = TransferFunctionLike | Realisation
 
 
 def require_sign(feedback: object) -> None:
-    """Refuse a sign of feedback other than +1 and -1.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._siso import require_sign
-    >>> require_sign(-1)
-    """
+    """Refuse a sign of feedback other than +1 and -1."""
     if not is_one_of(feedback, (1, -1)):
         raise InputError(f"feedback = {shown(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)")
 
 
 def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | None) -> int:
-    """Return the sign of a loop; a compensator that was designed for another one is refused.
-
-    Parameters
-    ----------
-    compensator : TransferFunction or Realisation
-        May carry the sign that it was designed for.
-    feedback : {+1, -1} or None
-        What was asked for; None means +1, u = G_c y.
-
-    Examples
-    --------
-    >>> from compensator_theory import realisation
-    >>> from compensator_theory.loops._siso import agreed_sign
-    >>> agreed_sign(realisation("1/s"), None)
-    1
-    """
+    """Return the sign of a loop; a compensator that was designed for another one is refused."""
     sign = 1 if feedback is None else feedback
     require_sign(sign)
     designed = compensator.feedback
@@ -72,13 +51,6 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
 
     .. math:: D D_c - f\,N N_c
 
-    Parameters
-    ----------
-    G, G_c : TransferFunction
-        N/D and :math:`N_c/D_c`, in one variable.
-    feedback : {+1, -1}
-        The sign f.
-
     Notes
     -----
     Source: the denominator of (7.22); chapters 2 and 4 use f = +1, Section 7.3 and after -1.
@@ -92,28 +64,12 @@ def is_well_posed(closed: Poly, *parts: TransferFunction) -> bool:
 
     Where :math:`G G_c` tends to f at infinity the degree drops: a root went to infinity, and no
     other root is reason to call such a loop stable.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.loops._siso import closed_loop_of_pair, is_well_posed
-    >>> G, G_c = transfer_function("-(s + 1)/(s + 2)"), transfer_function("1", "s")
-    >>> is_well_posed(closed_loop_of_pair(G, G_c, -1), G, G_c)
-    False
     """
     return not closed.is_zero and bool(closed.degree() >= sum(part.order for part in parts))
 
 
 def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
-    r"""Return :math:`D D_c - f N N_c` of a loop that has all its poles.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.loops._siso import well_posed_loop
-    >>> well_posed_loop(transfer_function("1/s"), transfer_function("2", "s"), -1).as_expr()
-    s + 2
-    """
+    r"""Return :math:`D D_c - f N N_c` of a loop that has all its poles."""
     Dtilde = closed_loop_of_pair(G, G_c, feedback)
     if not is_well_posed(Dtilde, G, G_c):
         raise ImproperError(
@@ -132,23 +88,7 @@ def read_loop(
     name: str = "compensator",
     variable: str | Symbol | None = None,
 ) -> tuple[TransferFunction, TransferFunction]:
-    """Read a plant and what stands beside it; a constant has the variable of the plant.
-
-    Parameters
-    ----------
-    plant, compensator : transfer function or Realisation
-    feedback : {+1, -1}
-    name : str
-        What the second one is called in messages.
-    variable : str or Symbol, optional
-        Of the plant.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._siso import read_loop
-    >>> print(*read_loop("1/s", "k", -1))
-    (1)/(s) (k)/(1)
-    """
+    """Read a plant and what stands beside it; a constant has the variable of the plant."""
     require_sign(feedback)
     if isinstance(plant, Realisation):
         G = plant.transfer_function()
@@ -171,14 +111,7 @@ def read_loop(
 def siso_loop(
     plant: LoopPart, compensator: LoopPart, feedback: int, variable: str | Symbol | None = None
 ) -> tuple[TransferFunction, TransferFunction]:
-    """Read the proper parts of a loop whose plant is free of hidden modes.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops._siso import siso_loop
-    >>> print(*siso_loop("1/s", "2/(s + 1)", -1))
-    (1)/(s) (2)/(s + 1)
-    """
+    """Read the proper parts of a loop whose plant is free of hidden modes."""
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     require_proper(G, "plant")
     require_proper(G_c, "compensator")
@@ -197,23 +130,7 @@ Read = TypeVar("Read", TransferFunction, TransferMatrix)
 
 
 def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None], Read]) -> Read:
-    """Read what stands beside G; only another operator is another variable.
-
-    Parameters
-    ----------
-    G : TransferFunction or TransferMatrix
-    part : object
-        What `read` takes.
-    read : callable
-        :func:`transfer_function` or :func:`transfer_matrix`.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.loops._siso import in_variable_of
-    >>> in_variable_of(transfer_function("1/s"), "k", transfer_function).variable
-    s
-    """
+    """Read what stands beside G; only another operator is another variable."""
     try:
         found = read(part, None)
     except InputError:

@@ -156,14 +156,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
 
 def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
-    """Refuse a mode that no gain moves and that is not in the region of stability.
-
-    Examples
-    --------
-    >>> from compensator_theory import standard_problem
-    >>> from compensator_theory.lqg._poles import require_stable_hidden_modes
-    >>> require_stable_hidden_modes(standard_problem("1/(q - 2)"), "discrete")
-    """
+    """Refuse a mode that no gain moves and that is not in the region of stability."""
     region = "inside the unit circle" if time == "discrete" else "left of the imaginary axis"
     for error, matrices, what in (
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),

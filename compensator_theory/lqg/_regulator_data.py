@@ -32,14 +32,7 @@ def regulator_data(
     *,
     symbols: bool = False,
 ) -> RegulatorData:
-    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, with rational entries or symbols.
-
-    Examples
-    --------
-    >>> from compensator_theory.lqg._regulator_data import regulator_data
-    >>> regulator_data([[2]], [[1]], [[3]], None)[3]
-    Matrix([[0]])
-    """
+    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, rational or with symbols."""
     a, b, e_1 = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(E_1, "E_1")
     e_2 = zero_matrix(e_1.rows, b.cols) if E_2 is None else exact_matrix(E_2, "E_2")
     shapes = {"A": (a.rows, a.rows), "B": (a.rows, b.cols)}
@@ -70,12 +63,6 @@ def read_weights(
     """Read the data of a regulator as (A, B, Q, R, N), from a signal z or from weights.
 
     The names are those that errors use, which an estimator has of its own.
-
-    Examples
-    --------
-    >>> from compensator_theory.lqg._regulator_data import read_weights
-    >>> read_weights([[2]], [[1]], E_1=[[3]], E_2=[[1]])[2:]
-    (Matrix([[9]]), Matrix([[1]]), Matrix([[3]]))
     """
     if (E_1 is None) == (Q is None) or (E_1 is not None and not (R is None is N)):
         raise InputError(
@@ -119,15 +106,7 @@ def _require_rational(matrix: ImmutableMatrix, name: str) -> None:
 
 
 def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData]:
-    """Return the data of both problems of a plant, that of the estimator in its dual form.
-
-    Examples
-    --------
-    >>> from compensator_theory import standard_problem
-    >>> from compensator_theory.lqg._regulator_data import regulator_and_estimator
-    >>> regulator_and_estimator(standard_problem("2/(q - 3)"))[0][:2]
-    (Matrix([[3]]), Matrix([[1]]))
-    """
+    """Return the data of both problems of a plant, that of the estimator in its dual form."""
     if not isinstance(plant, StandardProblem):
         raise InputError(
             f"{shown(plant)} is not a StandardProblem: a plant alone does not say what disturbs it "
@@ -141,40 +120,15 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
 
 
 def ball_matrix(matrix: Matrix) -> flint.arb_mat:
-    """Return a rational matrix in balls, at python-flint's working precision.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.lqg._regulator_data import ball_matrix
-    >>> ball_matrix(Matrix([["1/2"]]))[0, 0]
-    0.500000000000000
-    """
+    """Return a rational matrix in balls, at python-flint's working precision."""
     return flint.arb_mat([[ball_of_number(entry) for entry in row] for row in matrix.tolist()])
 
 
 def enclosed_rows(matrix: flint.arb_mat) -> EnclosedMatrix:
-    """Return a matrix of balls as enclosures.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.lqg._regulator_data import ball_matrix, enclosed_rows
-    >>> enclosed_rows(ball_matrix(Matrix([["1/2"]])))
-    ((1/2,),)
-    """
+    """Return a matrix of balls as enclosures."""
     return tuple(tuple(enclosure_of_ball(entry) for entry in row) for row in matrix.tolist())
 
 
 def approximately(matrix: EnclosedMatrix) -> str:
-    r"""Write the centres of an enclosed matrix in LaTeX, to eight digits.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.lqg._regulator_data import approximately
-    >>> from compensator_theory.roots._enclosures import Enclosure
-    >>> print(approximately(((Enclosure(Rational(1, 3), Rational(0)),),)))
-    \left[\begin{matrix}0.33333333\end{matrix}\right]
-    """
+    r"""Write the centres of an enclosed matrix in LaTeX, to eight digits."""
     return table([[sympy.N(entry.centre, 8) for entry in row] for row in matrix])

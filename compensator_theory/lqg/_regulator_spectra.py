@@ -78,17 +78,7 @@ def regulator_spectrum(
 
 
 def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
-    """Return the same polynomial for weights that are read.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.lqg._regulator_data import read_weights
-    >>> from compensator_theory.lqg._regulator_spectra import spectrum_of_weights
-    >>> weights = read_weights([[0]], [[1]], [[4]], [[1]])
-    >>> spectrum_of_weights(weights, "continuous", s).as_expr()
-    4 - s**2
-    """
+    """Return the same polynomial for weights that are read."""
     a, b, q, r, cross = weights
     n, l_u = b.shape
     zero, eye = zero_matrix, identity_matrix

@@ -382,13 +382,6 @@ def half_plane_data(data: Sequence[flint.fmpq_mat], time: Time) -> list[flint.fm
 
     With :math:`\xi = x^+ + x` and :math:`\eta = x^+ - x` the identity :math:`x^{+T}Px^+ - x^TPx =
     (\xi^TP\eta + \eta^TP\xi)/2` makes one equation of the other, and P/2 its solution.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.lqg._riccati import half_plane_data
-    >>> half_plane_data([flint.fmpq_mat([[x]]) for x in (2, 1, 1, 0, 0)], "discrete")[0]
-    [1/3]
     """
     A, B, Q, R, N = data
     if time == "continuous":
@@ -411,16 +404,7 @@ def half_plane_data(data: Sequence[flint.fmpq_mat], time: Time) -> list[flint.fm
 
 
 def hamiltonian(data: Sequence[flint.fmpq_mat]) -> flint.fmpq_mat:
-    """Return the Hamiltonian matrix of a continuous equation.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.lqg._riccati import hamiltonian
-    >>> hamiltonian([flint.fmpq_mat([[x]]) for x in (2, 1, 1, 1, 0)])
-    [ 2, -1]
-    [-1, -2]
-    """
+    """Return the Hamiltonian matrix of a continuous equation."""
     A, B, Q, R, N = data
     n = A.nrows()
     row = R.solve(N.transpose())
@@ -432,15 +416,7 @@ def hamiltonian(data: Sequence[flint.fmpq_mat]) -> flint.fmpq_mat:
 
 
 def hamiltonian_spectrum(solution: RiccatiSolution) -> flint.fmpq_poly:
-    """Return the even polynomial whose left roots are the poles of a regulator, in the half plane.
-
-    Examples
-    --------
-    >>> from compensator_theory import solve_riccati
-    >>> from compensator_theory.lqg._riccati import hamiltonian_spectrum
-    >>> hamiltonian_spectrum(solve_riccati([[0]], [[1]], Q=[[2]], R=[[1]], time="continuous"))
-    x^2 + (-2)
-    """
+    """The even polynomial whose left roots are the poles of a regulator, in the half plane."""
     weights = (solution.A, solution.B, solution.Q, solution.R, solution.N)
     data = [to_flint(matrix) for matrix in weights]
     return hamiltonian(half_plane_data(data, solution.factor.time)).charpoly()
@@ -505,16 +481,7 @@ def _last_row(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat | None:
 
 
 def symmetric_system(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat:
-    """Return the matrix of P -> (A'P + PA, B'P) on symmetric P, by its entries on and above.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.lqg._riccati import symmetric_system
-    >>> symmetric_system(flint.fmpq_mat([[3]]), flint.fmpq_mat([[5]]))
-    [6]
-    [5]
-    """
+    """Return the matrix of P -> (A'P + PA, B'P) on symmetric P, by its entries on and above."""
     n, m = A.nrows(), B.ncols()
     pairs = [(i, j) for i in range(n) for j in range(i, n)]
     index = {pair: k for k, pair in enumerate(pairs)}
@@ -532,15 +499,7 @@ def symmetric_system(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat:
 
 
 def pivots(matrix: flint.fmpq_mat) -> list[int]:
-    """Return the first columns that are independent.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.lqg._riccati import pivots
-    >>> pivots(flint.fmpq_mat([[0, 1, 2], [0, 0, 3]]))
-    [1, 2]
-    """
+    """Return the first columns that are independent."""
     reduced, rank = matrix.rref()
     columns = range(matrix.ncols())
     return [next(j for j in columns if reduced[i, j] != 0) for i in range(int(rank))]

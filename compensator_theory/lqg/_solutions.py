@@ -79,33 +79,6 @@ def solve_by_kronecker(
               \left(\textstyle\sum_i L_i \otimes R_i^T\right) \mathrm{vec}\, X = \mathrm{vec}\, C
 
     where vec lists a matrix row by row.
-
-    Parameters
-    ----------
-    maps : sequence of Terms
-        The pairs (L_i, R_i) of each equation.
-    shape : tuple of int
-        Of the unknown.
-    right : sequence of sympy.Expr
-        What the maps are to give, row by row, one equation after the other.
-    contradiction : str
-        What to say where there is no solution.
-    sources : iterable of sympy.Matrix
-        Data whose denominators count as divisors.
-
-    Returns
-    -------
-    tuple
-        A solution, a basis of the homogeneous ones, and what was divided by.
-
-    Examples
-    --------
-    >>> from sympy import Matrix, eye
-    >>> from compensator_theory.lqg._solutions import solve_by_kronecker
-    >>> sums = [(eye(1), Matrix([1, 1]))]
-    >>> X, more, _ = solve_by_kronecker([sums], (1, 2), [3], contradiction="")
-    >>> X, len(more)
-    (Matrix([[3, 0]]), 1)
     """
     rows, columns = shape
     size = rows * columns
@@ -141,15 +114,6 @@ def certified(
     homogeneous: tuple[ImmutableMatrix, ...],
     divisors: Iterable[Expr],
 ) -> MatrixSolution:
-    """Put a solution together with what is left of its equation; refuse a wrong one.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.lqg._solutions import certified
-    >>> zero = ImmutableMatrix([[0]])
-    >>> certified("0 = 0", [zero], zero, (), []).certificate.holds
-    True
-    """
+    """Put a solution together with what is left of its equation; refuse a wrong one."""
     certificate = certificate_of(identity, residuals)
     return MatrixSolution(X, homogeneous, exceptional_factors(divisors), certificate)

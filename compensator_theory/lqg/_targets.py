@@ -136,15 +136,7 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
 
 
 def scalar_numerators(plant: StandardProblem) -> tuple[Poly, Poly]:
-    r"""Return :math:`N_{zu}` and :math:`N_{yw}` of a plant that high-authority LQG can handle.
-
-    Examples
-    --------
-    >>> from compensator_theory import standard_problem
-    >>> from compensator_theory.lqg._targets import scalar_numerators
-    >>> scalar_numerators(standard_problem("(q - 2)/(q**2 - 1/4)"))[0].as_expr()
-    q - 2
-    """
+    r"""Return :math:`N_{zu}` and :math:`N_{yw}` of a plant that high-authority LQG can handle."""
     regulator_and_estimator(plant)
     require_discrete(plant.variable, "high-authority LQG")
     sizes = (plant.l_u, plant.l_w, plant.l_y, plant.l_z)

@@ -21,42 +21,11 @@ def subspace_family(
     .. math:: V(\alpha) = \mathrm{span}\{v, \tilde A v, \tilde A^2 v, \ldots\}, \qquad
               v = v_0 + \textstyle\sum_i \alpha_i c_i
 
-    Parameters
-    ----------
-    matrix : sympy.Matrix
-        Square, rational.
-    component : PrimaryComponent
-        Of the matrix, with several Jordan blocks.
-    exponent : int
-        The power e, with a kernel larger than e deg f.
-    names : iterator of Symbol
-        Where the parameters are taken from.
-
-    Returns
-    -------
-    tuple of matrix and symbols, or None
-        A basis of e deg f columns that is affine in dim ker f^e - e deg f parameters, and the
-        parameters: all cyclic subspaces but a thin set of them, each once. None if no Jordan block
-        is as long as e, so that no subspace is cyclic.
-
     Notes
     -----
     The :math:`c_i` span an invariant complement of the cyclic subspace of :math:`v_0`: the kernel
     of a functional's first e deg f translates. A general v has the form :math:`r(\tilde A)v_0 + c`
     with r invertible modulo f, and v and v/r generate the same subspace.
-
-    Examples
-    --------
-    >>> from sympy import Matrix, symbols
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import primary_components
-    >>> from compensator_theory.matrices._cyclic_families import subspace_family
-    >>> one = Matrix([[1, 0], [0, 1]])
-    >>> part, = primary_components(one, polynomial("(s - 1)**2"))
-    >>> subspace_family(one, part, 1, iter(symbols("alpha_1:9")))
-    (Matrix([
-    [      1],
-    [alpha_1]]), (alpha_1,))
     """
     size = exponent * component.degree
     whole = component.kernels[exponent]
@@ -96,17 +65,7 @@ def sample_subspaces(
 
 
 def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
-    """Return the columns v, Av, ..., A^(size-1) v.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._cyclic_families import krylov
-    >>> krylov(Matrix([[0, 1], [0, 0]]), Matrix([0, 1]), 2)
-    Matrix([
-    [0, 1],
-    [1, 0]])
-    """
+    """Return the columns v, Av, ..., A^(size-1) v."""
     columns = [vector]
     for _ in range(size - 1):
         columns.append((matrix * columns[-1]).applyfunc(sympy.expand))

@@ -21,18 +21,6 @@ def diagonalise(work: Elimination) -> int:
     Over a field of rational functions every remainder of Euclid's algorithm swells. There a column
     is chosen whose entries have the gcd of all that is left; the multipliers of its identity come
     from one Sylvester system without fractions, and what remains are exact divisions.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._diagonalisation import diagonalise
-    >>> from compensator_theory.matrices._elimination import Elimination
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> rows = [[polynomial(entry, "s") for entry in row] for row in (["s", "a"], [0, "s"])]
-    >>> ring = ring_of(entry for row in rows for entry in row)
-    >>> work = Elimination(ring, [[ring.read(entry) for entry in row] for row in rows])
-    >>> diagonalise(work), ring.write(work.matrix[1][1])
-    (2, Poly(s**2, s, domain='QQ'))
     """
     ring = work.ring
     if not isinstance(ring, FunctionRing):
@@ -146,16 +134,7 @@ def _combine(work: Elimination, ring: FunctionRing, k: int, i: int) -> None:
 
 
 def invariant_polynomials(rows: Iterable[Iterable[Poly]]) -> list[Poly]:
-    """Return the monic invariant polynomials of a polynomial matrix, each a divisor of the next.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._diagonalisation import invariant_polynomials
-    >>> s, zero = polynomial("s"), polynomial(0, "s")
-    >>> [p.as_expr() for p in invariant_polynomials([[s, zero], [zero, s**2 + s]])]
-    [s, s**2 + s]
-    """
+    """Return the monic invariant polynomials of a polynomial matrix, each a divisor of the next."""
     entries = [[*row] for row in rows]
     ring = ring_of(chain(*entries))
     work = Elimination(ring, [[ring.read(entry) for entry in row] for row in entries])

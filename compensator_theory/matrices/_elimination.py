@@ -25,18 +25,6 @@ class Elimination:
         Products of the operations so far, and of their inverses.
     effort : int
         How many digits the divisions so far worked on; of 2 10^8 in about 2 s.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._elimination import Elimination
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> column = [polynomial("s"), polynomial("s**2 + 1")]
-    >>> ring = ring_of(column)
-    >>> work = Elimination(ring, [[ring.read(entry)] for entry in column])
-    >>> work.triangulate_column(0, 0)
-    >>> [[ring.write(entry).as_expr() for entry in row] for row in work.U]
-    [[-s, 1], [s**2 + 1, -s]]
     """
 
     def __init__(self, ring: Ring, matrix: Grid) -> None:

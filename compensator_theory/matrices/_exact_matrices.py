@@ -46,14 +46,7 @@ MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNum
 
 
 def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
-    """Read a matrix exactly, entry by entry.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
-    >>> exact_matrix([[0.1, "a"]], "A")
-    Matrix([[1/10, a]])
-    """
+    """Read a matrix exactly, entry by entry."""
     value = _in_rows(value, name)
     if (read := _read_at_once(value, name)) is not None:
         return read

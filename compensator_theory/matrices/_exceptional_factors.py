@@ -13,21 +13,7 @@ from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbo
 
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
-    """Return the irreducible polynomials in the symbols where one of the divisors is 0 or infinite.
-
-    Parameters
-    ----------
-    divisors : iterable of sympy.Expr
-        Rational functions of symbols; numbers, and factors that are known to be nonzero, drop out.
-
-    Examples
-    --------
-    >>> from sympy import Integer
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.matrices._exceptional_factors import exceptional_factors
-    >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
-    (a, a - 1, b + 1)
-    """
+    """The irreducible polynomials in the symbols where one of the divisors is 0 or infinite."""
     given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
     found = {factor: degree for factor, degree in _factors(given) if not factor.is_nonzero}
     return tuple(sorted(found, key=lambda f: (found[f], sympy.count_ops(f), str(f))))
@@ -54,15 +40,7 @@ def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
 
 
 def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
-    """Return the denominators that have symbols in them, of each matrix one, or of its entries.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._exceptional_factors import denominators_of
-    >>> denominators_of([Matrix([["1/a", "2*b"]])])
-    [a]
-    """
+    """Return the denominators that have symbols in them, of each matrix one, or of its entries."""
     bottoms: dict[Expr, None] = {}
     for matrix in filter(symbols_in, matrices):
         kept = symbolic_matrix(matrix)

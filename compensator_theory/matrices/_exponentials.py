@@ -54,31 +54,6 @@ def matrix_exponential(
     For a factor :math:`(s - \sigma)^2 + d` of the annihilator, d of either sign, :math:`e^{st}` is
     :math:`e^{\sigma t}(\cos\omega t + (s - \sigma)\sin(\omega t)/\omega)`, :math:`\omega^2 = d`,
     and both are rational in :math:`y = \tan(\omega t/2)/\omega`.
-
-    Parameters
-    ----------
-    matrix : sympy.ImmutableMatrix
-        M, square.
-    annihilator : sympy.Poly
-        A polynomial that is zero at M, with factors of degree 1 and 2 over the rational functions
-        of its symbols.
-    t : Symbol
-        The time.
-    used : set of str
-        Names that no new symbol may have; they are added.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from sympy.abc import h
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._exponentials import matrix_exponential
-    >>> M = ImmutableMatrix([[-1, 1], [0, 0]])
-    >>> found = matrix_exponential(M, polynomial("s*(s + 1)"), h, {"h"})
-    >>> found.value, found.rates
-    (Matrix([
-    [x, 1 - x],
-    [0,     1]]), ((x, -1),))
     """
     modes = _modes(annihilator)
     bases = _bases([centre for centre, _ in modes], used)

@@ -23,17 +23,6 @@ class RationalMatrix(KeptMatrix):
     ----------
     kept : flint.fmpq_mat
         Not to be changed by anybody.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.matrices._flint_matrices import from_flint, to_flint
-    >>> half = from_flint(to_flint(ImmutableMatrix([[1, 2], [3, 4]])) / 2)
-    >>> half * half.T, (half + half).kept
-    (Matrix([
-    [ 5/4, 11/4],
-    [11/4, 25/4]]), [1, 2]
-    [3, 4])
     """
 
     kept: flint.fmpq_mat
@@ -136,15 +125,7 @@ def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
 
 
 def is_rational_matrix(matrix: Matrix) -> bool:
-    """Tell whether every entry is a rational number.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._flint_matrices import is_rational_matrix
-    >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
-    (True, False)
-    """
+    """Tell whether every entry is a rational number."""
     if isinstance(matrix, KeptMatrix):  # what turned out rational is not kept with symbols
         return isinstance(matrix, RationalMatrix)
     if kept_rational(matrix) is not None:
@@ -154,28 +135,12 @@ def is_rational_matrix(matrix: Matrix) -> bool:
 
 
 def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
-    """Return a matrix in python-flint if every entry is a rational number, else None.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._flint_matrices import rational_in_flint
-    >>> rational_in_flint(Matrix([["a"]])) is None
-    True
-    """
+    """Return a matrix in python-flint if every entry is a rational number, else None."""
     return to_flint(matrix) if is_rational_matrix(matrix) else None
 
 
 def to_flint(matrix: Matrix) -> flint.fmpq_mat:
-    """Return a rational matrix as one of python-flint.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._flint_matrices import to_flint
-    >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
-    -2
-    """
+    """Return a rational matrix as one of python-flint."""
     if isinstance(matrix, RationalMatrix):
         return matrix.kept
     kept = kept_rational(matrix)
@@ -190,15 +155,7 @@ def _in_flint(kept: DomainMatrix) -> flint.fmpq_mat:
 
 
 def kept_rational(matrix: Matrix) -> DomainMatrix | None:
-    """Return SymPy's own form of rational numbers, None for others; a conversion takes longer.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._flint_matrices import kept_rational
-    >>> kept_rational(Matrix([["a"]])) is None
-    True
-    """
+    """Return SymPy's own form of rational numbers, None for others; a conversion takes longer."""
     if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
         return None  # and it is not written
     kept = getattr(matrix, "_rep", None)
@@ -208,42 +165,18 @@ def kept_rational(matrix: Matrix) -> DomainMatrix | None:
 
 
 def symbols_in(matrix: Matrix) -> set[Symbol]:
-    """Return the symbols of a matrix; one of numbers only is not looked through.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._flint_matrices import symbols_in
-    >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
-    ({a}, set())
-    """
+    """Return the symbols of a matrix; one of numbers only is not looked through."""
     is_free = not isinstance(matrix, KeptMatrix) and kept_rational(matrix) is not None
     return set() if is_free else set(matrix.free_symbols)
 
 
 def from_flint(matrix: flint.fmpq_mat) -> RationalMatrix:
-    """Return a rational matrix of python-flint, which is kept and must not change, as SymPy's.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.matrices._flint_matrices import from_flint
-    >>> from_flint(flint.fmpq_mat(1, 2, [flint.fmpq(1, 2), flint.fmpq(3)]))
-    Matrix([[1/2, 3]])
-    """
+    """Return a rational matrix of python-flint, which is kept and must not change, as SymPy's."""
     return RationalMatrix._kept_as(matrix)
 
 
 def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> ImmutableMatrix:
-    """Return the matrix of entries that were computed here, kept by python-flint if it can be.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.matrices._flint_matrices import of_rows
-    >>> of_rows([[Rational(1, 2), 0]], (1, 2)).kept
-    [1/2, 0]
-    """
+    """Return the matrix of entries that were computed here, kept by python-flint if it can be."""
     flat = [entry for row in rows for entry in row]
     if not all(isinstance(entry, int | Rational) for entry in flat):
         return ImmutableMatrix(*shape, flat)
@@ -252,40 +185,16 @@ def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> Immutable
 
 
 def identity_matrix(size: int) -> RationalMatrix:
-    """Return the identity matrix.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._flint_matrices import identity_matrix
-    >>> identity_matrix(2)
-    Matrix([
-    [1, 0],
-    [0, 1]])
-    """
+    """Return the identity matrix."""
     ones = [int(i == j) for i in range(size) for j in range(size)]
     return from_flint(flint.fmpq_mat(size, size, ones))
 
 
 def zero_matrix(rows: int, columns: int) -> RationalMatrix:
-    """Return a matrix of zeros.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._flint_matrices import zero_matrix
-    >>> zero_matrix(1, 2)
-    Matrix([[0, 0]])
-    """
+    """Return a matrix of zeros."""
     return from_flint(flint.fmpq_mat(rows, columns))
 
 
 def rational(value: flint.fmpq) -> Rational:
-    """Return a rational number of python-flint as one of SymPy.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.matrices._flint_matrices import rational
-    >>> rational(flint.fmpq(2, 4))
-    1/2
-    """
+    """Return a rational number of python-flint as one of SymPy."""
     return Rational.from_coprime_ints(int(value.p), int(value.q))

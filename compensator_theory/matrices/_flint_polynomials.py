@@ -15,13 +15,6 @@ def kept_in_flint(
     """Return two polynomials in one variable where SymPy keeps both as python-flint's, else None.
 
     That they are rational and in canonical form then needs no further look.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._flint_polynomials import kept_in_flint
-    >>> kept_in_flint(polynomial("s"), "s") is None
-    True
     """
     if isinstance(a, Poly) and isinstance(b, Poly) and a.gens == b.gens and a.gen.is_Symbol:
         first, second = getattr(a.rep, "_rep", None), getattr(b.rep, "_rep", None)
@@ -54,15 +47,7 @@ def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
 
 
 def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
-    """Return ascending coefficients through the points, by Newton's divided differences.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.matrices._flint_polynomials import interpolated
-    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
-    [2, 3]
-    """
+    """Return ascending coefficients through the points, by Newton's divided differences."""
     table = list(values)
     for order in range(1, len(points)):
         for i in range(len(points) - 1, order - 1, -1):

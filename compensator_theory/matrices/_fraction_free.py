@@ -29,18 +29,6 @@ class SymbolicRows:
         What each row was multiplied by.
     last : flint.fmpz_mpoly
         The minor that the reduced rows have as their common factor.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._fraction_free import SymbolicRows
-    >>> system = SymbolicRows.of(Matrix([["1/a", 1], [0, "b"]]), Matrix([1, "b"]))
-    >>> system.reduce(2)
-    [0, 1]
-    >>> system.quotients(range(2), [2])
-    Matrix([
-    [0],
-    [1]])
     """
 
     def __init__(self, work: RationalFunctions, parts: Sequence[Numerators]) -> None:
@@ -128,14 +116,6 @@ def symbolic_characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly
     r"""Return det(sI - A) by Faddeev and LeVerrier; None for other than rational functions over QQ.
 
     .. math:: M_1 = I, \quad c_k = -\mathrm{tr}(A M_k)/k, \quad M_{k+1} = A M_k + c_k I
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import s
-    >>> from compensator_theory.matrices._fraction_free import symbolic_characteristic_polynomial
-    >>> symbolic_characteristic_polynomial(Matrix([["1/a", 1], [0, "b"]]), s).as_expr().factor()
-    (-b + s)*(a*s - 1)/a
     """
     if (read := kept_with_symbols(matrix)) is None:
         return None

@@ -58,19 +58,7 @@ class Element:
 
 
 class FunctionRing:
-    """The ring of polynomials in a variable whose coefficients are rational functions over QQ.
-
-    Examples
-    --------
-    >>> from sympy import QQ
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._function_rings import FunctionRing
-    >>> ring = FunctionRing(s, QQ[a])
-    >>> p, q = (ring.read(polynomial(text, "s")) for text in ("s**2/a", "a*s + 1"))
-    >>> [ring.write(part).as_expr() for part in ring.divide(p, q)]
-    [s/a**2 - 1/a**3, a**(-3)]
-    """
+    """The ring of polynomials in a variable whose coefficients are rational functions over QQ."""
 
     def __init__(self, variable: Symbol, field: Domain) -> None:
         self.variable, self.work = variable, in_symbols(frozenset(field.symbols))

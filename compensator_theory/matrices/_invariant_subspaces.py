@@ -60,15 +60,7 @@ class PrimaryComponent(ExactValue):
 
 
 def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryComponent, ...]:
-    """Split a matrix along the irreducible factors of its characteristic polynomial.
-
-    Parameters
-    ----------
-    matrix : sympy.Matrix
-        Square, exact; symbols are generic.
-    polynomial : sympy.Poly
-        Its characteristic polynomial.
-    """
+    """Split a matrix along the irreducible factors of its characteristic polynomial."""
     found = []
     for factor, multiplicity in polynomial.factor_list()[1]:
         f = monic(canonical(factor))
@@ -84,17 +76,7 @@ def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryCompone
 def divisors(
     components: Sequence[PrimaryComponent], degree: int
 ) -> Iterator[tuple[tuple[int, ...], Poly]]:
-    """Yield exponents and product of every rational monic divisor of that degree.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import divisors, primary_components
-    >>> parts = primary_components(Matrix([[1, 0], [0, 2]]), polynomial("(s - 1)*(s - 2)"))
-    >>> [str(p.as_expr()) for _, p in divisors(parts, 1)]
-    ['s - 1', 's - 2']
-    """
+    """Yield exponents and product of every rational monic divisor of that degree."""
     for exponents in _exponents([(c.degree, c.multiplicity) for c in components], degree):
         product = Poly(1, components[0].factor.gen) if components else None
         for component, exponent in zip(components, exponents, strict=True):
@@ -103,16 +85,7 @@ def divisors(
 
 
 def derogatory_factor(matrix: Matrix, polynomial: Poly) -> Poly | None:
-    """Return an irreducible factor with several Jordan blocks, or None if there is none.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import derogatory_factor
-    >>> derogatory_factor(Matrix([[1, 1], [0, 1]]), polynomial("(s - 1)**2")) is None
-    True
-    """
+    """Return an irreducible factor with several Jordan blocks, or None if there is none."""
     for factor, multiplicity in polynomial.factor_list()[1]:
         if multiplicity > 1:
             f = monic(canonical(factor))
@@ -122,18 +95,7 @@ def derogatory_factor(matrix: Matrix, polynomial: Poly) -> Poly | None:
 
 
 def evaluate(poly: Poly, matrix: Matrix) -> ImmutableMatrix:
-    """Return p(A), by Horner's rule.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import evaluate
-    >>> evaluate(polynomial("s**2 + 1"), Matrix([[0, 1], [-1, 0]]))
-    Matrix([
-    [0, 0],
-    [0, 0]])
-    """
+    """Return p(A), by Horner's rule."""
     coefficients = Matrix([poly.all_coeffs()])
     a, c = DomainMatrix.from_Matrix(matrix).unify(
         DomainMatrix.from_Matrix(coefficients), fmt="dense"
@@ -146,15 +108,7 @@ def evaluate(poly: Poly, matrix: Matrix) -> ImmutableMatrix:
 
 
 def kernel(matrix: Matrix) -> ImmutableMatrix:
-    """Return a basis of the right kernel as columns, without a column if it is trivial.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._invariant_subspaces import kernel
-    >>> kernel(Matrix([[1, 2]])).T
-    Matrix([[-2, 1]])
-    """
+    """Return a basis of the right kernel as columns, without a column if it is trivial."""
     basis = solve_affine(matrix, sympy.zeros(matrix.rows, 1)).nullspace
     return joined(matrix.cols, basis)
 

@@ -22,13 +22,6 @@ class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
 
     Hash, text and pickle are those of that matrix. A derived class says how entries are written,
     and which operations stay in python-flint.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
-    >>> from compensator_theory.matrices._kept_matrices import KeptMatrix
-    >>> [isinstance(exact_matrix([[x]], "A"), KeptMatrix) for x in (1, "1/a")]
-    [True, True]
     """
 
     _mhash: int | None

@@ -45,15 +45,6 @@ class AffineSolution(ExactValue):
         Column; its free components are 0.
     nullspace : tuple of sympy.ImmutableMatrix
         Basis columns; empty if the solution is unique.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._linear_algebra import solve_affine
-    >>> solve_affine(Matrix([[1, 2]]), Matrix([3])).nullspace
-    (Matrix([
-    [-2],
-    [ 1]]),)
     """
 
     particular: ImmutableMatrix
@@ -105,15 +96,7 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
 
 
 def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
-    """Solve a square system with exactly one solution.
-
-    Parameters
-    ----------
-    matrix : sympy.Matrix
-        n x n; with symbols, nonsingular for generic values of them.
-    right_side : sympy.Matrix
-        n x m.
-    """
+    """Solve a square system with exactly one solution."""
     _require_square(matrix)
     _require_rows(matrix, right_side)
     singular = f"the {matrix.rows} x {matrix.cols} matrix is singular; use solve_affine"
@@ -137,15 +120,7 @@ def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
 
 
 def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
-    """Solve a system of any shape: one solution and a basis of the homogeneous ones.
-
-    Parameters
-    ----------
-    matrix : sympy.Matrix
-        m x n; with symbols, for generic values of them.
-    right_side : sympy.Matrix
-        m x 1.
-    """
+    """Solve a system of any shape: one solution and a basis of the homogeneous ones."""
     _require_rows(matrix, right_side)
     if matrix.rows == matrix.cols:
         try:
@@ -161,30 +136,14 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
 
 
 def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
-    """Return the same matrix with every rational function of symbols in lowest terms.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._linear_algebra import in_lowest_terms
-    >>> in_lowest_terms(Matrix([["(a**2 - a)/a", 2]]))
-    Matrix([[a - 1, 2]])
-    """
+    """Return the same matrix with every rational function of symbols in lowest terms."""
     if (kept := symbolic_matrix(matrix)) is not None:
         return kept
     return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if symbols_in(matrix) else matrix)
 
 
 def multiplied(*factors: Matrix) -> ImmutableMatrix:
-    """Return the product of matrices, with symbols in lowest terms: nothing is expanded in SymPy.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._linear_algebra import multiplied
-    >>> multiplied(Matrix([["1/a", "b"]]), Matrix(["a", 0]))
-    Matrix([[1]])
-    """
+    """The product of matrices, with symbols in lowest terms: nothing is expanded in SymPy."""
     if any(0 in factor.shape for factor in factors):
         return zero_matrix(factors[0].rows, factors[-1].cols)
     raw = [rational_in_flint(factor) for factor in factors]

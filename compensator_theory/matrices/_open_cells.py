@@ -30,18 +30,6 @@ def grassmannian_cell(
     .. math:: \ker f^j \subset V \subset \ker f^{j+1}, \qquad
               V = \ker f^j + \mathrm{span}\Big\{\tilde A^t\big(b_i + \sum_{l > w}
               \alpha_{il}(\tilde A)\,b_l\big)\Big\}_{i \le w}
-
-    Parameters
-    ----------
-    matrix, component, exponent, names
-        As for :func:`subspace_family`; any exponent e with a continuum.
-
-    Returns
-    -------
-    tuple of matrix and symbols
-        With r blocks longer than j, and w lines over the field of the root taken from r: d w (r -
-        w) parameters, d = deg f. All of these subspaces but a thin set, each once. Where f is zero
-        on the component they are all invariant subspaces: the Grassmannian.
     """
     d = component.degree
     j = max(k for k, below in enumerate(component.kernels) if below.cols <= exponent * d)
@@ -73,27 +61,6 @@ def cocyclic_family(
     """Parametrise the subspaces whose quotient in the component is cyclic, by duality.
 
     The annihilator of such a subspace is a cyclic one of the transpose.
-
-    Parameters
-    ----------
-    matrix, component, exponent, names
-        As for :func:`subspace_family`.
-
-    Returns
-    -------
-    tuple of matrix and symbols, or None
-        None if no Jordan block is as long as the quotient.
-
-    Examples
-    --------
-    >>> from sympy import Matrix, symbols
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import primary_components
-    >>> from compensator_theory.matrices._open_cells import cocyclic_family
-    >>> two = Matrix([[0, 1, 0], [0, 0, 0], [0, 0, 0]])
-    >>> part, = primary_components(two, polynomial("s**3"))
-    >>> cocyclic_family(two, part, 2, iter(symbols("alpha_1:9")))[1]
-    (alpha_1,)
     """
     whole = component.factor**component.multiplicity
     (dual,) = primary_components(matrix.T, whole)
@@ -109,14 +76,7 @@ def cocyclic_family(
 
 
 def families(matrix: Matrix, chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[Family, ...]:
-    """Return every parametrised family of invariant subspaces with one polynomial, largest first.
-
-    Parameters
-    ----------
-    matrix : sympy.Matrix
-    chosen : sequence of pairs of PrimaryComponent and int
-        The exponents of the irreducible factors.
-    """
+    """Every parametrised family of invariant subspaces with one polynomial, largest first."""
     found: list[Family] = [(joined(matrix.rows, []), ())]
     enough = len(chosen) * (matrix.rows**2 + 1)
     letters = numbered(names_in_all(matrix), "alpha", enough)

@@ -32,16 +32,7 @@ class NotRationalError(Exception):
 
 
 class RationalFunctions:
-    """Reads expressions in some symbols as fractions of polynomials with whole coefficients.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.matrices._rational_functions import RationalFunctions
-    >>> work = RationalFunctions({a, b})
-    >>> work.write(*work.read(1 / a + 1 / b))
-    (a + b)/(a*b)
-    """
+    """Reads expressions in some symbols as fractions of polynomials with whole coefficients."""
 
     def __init__(self, symbols: Iterable[Symbol]) -> None:
         """Make one; `in_symbols` has those of the last computations, with what they read."""
@@ -181,33 +172,12 @@ def _require_few(*terms: int) -> None:
 
 @lru_cache(maxsize=8)
 def in_symbols(symbols: frozenset[Symbol]) -> RationalFunctions:
-    """Return the reader for these symbols, the same one again with what it has read.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.matrices._rational_functions import in_symbols
-    >>> in_symbols(frozenset({a})) is in_symbols(frozenset({a}))
-    True
-    """
+    """Return the reader for these symbols, the same one again with what it has read."""
     return RationalFunctions(symbols)
 
 
 def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
-    """Tell of expressions whether they are zero for all values of their symbols.
-
-    Returns
-    -------
-    list
-        None for what is neither a rational number nor a rational function of symbols over QQ.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.matrices._rational_functions import vanish
-    >>> vanish([1 / a + 1 / b - (a + b) / (a * b), a - b])
-    [True, False]
-    """
+    """Tell of expressions whether they are zero for all values of their symbols."""
     given = list(expressions)
     symbols = {x for x in set().union(*(e.free_symbols for e in given)) if isinstance(x, Symbol)}
     work = in_symbols(frozenset(symbols)) if symbols else None

@@ -21,15 +21,7 @@ def primes() -> Iterator[int]:
 
 
 def pivots(matrix: flint.nmod_mat | flint.fmpz_mat) -> list[int]:
-    """Return the first columns that span the column space, modulo a prime.
-
-    Examples
-    --------
-    >>> from flint import fmpz_mat
-    >>> from compensator_theory.matrices._residues import pivots
-    >>> pivots(fmpz_mat([[0, 2, 4], [0, 1, 2]]))
-    [1]
-    """
+    """Return the first columns that span the column space, modulo a prime."""
     if isinstance(matrix, flint.fmpz_mat):
         matrix = flint.nmod_mat(matrix, next(primes()))
     reduced, rank = matrix.rref()

@@ -27,16 +27,7 @@ Grid: TypeAlias = list[list[Element]]
 
 
 class RationalRing:
-    """Polynomials with rational coefficients, by python-flint.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> ring = ring_of([polynomial("s + 1")])
-    >>> ring.write(ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + 1")))[0])
-    Poly(s - 1, s, domain='QQ')
-    """
+    """Polynomials with rational coefficients, by python-flint."""
 
     def __init__(self, variable: Symbol) -> None:
         self.variable = variable
@@ -83,17 +74,7 @@ class RationalRing:
 
 
 class SymbolicRing:
-    """Polynomials over a field that contains irrational numbers, by SymPy.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> ring = ring_of([polynomial("s + sqrt(2)")])
-    >>> rest = ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + sqrt(2)")))[1]
-    >>> ring.write(rest)
-    Poly(2, s, domain='QQ')
-    """
+    """Polynomials over a field that contains irrational numbers, by SymPy."""
 
     def __init__(self, variable: Symbol, field: Domain) -> None:
         self.variable, self.field = variable, field
@@ -146,15 +127,7 @@ Ring: TypeAlias = RationalRing | FunctionRing | SymbolicRing
 
 
 def ring_of(polynomials: Iterable[Poly]) -> Ring:
-    """Return the ring over the smallest field that has all coefficients.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._rings import ring_of
-    >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
-    'FunctionRing'
-    """
+    """Return the ring over the smallest field that has all coefficients."""
     listed = list(polynomials)
     field = reduce(lambda a, b: a.unify(b), (p.domain for p in listed)).get_field()
     if field.is_QQ:
@@ -169,17 +142,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
 
 
 def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid:
-    """Multiply two matrices of elements.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._rings import multiply, ring_of
-    >>> ring = ring_of([polynomial("s")])
-    >>> s = ring.read(polynomial("s"))
-    >>> ring.write(multiply(ring, [[s, ring.one]], [[s], [s]])[0][0])
-    Poly(s**2 + s, s, domain='QQ')
-    """
+    """Multiply two matrices of elements."""
     columns = list(zip(*right, strict=True))
     if isinstance(ring, FunctionRing):
         for row in (*left, *columns):
@@ -197,13 +160,5 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
 
 
 def identity(ring: Ring, size: int) -> Grid:
-    """Return the identity matrix.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._rings import identity, ring_of
-    >>> len(identity(ring_of([polynomial("s")]), 2))
-    2
-    """
+    """Return the identity matrix."""
     return [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]

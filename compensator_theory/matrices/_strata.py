@@ -40,13 +40,6 @@ def strata(blocks: Sequence[int], size: int) -> tuple[Stratum, ...]:
     .. math:: g^\lambda_{\mu\nu}(q) = c^\lambda_{\mu\nu}\,q^{n(\lambda)-n(\mu)-n(\nu)}
               + \text{lower powers}
 
-    Parameters
-    ----------
-    blocks : sequence of int
-        Lengths :math:`\lambda` of the Jordan blocks.
-    size : int
-        Dimension of the subspaces.
-
     Notes
     -----
     The number of such subspaces over a field of q elements is Hall's polynomial above. Source: I.
@@ -72,14 +65,7 @@ def strata(blocks: Sequence[int], size: int) -> tuple[Stratum, ...]:
 
 
 def continuum_size(chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[int, int]:
-    r"""Return dimension and number of components of that dimension, of all subspaces together.
-
-    Parameters
-    ----------
-    chosen : sequence of pairs of PrimaryComponent and int
-        The exponents e of the irreducible factors f in the polynomial of the subspaces. A factor of
-        degree d counts its dimension d times: its subspaces are those over the field of its root.
-    """
+    r"""Return dimension and number of components of that dimension, of all subspaces together."""
     dimension, components = 0, 1
     for component, exponent in chosen:
         if component.has_continuum(exponent):
@@ -141,16 +127,6 @@ def is_irreducible(chosen: Sequence[tuple[PrimaryComponent, int]]) -> bool:
 
     So they are where there is one stratum with one component, and where every factor has all lines
     of a space (e = 1), or all hyperplanes that contain the image.
-
-    Examples
-    --------
-    >>> from sympy import eye
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices._invariant_subspaces import primary_components
-    >>> from compensator_theory.matrices._strata import is_irreducible
-    >>> part, = primary_components(eye(4), polynomial("(s - 1)**4"))
-    >>> is_irreducible([(part, 2)])
-    True
     """
     return all(
         exponent in (0, 1, part.multiplicity - 1, part.multiplicity)

@@ -56,15 +56,6 @@ class SymbolicMatrix(KeptMatrix):
     kept : Numerators
         Without a common factor, the denominator with a positive leading coefficient: equal
         matrices are kept alike. Not to be changed by anybody.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices._exact_matrices import exact_matrix
-    >>> A = exact_matrix([["1/a", 1], [0, "b"]], "A")
-    >>> A * A, A.kept.below
-    (Matrix([
-    [a**(-2), (a*b + 1)/a],
-    [      0,        b**2]]), x0)
     """
 
     work: RationalFunctions
@@ -176,18 +167,7 @@ def of_numerators(
     below: flint.fmpz_mpoly,
     shape: tuple[int, int],
 ) -> RationalMatrix | SymbolicMatrix:
-    """Return the matrix of numerators over a denominator, rational where no symbol is left.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.matrices._rational_functions import in_symbols
-    >>> from compensator_theory.matrices._symbolic_matrices import of_numerators
-    >>> work = in_symbols(frozenset({a}))
-    >>> x = work.variables[a]
-    >>> of_numerators(work, [x * 2, x * x], x * 2, (1, 2)), of_numerators(work, [x], x, (1, 1)).kept
-    (Matrix([[1, a/2]]), [1])
-    """
+    """Return the matrix of numerators over a denominator, rational where no symbol is left."""
     if not below.is_one():
         shared = common_factor(below, flat)
         if below.leading_coefficient() < 0:
@@ -204,17 +184,7 @@ def of_numerators(
 def common_factor(
     below: flint.fmpz_mpoly, numerators: Iterable[flint.fmpz_mpoly]
 ) -> flint.fmpz_mpoly:
-    """Return a greatest common divisor of a denominator and of numerators.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.matrices._rational_functions import in_symbols
-    >>> from compensator_theory.matrices._symbolic_matrices import common_factor
-    >>> x = in_symbols(frozenset({a})).variables[a]
-    >>> common_factor(4 * x, [2 * x, 6 * x])
-    2*x0
-    """
+    """Return a greatest common divisor of a denominator and of numerators."""
     for above in numerators:
         if below.is_one():
             break
@@ -224,17 +194,7 @@ def common_factor(
 
 
 def symbolic_matrix(matrix: Matrix) -> RationalMatrix | SymbolicMatrix | None:
-    """Read a matrix of rational functions into python-flint; None where it holds something else.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._symbolic_matrices import symbolic_matrix
-    >>> symbolic_matrix(Matrix([["(a**2 - a)/a", 2]]))
-    Matrix([[a - 1, 2]])
-    >>> symbolic_matrix(Matrix([["sqrt(a)"]])) is None
-    True
-    """
+    """Read a matrix of rational functions into python-flint; None where it holds something else."""
     if isinstance(matrix, KeptMatrix):
         return matrix
     if is_rational_matrix(matrix):
@@ -251,21 +211,7 @@ def symbolic_matrix(matrix: Matrix) -> RationalMatrix | SymbolicMatrix | None:
 
 
 def kept_with_symbols(*matrices: Matrix) -> tuple[RationalFunctions, list[Numerators]] | None:
-    """Return matrices as python-flint keeps them, with the symbols of all.
-
-    Returns
-    -------
-    tuple or None
-        None where no matrix has symbols, and where one holds other than rational functions.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._symbolic_matrices import kept_with_symbols
-    >>> work, parts = kept_with_symbols(Matrix([["a"]]), Matrix([["1/b"]]))
-    >>> [(part.flat, part.below) for part in parts]
-    [([x0], 1), ([1], x1)]
-    """
+    """Return matrices as python-flint keeps them, with the symbols of all."""
     kept = []
     for matrix in matrices:
         if (read := symbolic_matrix(matrix)) is None:
@@ -297,15 +243,7 @@ def _taken_to(work: RationalFunctions, matrix: RationalMatrix | SymbolicMatrix) 
 def over_one(
     work: RationalFunctions, parts: Iterable[Numerators]
 ) -> tuple[list[Sequence[flint.fmpz_mpoly]], flint.fmpz_mpoly]:
-    """Return the numerators of some matrices over one denominator, and that.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._symbolic_matrices import kept_with_symbols, over_one
-    >>> over_one(*kept_with_symbols(Matrix([["1/a"]]), Matrix([["b"]])))
-    ([[1], [x0*x1]], x0)
-    """
+    """Return the numerators of some matrices over one denominator, and that."""
     given = list(parts)
     common = work.one
     for part in given:
@@ -319,15 +257,7 @@ def over_one(
 
 
 def product_with_symbols(*factors: Matrix) -> ImmutableMatrix | None:
-    """Multiply matrices of rational functions; None where `kept_with_symbols` has none.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices._symbolic_matrices import product_with_symbols
-    >>> product_with_symbols(Matrix([["1/a", "b"]]), Matrix(["a", 0]))
-    Matrix([[1]])
-    """
+    """Multiply matrices of rational functions; None where `kept_with_symbols` has none."""
     if (read := kept_with_symbols(*factors)) is None:
         return None
     return _product(*read)
@@ -343,18 +273,7 @@ def _product(work: RationalFunctions, factors: Sequence[Numerators]) -> Immutabl
 
 
 def multiplied_grids(work: RationalFunctions, left: Grid, right: Grid) -> Grid:
-    """Multiply numerators.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.matrices._rational_functions import in_symbols
-    >>> from compensator_theory.matrices._symbolic_matrices import multiplied_grids
-    >>> work = in_symbols(frozenset({a}))
-    >>> x = work.variables[a]
-    >>> multiplied_grids(work, [[x, work.one]], [[x], [x]])
-    [[x0^2 + x0]]
-    """
+    """Multiply numerators."""
     columns = list(zip(*right, strict=True))
     rows = [[(k, x) for k, x in enumerate(row) if not x.is_zero()] for row in left]
     return [[sum((x * c[k] for k, x in row), start=work.zero) for c in columns] for row in rows]

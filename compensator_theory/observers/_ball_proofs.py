@@ -50,16 +50,6 @@ def prove_forms(loop: ImmutableMatrix, Dtilde: Poly, n: int) -> BallProof:
               V = \begin{bmatrix} w & w' & \tfrac12 w'' & \cdots \end{bmatrix}, \qquad
               \det V_1 \ne 0
 
-    Parameters
-    ----------
-    loop : sympy.ImmutableMatrix
-        :math:`\tilde A`, rational, of size n + n_c.
-    Dtilde : sympy.Poly
-        Its characteristic polynomial.
-    n : int
-        Order of the plant. For n_c > n a split has three parts: regulator, Youla parameter,
-        observer.
-
     Notes
     -----
     Here :math:`\mu` is the minimal polynomial and b a fixed vector. The first e Taylor coefficients

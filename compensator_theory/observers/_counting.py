@@ -59,14 +59,7 @@ def count_observer_forms(
 
 
 def number_of_selections(factors: Iterable[tuple[int, int]], n: int) -> int:
-    """Count the products of degree n of factors given as (degree, multiplicity).
-
-    Examples
-    --------
-    >>> from compensator_theory.observers._counting import number_of_selections
-    >>> number_of_selections([(1, 2), (2, 1)], 2)
-    2
-    """
+    """Count the products of degree n of factors given as (degree, multiplicity)."""
     factors = list(factors)
     if n > sum(degree * multiplicity for degree, multiplicity in factors):
         return 0

@@ -168,27 +168,6 @@ def form_of_subspace(
 
     .. math:: T = V_2 V_1^{-1}, \qquad \mathrm{im} \begin{bmatrix} V_1 \\ V_2 \end{bmatrix}
               \text{ invariant under } \tilde A
-
-    Parameters
-    ----------
-    plant, compensator : Realisation
-        Of orders n and :math:`n_c`.
-    subspace : sympy.Matrix
-        :math:`(n + n_c) \times n`, a basis.
-    spectra : pair of sympy.Poly
-        The polynomials of the subspace and of the quotient: regulator and observer.
-    parameters : tuple of Symbol
-        Free symbols of the subspace.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import Realisation, polynomial
-    >>> from compensator_theory.observers._form import form_of_subspace
-    >>> plant, loop = Realisation([[1]], [[1]], [[1]]), Realisation([[-1]], [[0]], [[1]])
-    >>> spectra = polynomial("s - 1"), polynomial("s + 1")
-    >>> form_of_subspace(plant, loop, Matrix([1, 0]), spectra)[:23]
-    'T has rank 0 and not 1:'
     """
     n, n_c, siso = plant.n, compensator.n, plant.is_siso
     V_1, V_2 = subspace[:n, :], subspace[n:, :]

@@ -205,15 +205,7 @@ def _generic_observer_gain(
 
 
 def wanted_spectrum(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:
-    """Read a monic polynomial of the given degree, from its roots or from itself.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.observers._gains import wanted_spectrum
-    >>> wanted_spectrum(["-1+1j", "-1-1j"], 2, s)
-    Poly(s**2 + 2*s + 2, s, domain='QQ')
-    """
+    """Read a monic polynomial of the given degree, from its roots or from itself."""
     goal = monic(polynomial_or_roots(poles, variable))
     if goal.degree() != size:
         raise InputError(

@@ -158,15 +158,7 @@ def transfer_function_is_observer_based(
 
 
 def decide_by_parity(question: str, n: int, Dtilde: Poly) -> ObserverDecision:
-    r"""Decide whether a closed-loop polynomial of degree 2n has a real divisor of degree n.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.observers._questions import decide_by_parity
-    >>> decide_by_parity("Divisible?", 1, polynomial("s**2 + 1")).answer
-    False
-    """
+    r"""Decide whether a closed-loop polynomial of degree 2n has a real divisor of degree n."""
     count = count_observer_forms(Dtilde, n) if is_rational(Dtilde) else None
     if n % 2 == 0:
         reason = f"n = {n} is even, so that the closed loop has real divisors of degree {n}"

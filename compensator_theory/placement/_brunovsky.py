@@ -84,16 +84,7 @@ class BrunovskyForm(ExactValue):
 
 
 def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
-    """Return (A_c, B_c) of chains of integrators of the given lengths.
-
-    Examples
-    --------
-    >>> from compensator_theory.placement._brunovsky import chains
-    >>> chains((2, 0))[1]
-    Matrix([
-    [0, 0],
-    [1, 0]])
-    """
+    """Return (A_c, B_c) of chains of integrators of the given lengths."""
     n = sum(indices)
     ends = list(accumulate(indices))
     A = [[int(j == i + 1 and j not in ends) for j in range(n)] for i in range(n)]

@@ -180,14 +180,7 @@ def doubly_coprime_fractions(
 def read_plant(
     plant: RealisationLike | TransferMatrixLike, variable: str | Symbol | None
 ) -> tuple[Realisation, tuple[Expr, ...]]:
-    """Return a realisation: the one that was given, or a minimal one of a transfer matrix.
-
-    Examples
-    --------
-    >>> from compensator_theory.placement._doubly_coprime import read_plant
-    >>> read_plant("(s + 1)/((s + 1)*(s + 2))", None)[0].n
-    1
-    """
+    """Return a realisation: the one that was given, or a minimal one of a transfer matrix."""
     if has_states(plant, variable):
         return timed_realisation(plant, variable, "a stable fraction"), ()
     found = minimal_realisation(plant, variable)
@@ -195,15 +188,7 @@ def read_plant(
 
 
 def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None:
-    """Refuse a matrix with an unstable eigenvalue; one whose stability depends on symbols passes.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from sympy.abc import s
-    >>> from compensator_theory.placement._doubly_coprime import require_stable
-    >>> require_stable(ImmutableMatrix([[-1]]), s, "regulator")
-    """
+    """Refuse a matrix with an unstable eigenvalue; where symbols decide, it passes."""
     wanted = characteristic_polynomial(matrix, variable)
     if decide_stability(wanted, time=time_of(variable, "stability")).is_stable is False:
         raise InputError(

@@ -296,13 +296,6 @@ def are_similar(first: Matrix, second: Matrix) -> bool:
 
     They are if and only if M X = X L has as many solutions as M X = X M and L X = X L (C. I. Byrnes
     and M. A. Gauger, Advances in Mathematics 24 (1977)).
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.placement._gain_families import are_similar
-    >>> are_similar(Matrix([[0, 1], [-1, -2]]), Matrix([[-1, 0], [0, -1]]))
-    False
     """
     s = fresh(names_in_all(first, second), "s")
     if characteristic_polynomial(first, s) != characteristic_polynomial(second, s):

@@ -266,15 +266,7 @@ def _quotient(
 def reduced_left_fraction(
     G: TransferMatrix,
 ) -> tuple[PolynomialMatrix, PolynomialMatrix, ImmutableMatrix, list[int]]:
-    """Return D_l and N_l with ascending row degrees, the inverse leading matrix, the degrees.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_matrix
-    >>> from compensator_theory.placement._matrix_placement import reduced_left_fraction
-    >>> reduced_left_fraction(transfer_matrix([["1/s", 0], [0, "1/s**2"]]))[3]
-    [1, 2]
-    """
+    """Return D_l and N_l with ascending row degrees, the inverse leading matrix, the degrees."""
     fractions = coprime_fractions(G)
     reduced = row_reduced_form(fractions.D_l)
     order = sorted(range(G.shape[0]), key=lambda i: reduced.row_degrees[i])
@@ -289,16 +281,7 @@ def reduced_left_fraction(
 def coefficient_columns(
     D: PolynomialMatrix, N: PolynomialMatrix, free: int, order: int, heights: list[int]
 ) -> list[list[Expr]]:
-    """Return the columns that D s^k, k < free, and N s^k, k <= order, add to the equations.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.placement._matrix_placement import coefficient_columns
-    >>> D, N = polynomial_matrix([["s + 2"]]), polynomial_matrix([[3]], "s")
-    >>> coefficient_columns(D, N, 1, 1, [2])
-    [[2, 1], [3, 0], [0, 3]]
-    """
+    """Return the columns that D s^k, k < free, and N s^k, k <= order, add to the equations."""
     s, columns = D.variable, []
     for matrix, count in ((D, free), (N, order + 1)):
         for entry in range(matrix.shape[1]):
@@ -314,17 +297,7 @@ def coefficient_columns(
 def pair_of_columns(
     vector: ImmutableMatrix, shape: tuple[int, int], free: int, order: int, model: Poly
 ) -> tuple[list[Poly], list[Poly]]:
-    """Return the columns (D_c without its leading term, N_c) of one solution.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.placement._matrix_placement import pair_of_columns
-    >>> found = pair_of_columns(ImmutableMatrix([5, 6, 7]), (1, 1), 1, 1, polynomial("s"))
-    >>> [poly.as_expr() for column in found for poly in column]
-    [5*s, 7*s + 6]
-    """
+    """Return the columns (D_c without its leading term, N_c) of one solution."""
     p, m = shape
     entries, s = list(vector), model.gen
     below, top = entries[: p * free], entries[p * free :]
@@ -336,15 +309,7 @@ def pair_of_columns(
 
 
 def in_column(entries: list[Poly], column: int, width: int) -> PolynomialMatrix:
-    """Return a matrix that is zero but for one column.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.placement._matrix_placement import in_column
-    >>> print(in_column([polynomial("s")], 1, 2))
-    [[0, s]]
-    """
+    """Return a matrix that is zero but for one column."""
     zero = Poly(0, entries[0].gen, domain=sympy.QQ)
     return PolynomialMatrix(
         tuple(tuple(e if j == column else zero for j in range(width)) for e in entries)
@@ -352,13 +317,5 @@ def in_column(entries: list[Poly], column: int, width: int) -> PolynomialMatrix:
 
 
 def multiple(matrix: PolynomialMatrix, factor: Poly) -> PolynomialMatrix:
-    """Multiply every entry by a polynomial.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial, polynomial_matrix
-    >>> from compensator_theory.placement._matrix_placement import multiple
-    >>> print(multiple(polynomial_matrix([["s", 1]]), polynomial("s + a", "s")))
-    [[s**2 + a*s, s + a]]
-    """
+    """Multiply every entry by a polynomial."""
     return PolynomialMatrix(tuple(tuple(canonical(e * factor) for e in r) for r in matrix.rows))

@@ -35,15 +35,6 @@ class RoundingEffect(ExactValue):
         Closed-loop polynomial of the exact and of the rounded compensator, both exact.
     was_stable, is_stable : bool
         Before and after: every pole in the open left half plane (s) or unit disk (z, q).
-
-    Examples
-    --------
-    >>> from compensator_theory import place_poles
-    >>> from compensator_theory.placement._rounding_effects import rounding_effect
-    >>> placed = place_poles("1/(s - 1)", ["-1/3"], feedback=-1)
-    >>> effect = rounding_effect(placed.plant, placed.compensator, feedback=-1)
-    >>> effect.is_dangerous, effect.displacement < 1e-15
-    (False, True)
     """
 
     target: Poly
@@ -104,18 +95,6 @@ def rounding_effect(
 
     .. math:: \tilde D = D D_c - f N N_c, \qquad
               \tilde D_{64} = D\,\mathrm{fl}(D_c) - f N\,\mathrm{fl}(N_c)
-
-    Parameters
-    ----------
-    plant, compensator : TransferFunction
-        Rational, in s (continuous time) or z or q (discrete time). The plant is not rounded.
-    feedback : {+1, -1}
-        The sign f.
-
-    Returns
-    -------
-    RoundingEffect
-        The rounded coefficients are rational numbers, so that the poles are certified.
     """
     rounded = TransferFunction(
         rounded_polynomial(compensator.numerator), rounded_polynomial(compensator.denominator)

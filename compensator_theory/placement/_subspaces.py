@@ -20,14 +20,6 @@ class Subspaces:
     divisors : list of sympy.Expr
         The minors that the operations so far divided by: with symbols, all of them hold where none
         is zero.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.placement._subspaces import Subspaces
-    >>> work = Subspaces()
-    >>> work.intersection(Matrix([[1, 0], [0, 1], [0, 0]]), Matrix([[0], [1], [0]])).T
-    Matrix([[0, 1, 0]])
     """
 
     divisors: list[Expr] = field(default_factory=list)

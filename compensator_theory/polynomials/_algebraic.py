@@ -33,13 +33,6 @@ class Algebraic:
         Primitive and irreducible, with a positive leading coefficient.
     ball : flint.acb
         Holds this root and no other.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from compensator_theory.polynomials._algebraic import algebraic
-    >>> algebraic(sqrt(2) + sqrt(3)).minimal
-    x^4 + (-10)*x^2 + 1
     """
 
     minimal: flint.fmpz_poly
@@ -170,15 +163,7 @@ def algebraic(number: Expr) -> Algebraic | None:
 
 
 def rationalised(number: Expr) -> Expr:
-    """Return a constant without its one root below the line; with several roots as it is.
-
-    Examples
-    --------
-    >>> from sympy import Integer, Rational
-    >>> from compensator_theory.polynomials._algebraic import rationalised
-    >>> rationalised(1 / (1 + Integer(2) ** Rational(1, 3)))
-    -2**(1/3)/3 + 1/3 + 2**(2/3)/3
-    """
+    """Return a constant without its one root below the line; with several roots as it is."""
     top, bottom = number.as_numer_denom()
     roots = irrational_parts(number)
     if not all(isinstance(root, sympy.Pow) and root.exp.is_Rational for root in roots):
@@ -201,15 +186,7 @@ _PLANE = flint.fmpz_mpoly_ctx.get(("x", "y"), flint.Ordering.lex)
 
 
 def rational_number(number: Rational) -> Algebraic:
-    """Return a rational number among the algebraic ones.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.polynomials._algebraic import rational_number
-    >>> rational_number(Rational(1, 2)).minimal
-    2*x + (-1)
-    """
+    """Return a rational number among the algebraic ones."""
     value = flint.fmpq(int(number.p), int(number.q))
     with ball_precision(64):
         return Algebraic(flint.fmpz_poly([-value.p, value.q]), flint.acb(value))

@@ -109,32 +109,6 @@ def at_growing_precision(
     enough balls answer: the number whose sign is asked is not zero, as it is the value of a
     polynomial at a root of an irreducible one that does not divide it, or two roots are distinct,
     as they are those of coprime polynomials.
-
-    Parameters
-    ----------
-    attempt : callable
-        Of the bits, called inside a block of that precision; None where the balls are too large.
-    bits : int
-        To begin with.
-    what : str
-        What is asked, for the message.
-    most : int, optional
-        The most bits that are tried, by default 2**18, or 64 times those to begin with.
-
-    Raises
-    ------
-    BudgetError
-        Above this many bits.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.polynomials._ball_precision import at_growing_precision
-    >>> def sign(bits):
-    ...     gap = flint.arb(2).sqrt() - flint.arb(1414213562373095048) / 10**18
-    ...     return 1 if gap > 0 else -1 if gap < 0 else None
-    >>> at_growing_precision(sign, 16, "a sign")
-    1
     """
     most = max(MOST_BITS, 64 * bits) if most is None else most
     while bits <= most:

@@ -114,14 +114,7 @@ def budget(**limits: int) -> Iterator[Budget]:
 
 @contextmanager
 def unlimited() -> Iterator[None]:
-    """Ask nothing: for what was computed here and is only put into another form.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import ask, unlimited
-    >>> with unlimited():
-    ...     ask("degree", 10**9, "a result")
-    """
+    """Ask nothing: for what was computed here and is only put into another form."""
     token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
     try:
         yield
@@ -135,28 +128,14 @@ def quoted(obj: object) -> str:
 
 
 def is_integer(value: object) -> TypeGuard[int]:
-    """Tell whether a value is an int, which True and False are not.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import is_integer
-    >>> is_integer(3), is_integer(True), is_integer(3.0)
-    (True, False, False)
-    """
+    """Tell whether a value is an int, which True and False are not."""
     return isinstance(value, int) and not isinstance(value, bool)
 
 
 def integer(
     value: object, name: str, *, at_least: int | None = None, at_most: int | None = None
 ) -> int:
-    """Return an argument that must be an integer within bounds.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import integer
-    >>> integer(3, "n_c", at_least=0)
-    3
-    """
+    """Return an argument that must be an integer within bounds."""
     if is_integer(value):
         low = at_least is not None and value < at_least
         if not (low or (at_most is not None and value > at_most)):
@@ -193,34 +172,12 @@ def _written(value: object, write: Callable[[object], str]) -> str:
 
 
 def limit_of(name: str) -> int:
-    """Return a limit that holds now.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import limit_of
-    >>> limit_of("digits")
-    4000
-    """
+    """Return a limit that holds now."""
     return int(getattr(_current.get(), name))
 
 
 def ask(name: str, amount: int, what: str) -> None:
-    """Refuse a request above a limit, before any work is done for it.
-
-    Parameters
-    ----------
-    name : str
-        Which limit of the :class:`Budget`.
-    amount : int
-        What the request needs.
-    what : str
-        What needs it, for the message.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import ask
-    >>> ask("degree", 3, "the polynomial")
-    """
+    """Refuse a request above a limit, before any work is done for it."""
     limit = limit_of(name)
     if amount > limit:
         wanted = str(amount) if amount < 10**15 else _order_of(amount)
@@ -231,14 +188,7 @@ def ask(name: str, amount: int, what: str) -> None:
 
 
 def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[Item]:
-    """Return what an iterable holds, or refuse it as soon as it exceeds a limit by more.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import listed
-    >>> listed(range(3), "entries", "the matrix")
-    [0, 1, 2]
-    """
+    """Return what an iterable holds, or refuse it as soon as it exceeds a limit by more."""
     if hasattr(values, "toarray"):
         raise InputError(f"{what} is a sparse array; write it out with .toarray()")
     if not is_collection(values):
@@ -258,13 +208,6 @@ def is_collection(values: object) -> bool:
     """Tell whether something holds values one by one, which not all does that can be iterated.
 
     A polynomial can be, from either end; a text, bytes and a mapping hold letters and keys.
-
-    Examples
-    --------
-    >>> from numpy.polynomial import Polynomial
-    >>> from compensator_theory.polynomials._budget import is_collection
-    >>> is_collection([1, 2]), is_collection({1, 2}), is_collection(Polynomial([1, 2]))
-    (True, True, False)
     """
     if isinstance(values, str | bytes | bytearray | memoryview | Mapping):
         return False
@@ -272,15 +215,7 @@ def is_collection(values: object) -> bool:
 
 
 def is_array(values: object, dimensions: int | None = None) -> bool:
-    """Tell whether something is an array of NumPy, pandas or xarray, of so many dimensions.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from compensator_theory.polynomials._budget import is_array
-    >>> is_array(np.zeros(2)), is_array(np.zeros(2), 2), is_array(np.float64(3)), is_array([1])
-    (True, False, False, False)
-    """
+    """Tell whether something is an array of NumPy, pandas or xarray, of so many dimensions."""
     if (type(values).__module__ or "").split(".")[0] not in _OF_ARRAYS:
         return False
     found = len(getattr(values, "shape", ()))
@@ -288,25 +223,12 @@ def is_array(values: object, dimensions: int | None = None) -> bool:
 
 
 def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:
-    """Refuse a rational number with too many digits.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import ask_for_number
-    >>> ask_for_number(1, 3)
-    """
+    """Refuse a rational number with too many digits."""
     ask("digits", decimal_digits(max(numerator.bit_length(), denominator.bit_length())), what)
 
 
 def decimal_digits(bits: int) -> int:
-    """Return a bound of the decimal digits of an integer with so many bits.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._budget import decimal_digits
-    >>> decimal_digits((10**9).bit_length())
-    10
-    """
+    """Return a bound of the decimal digits of an integer with so many bits."""
     return bits * 30103 // 100_000 + 1
 
 

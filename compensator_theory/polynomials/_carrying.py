@@ -45,24 +45,6 @@ def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P
     For a function that takes symbols as unknowns over the rationals, and whose answer is made of
     them by arithmetic. Where not all functions are carried, it is called with them as they stand,
     and the domains of coefficients refuse them.
-
-    Parameters
-    ----------
-    real : bool
-        Whether it asks for signs; it is given real unknowns only then.
-
-    Examples
-    --------
-    >>> from sympy import exp
-    >>> from sympy.abc import T
-    >>> from compensator_theory.polynomials._carrying import carrying
-    >>> @carrying()
-    ... def inverse(x):
-    ...     print(x)
-    ...     return 1 / x
-    >>> inverse(exp(T))
-    exp_Tʺ
-    exp(-T)
     """
 
     def decorate(function: Callable[P, Found]) -> Callable[P, Found]:
@@ -107,19 +89,6 @@ def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
     """Let a function refuse functions of symbols at its door, in the words of the domains.
 
     A `step` may be a logarithm, and is read by the function itself.
-
-    Examples
-    --------
-    >>> from sympy import exp
-    >>> from sympy.abc import T
-    >>> from compensator_theory.polynomials._carrying import refusing
-    >>> @refusing
-    ... def count(x):
-    ...     return len(x)
-    >>> count([exp(T)])
-    Traceback (most recent call last):
-    ...
-    compensator_theory.errors.InputError: exp(T) is no rational function of its symbols, and ...
     """
     names = [*signature(function).parameters]
     place = names.index("step") if "step" in names else len(names)
@@ -135,27 +104,13 @@ def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
 
 
 def require_no_functions(given: Any) -> None:
-    """Refuse functions of symbols, and numbers that are carried as such.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._carrying import require_no_functions
-    >>> require_no_functions(["s + 1", 2])
-    """
+    """Refuse functions of symbols, and numbers that are carried as such."""
     if has_functions(given):
         require_decidable(functions_in(_expressions(given)))
 
 
 def has_functions(given: Any) -> bool:
-    """Tell whether there are functions of symbols in it, or numbers that are carried as such.
-
-    Examples
-    --------
-    >>> from sympy import exp
-    >>> from compensator_theory.polynomials._carrying import has_functions
-    >>> has_functions(("s + 1", [exp(1)])), has_functions({"a": "exp(-T)"})
-    (False, True)
-    """
+    """Tell whether there are functions of symbols in it, or numbers that are carried as such."""
     if isinstance(given, tuple) and all(map(_is_simple, given)):
         return False
     return any(True for _ in functions_in(_expressions(given)))

@@ -25,22 +25,6 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
     two unknowns, nor are :math:`\sqrt a \sqrt b` and :math:`\sqrt{ab}`; other transcendental
     numbers, as log(2), log(3) and log(6); and symbols beside other algebraic numbers.
     Public functions that carry functions of symbols have put unknowns in their place before.
-
-    Raises
-    ------
-    InputError
-        It names the part, and the symbols to write in its place.
-
-    Examples
-    --------
-    >>> from sympy import cos, pi, sqrt
-    >>> from sympy.abc import a, t
-    >>> from compensator_theory.polynomials._decidable import require_decidable
-    >>> require_decidable([1 / (a + sqrt(2)), pi * a])
-    >>> require_decidable([cos(t)])
-    Traceback (most recent call last):
-    ...
-    compensator_theory.errors.InputError: cos(t) is no rational function of its symbols, and ...
     """
     nested: set[Expr] = set()
     unknowns: set[Expr] = set()
@@ -77,14 +61,7 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
 
 
 def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
-    """Refuse entries of a matrix that are no rational functions of symbols over the rationals.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.polynomials._decidable import require_rational_functions
-    >>> require_rational_functions([a / (a + 1)], "A")
-    """
+    """Refuse entries of a matrix that are no rational functions of symbols over the rationals."""
     for part in sorted(irrational_constants(entries), key=str):
         if part.free_symbols:
             raise InputError(f"in {name}, {_of_symbols(part)}")
@@ -95,16 +72,7 @@ def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
 
 
 def irrational_constants(expressions: Iterable[Expr]) -> set[Expr]:
-    """Return the parts that are neither rational numbers nor symbols, nor made of them.
-
-    Examples
-    --------
-    >>> from sympy import pi, sqrt
-    >>> from sympy.abc import a
-    >>> from compensator_theory.polynomials._decidable import irrational_constants
-    >>> sorted(irrational_constants([pi * a + sqrt(2), a / 2]), key=str)
-    [pi, sqrt(2)]
-    """
+    """Return the parts that are neither rational numbers nor symbols, nor made of them."""
     found: set[Expr] = set()
     waiting = list(expressions)
     while waiting:

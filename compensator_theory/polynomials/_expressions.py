@@ -100,27 +100,13 @@ def parse_expression(text: str) -> Expr:
 
 
 def read_tree(text: str) -> Tree:
-    """Read a text as it is written, nothing multiplied out.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import read_tree
-    >>> read_tree("a + 2")
-    Sum(terms=[Leaf(value=a), Leaf(value=2)])
-    """
+    """Read a text as it is written, nothing multiplied out."""
     ask("characters", len(text), "the expression")
     return _Reader(text, _tokens(text.translate(_PASTED))).whole()
 
 
 def leaves_of(tree: Tree) -> Iterator[Expr]:
-    """Yield the numbers, symbols and functions in a text that was read.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import leaves_of, read_tree
-    >>> [*leaves_of(read_tree("a*2 + exp(-T)"))]
-    [a, 2, exp(-T)]
-    """
+    """Yield the numbers, symbols and functions in a text that was read."""
     if isinstance(tree, Leaf):
         yield tree.value
     elif isinstance(tree, Power):
@@ -131,14 +117,7 @@ def leaves_of(tree: Tree) -> Iterator[Expr]:
 
 
 def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
-    """Write a text with something else in the place of its leaves, and structured as it was.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import read_tree, written_tree
-    >>> written_tree(read_tree("(s + 1)/(s + 1)"), lambda leaf: 2 * leaf)
-    '((2*s)+(2))*(1/((2*s)+(2)))'
-    """
+    """Write a text with something else in the place of its leaves, and structured as it was."""
     if isinstance(tree, Leaf):
         return f"({_Readable({'order': None}).doprint(image(tree.value))})"
     if isinstance(tree, Power):
@@ -162,12 +141,6 @@ def read_text(text: str) -> Quotient:
 
     Products multiply numerators and denominators, sums use the product of two different
     denominators, so that an expression means the connection of blocks that it shows.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import read_text
-    >>> read_text("s/s").sides()
-    (s, s)
     """
     if not isinstance(text, str):
         raise InputError(f"{shown(text)} is not a string; write for instance 's**2 + 0.1*s + 1/3'")

@@ -33,14 +33,7 @@ def format_polynomial(poly: Poly) -> str:
 
 
 def require_real(poly: Poly) -> None:
-    """Refuse coefficients with the imaginary unit, whatever SymPy's domain for them is.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._formatting import require_real
-    >>> from compensator_theory.polynomials._reading import polynomial
-    >>> require_real(polynomial("sqrt(2)*s"))
-    """
+    """Refuse coefficients with the imaginary unit, whatever SymPy's domain for them is."""
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
             f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
@@ -51,11 +44,6 @@ def in_least_domain(poly: Poly) -> Poly | None:
     """Return a polynomial over the smallest of QQ, QQ[a, ...] and QQ(a, ...) that contains it.
 
     SymPy's own ``retract`` writes every coefficient as an expression and reads it again.
-
-    Returns
-    -------
-    sympy.Poly or None
-        None if the coefficients are no rational functions of symbols over QQ or ZZ.
     """
     domain = poly.domain
     if not (domain.is_PolynomialRing or domain.is_FractionField):
@@ -101,15 +89,7 @@ def _sides(poly: Poly) -> Iterator[tuple[Any, Any]]:
 
 @lru_cache(maxsize=256)
 def composite_domain(symbols: frozenset[Symbol], *, divides: bool) -> Domain:
-    """Return QQ[symbols], or QQ(symbols) if one divides, in SymPy's order; QQ without symbols.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.polynomials._formatting import composite_domain
-    >>> composite_domain(frozenset({b, a}), divides=True)
-    QQ(a,b)
-    """
+    """Return QQ[symbols], or QQ(symbols) if one divides, in SymPy's order; QQ without symbols."""
     if not symbols:
         return QQ
     ordered = Poly(sympy.Add(*symbols), domain=QQ).gens

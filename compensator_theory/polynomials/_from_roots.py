@@ -211,14 +211,6 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     A list, tuple, array, set or generator holds *roots*, and so does a text with commas, or with
     one number, which are no polynomials to be placed; coefficients are written as a polynomial,
     one of NumPy or python-flint for instance. An array that begins with 1 may be either.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._from_roots import polynomial_or_roots
-    >>> polynomial_or_roots((-1, -2), "s") == polynomial_or_roots("s**2 + 3*s + 2", "s")
-    True
-    >>> polynomial_or_roots("-1, -2", "s") == polynomial_or_roots([-1, -2], "s")
-    True
     """
     if lists_roots(value):
         return polynomial_from_roots(cast(Iterable[NumberLike], value), variable)
@@ -239,14 +231,7 @@ def _require_no_doubt(value: object) -> None:
 
 
 def lists_roots(value: object) -> bool:
-    """Tell whether roots are listed: in a collection, or in a text with commas, or of one number.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._from_roots import lists_roots
-    >>> lists_roots([-1, -2]), lists_roots("-1, -2"), lists_roots("-3"), lists_roots("s + 1")
-    (True, True, True, False)
-    """
+    """Whether roots are listed: in a collection, a text with commas, or a text of one number."""
     if not isinstance(value, str):
         _require_no_doubt(value)
         return is_collection(value)

@@ -40,16 +40,6 @@ class Unknowns:
     one unknown, of the greatest common divisor of its c, so that no relation is left. One logarithm
     of a rational number is carried where no other transcendental number stands beside it. Roots
     of other expressions stay: they leave where all conjugates are listed, and else are refused.
-
-    Examples
-    --------
-    >>> from sympy import exp, sqrt
-    >>> from sympy.abc import T, k
-    >>> from compensator_theory.polynomials._functions import Unknowns
-    >>> unknowns = Unknowns([exp(-T) + k, exp(T / 2), sqrt(k)])
-    >>> image = unknowns.image(exp(-T) + k)
-    >>> unknowns.shown(1 / image), unknowns.shown(image * unknowns.image(exp(T / 2)) ** 2)
-    (1/(k + exp(-T)), (k + exp(-T))*exp(T))
     """
 
     def __init__(
@@ -334,16 +324,7 @@ def _in_sine_and_cosine(expression: Expr, t: Symbol, angle: Expr) -> Expr:
 
 
 def functions_in(expressions: Iterable[Expr]) -> Iterator[Expr]:
-    """Yield the parts that are no algebraic numbers and no named ones.
-
-    Examples
-    --------
-    >>> from sympy import exp, pi, sqrt
-    >>> from sympy.abc import T
-    >>> from compensator_theory.polynomials._functions import functions_in
-    >>> [*functions_in([exp(-T) + pi * sqrt(2)])]
-    [exp(-T)]
-    """
+    """Yield the parts that are no algebraic numbers and no named ones."""
     for part in irrational_constants(expressions):
         if part.free_symbols or not (
             isinstance(part, sympy.NumberSymbol)

@@ -22,18 +22,6 @@ def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Gener
     """Register what a function whose answer is a number, a bool or a polynomial gives generically.
 
     Results that are classes have the attribute `exceptional` instead.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer_of
-    >>> def double(x):
-    ...     return 2 * x
-    >>> @generic_answer_of(double)
-    ... def doubled(x):
-    ...     return 2 * x, ()
-    >>> generic_answer(double)(3)
-    (6, ())
     """
 
     def register(companion: Generic) -> Generic:
@@ -44,15 +32,7 @@ def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Gener
 
 
 def holds_where_defined(function: Function) -> Function:
-    """Mark a function whose answer is rational in the symbols and holds where it can be evaluated.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer
-    >>> generic_answer(transfer_function)("1/(a*s + 1)", "s")[1]
-    [a]
-    """
+    """Mark a function whose answer is rational in the symbols, and holds where it is defined."""
 
     def companion(*arguments: Any, **options: Any) -> tuple[Any, list[Expr]]:
         found = function(*arguments, **options)
@@ -66,14 +46,7 @@ holds_where_defined(monic)  # which stands below this
 
 
 def generic_answer(function: Callable[..., Any]) -> Generic | None:
-    """Return what was registered for a function, or None.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._generic_answers import generic_answer
-    >>> generic_answer(len) is None
-    True
-    """
+    """Return what was registered for a function, or None."""
     try:
         return _GENERIC.get(function)
     except TypeError:  # a callable object that cannot be hashed

@@ -18,15 +18,7 @@ _RESERVED: ContextVar[frozenset[str]] = ContextVar("reserved", default=frozenset
 
 @contextmanager
 def reserved(names: Iterable[str]) -> Iterator[None]:
-    """Choose no letter that is among these names either, in this context: those of a larger answer.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._letters import fresh, reserved
-    >>> with reserved(["k"]):
-    ...     fresh((), "k", "gain")
-    gain
-    """
+    """Choose no letter among these names either, in this context: those of a larger answer."""
     token = _RESERVED.set(_RESERVED.get().union(names))
     try:
         yield
@@ -35,15 +27,7 @@ def reserved(names: Iterable[str]) -> Iterator[None]:
 
 
 def names_in_all(*values: Any) -> set[str]:
-    """The names of all symbols in what was read or is shown, those of variables included.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.polynomials._letters import names_in_all
-    >>> sorted(names_in_all(transfer_function("1/(s + a)", "s")))
-    ['a', 's']
-    """
+    """The names of all symbols in what was read or is shown, those of variables included."""
     found: set[str] = set()
     for value in values:
         if isinstance(value, Basic | MatrixBase):
@@ -56,14 +40,7 @@ def names_in_all(*values: Any) -> set[str]:
 
 
 def fresh(taken: Iterable[str], *names: str) -> Symbol:
-    """Return the symbol of the first name that is free, or of the last one with underscores.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._letters import fresh
-    >>> fresh({"k"}, "k", "gain"), fresh({"t", "t_"}, "t")
-    (gain, t__)
-    """
+    """Return the symbol of the first name that is free, or of the last one with underscores."""
     used = _RESERVED.get().union(taken)
     name = next((name for name in names if name not in used), names[-1])
     while name in used:
@@ -72,14 +49,7 @@ def fresh(taken: Iterable[str], *names: str) -> Symbol:
 
 
 def numbered(taken: Iterable[str], name: str, last: int, first: int = 1) -> tuple[Symbol, ...]:
-    """Return the symbols name_1, name_2, ... of a family, the name longer where one is taken.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._letters import numbered
-    >>> numbered({"a_1"}, "a", 2)
-    (a__1, a__2)
-    """
+    """Return the symbols name_1, name_2, ... of a family, the name longer where one is taken."""
     used = _RESERVED.get().union(taken)
     numbers = range(first, last + 1)
     while any(f"{name}_{k}" in used for k in numbers):
@@ -90,25 +60,7 @@ def numbered(taken: Iterable[str], name: str, last: int, first: int = 1) -> tupl
 def introduced(
     given: str | Symbol | None, taken: Iterable[str], *names: str, meaning: str, owner: str
 ) -> Symbol:
-    """Return the symbol that a function introduces: as named, and else chosen fresh.
-
-    Parameters
-    ----------
-    given : str, Symbol or None
-        What the caller calls it; refused where the input has a symbol of that name.
-    taken : iterable of str
-        The names in the input.
-    *names : str
-        What it is called by default, in this order.
-    meaning, owner : str
-        Both meanings of one name, for the message: "the gain of the loop", "a symbol of the plant".
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._letters import introduced
-    >>> introduced(None, {"k"}, "k", "gain", meaning="the gain", owner="a symbol of the plant")
-    gain
-    """
+    """Return the symbol that a function introduces: as named, and else chosen fresh."""
     if given is None:
         return fresh(taken, *names)
     symbol = as_symbol(given)
@@ -122,16 +74,7 @@ def introduced(
 
 
 def variable_beside(variable: str | Symbol | None, *inputs: Any) -> Symbol:
-    """Return the variable of polynomials that belong to matrices with symbols: s, or lambda.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._letters import variable_beside
-    >>> variable_beside(None, Matrix([[s]])), variable_beside("z", Matrix([[s]]))
-    (lambda, z)
-    """
+    """Return the variable of polynomials that belong to matrices with symbols: s, or lambda."""
     return introduced(
         variable, names_in_all(*inputs), "s", "lambda",
         meaning="the variable of the polynomial", owner="a symbol of the matrices",

@@ -8,17 +8,7 @@ from sympy.polys.domains.domain import Domain
 
 
 def flint_domain(*polys: Poly) -> Domain | None:
-    """The ring QQ[symbols] of the coefficients of polynomials in one variable, or None.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._multivariate import flint_domain
-    >>> flint_domain(polynomial("s + a", "s"), polynomial("b*s", "s"))
-    QQ[a,b]
-    >>> flint_domain(polynomial("s + 1")) is None
-    True
-    """
+    """The ring QQ[symbols] of the coefficients of polynomials in one variable, or None."""
     first, *others = polys
     for other in others:
         first = first.unify(other)[0]
@@ -54,14 +44,6 @@ def common_divisor_by_flint(*polys: Poly) -> Poly | None:
     """A greatest common divisor over the field of the symbols; None where they have others.
 
     SymPy's heuristic gcd gives up on some of them, with an error of its own.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._multivariate import common_divisor_by_flint
-    >>> p, q = polynomial("(s + a)*(s - b)", "s"), polynomial("(s + a)*s/(a + b)", "s")
-    >>> common_divisor_by_flint(p, q)
-    Poly(s + a, s, domain='QQ[a,b]')
     """
     cleared = [
         poly.clear_denoms(convert=True)[1] if poly.domain.is_FractionField else poly

@@ -87,14 +87,7 @@ def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
 
 
 def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
-    """Read a list of coefficients in descending powers, no more of them than the budget allows.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._numbers import read_coefficients
-    >>> read_coefficients([0, "1/2"])
-    [0, 1/2]
-    """
+    """Read a list of coefficients in descending powers, no more of them than the budget allows."""
     if getattr(values, "shape", None) == ():
         raise InputError(f"{shown(values)} is one number and no list; give the number itself")
     given = listed(values, "degree", "the list of coefficients", more=1)

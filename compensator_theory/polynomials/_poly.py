@@ -32,28 +32,12 @@ from compensator_theory.polynomials._variables import (
 
 
 def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
-    """Return the polynomial with exact coefficients that were computed here.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory.polynomials._poly import from_coefficients
-    >>> from_coefficients([a, a - a], s)
-    Poly(a*s, s, domain='QQ[a]')
-    """
+    """Return the polynomial with exact coefficients that were computed here."""
     return _from_powers(dict(enumerate(map(sympy.sympify, reversed(descending)))), variable)
 
 
 def from_expression(expression: Expr, variable: Symbol) -> Poly:
-    """Return the polynomial that a SymPy expression without floats is, in canonical form.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory.polynomials._poly import from_expression
-    >>> from_expression(s * (s + a), s)
-    Poly(s**2 + a*s, s, domain='QQ[a]')
-    """
+    """Return the polynomial that a SymPy expression without floats is, in canonical form."""
     with unlimited():
         quotient = multiplied_out(tree_of(expression), least_denominators=True)
         return from_quotient(quotient, variable)
@@ -94,14 +78,6 @@ def over_one_field(*polys: Poly) -> tuple[Poly, ...]:
     SymPy joins two algebraic fields coefficient by coefficient, with PSLQ over relations of at most
     ten digits, and raises CoercionFailed for :math:`10^{18}\,10^{3/4}` in Q(10^(3/8)). Where a
     field is made for all coefficients together, only its surds are related.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import over_one_field
-    >>> a, b = over_one_field(polynomial("s + sqrt(2)"), polynomial("s + sqrt(3)"))
-    >>> a.domain == b.domain, (a * b).degree()
-    (True, 2)
     """
     domains = {poly.domain for poly in polys}
     if any(domain.is_EX for domain in domains):
@@ -122,29 +98,13 @@ def over_one_field(*polys: Poly) -> tuple[Poly, ...]:
 
 
 def total(*polys: Poly) -> Poly:
-    """Add polynomials in one variable, of whatever fields.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import total
-    >>> total(polynomial("s + a", "s"), polynomial("s - a", "s"))
-    Poly(2*s, s, domain='QQ')
-    """
+    """Add polynomials in one variable, of whatever fields."""
     first, *others = over_one_field(*polys)
     return canonical(sum(others, first))
 
 
 def product(a: Poly, b: Poly) -> Poly:
-    """Multiply two polynomials, whose degrees together must be within the budget.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import product
-    >>> product(polynomial("s + 1"), polynomial("s - a", "s"))
-    Poly(s**2 + (1 - a)*s - a, s, domain='QQ[a]')
-    """
+    """Multiply two polynomials, whose degrees together must be within the budget."""
     if not (a.is_zero or b.is_zero):
         ask("degree", int(a.degree()) + int(b.degree()), "the product")
     a, b = over_one_field(a, b)
@@ -152,15 +112,7 @@ def product(a: Poly, b: Poly) -> Poly:
 
 
 def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
-    """Divide by a polynomial that is known to divide, over the field of both.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import exact_quotient
-    >>> exact_quotient(polynomial("s**2 - a**2", "s"), polynomial("s - a", "s"))
-    Poly(s + a, s, domain='QQ[a]')
-    """
+    """Divide by a polynomial that is known to divide, over the field of both."""
     top, bottom = over_one_field(poly, divisor)
     top, bottom = top.unify(bottom)
     field = top.domain.get_field()
@@ -168,15 +120,7 @@ def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
 
 
 def common_divisor(first: Poly, *others: Poly) -> Poly:
-    """Return the monic greatest common divisor.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import common_divisor
-    >>> common_divisor(polynomial("2*s**2 - 2"), polynomial("s**2 - s"))
-    Poly(s - 1, s, domain='QQ')
-    """
+    """Return the monic greatest common divisor."""
     if not all(poly.domain.is_QQ for poly in (first, *others)):
         first, *others = over_one_field(first, *others)  # type: ignore[assignment]
         found = common_divisor_by_flint(first, *others)
@@ -210,16 +154,7 @@ def monic(poly: Poly) -> Poly:
 
 
 def scaled(poly: Poly, factor: Expr) -> Poly:
-    """Multiply a polynomial by a number or by an expression in other symbols.
-
-    Examples
-    --------
-    >>> from sympy.abc import a
-    >>> from compensator_theory.polynomials._poly import scaled
-    >>> from compensator_theory.polynomials._reading import polynomial
-    >>> scaled(polynomial("s + 2"), 1/a)
-    Poly(1/a*s + 2/a, s, domain='QQ(a)')
-    """
+    """Multiply a polynomial by a number or by an expression in other symbols."""
     number = sympy.sympify(factor)
     if number is sympy.S.One:
         return canonical(poly)
@@ -229,16 +164,7 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
 
 
 def require_poly(poly: Poly) -> Poly:
-    """Return a polynomial over the rationals or over symbols in canonical form.
-
-    Examples
-    --------
-    >>> from sympy import Poly
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._poly import require_poly
-    >>> require_poly(Poly(2 * s + 1))
-    Poly(2*s + 1, s, domain='QQ')
-    """
+    """Return a polynomial over the rationals or over symbols in canonical form."""
     if not isinstance(poly, Poly):
         raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial(..., 's')")
     if not poly.domain.is_Exact:
@@ -247,32 +173,14 @@ def require_poly(poly: Poly) -> Poly:
 
 
 def is_rational(poly: Poly) -> bool:
-    """Tell whether every coefficient is a rational number.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._poly import is_rational
-    >>> from compensator_theory.polynomials._reading import polynomial
-    >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
-    (True, False)
-    """
+    """Tell whether every coefficient is a rational number."""
     if isinstance(poly, Poly) and poly.domain.is_EX:  # functions of symbols are shown in it
         return False
     return bool(require_poly(poly).domain.is_QQ)
 
 
 def way_to_rational(*parts: Poly) -> str:
-    """What to do where coefficients are no rational numbers: they have symbols, or are irrational.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import way_to_rational
-    >>> way_to_rational(polynomial("s + a*sqrt(2)", "s"))
-    'substitute numbers for a'
-    >>> way_to_rational(polynomial("s + sqrt(2)"))
-    'give rational numbers close to the irrational ones'
-    """
+    """The advice where coefficients are not rational: they have symbols, or are irrational."""
     names = sorted({symbol.name for part in parts for symbol in part.free_symbols_in_domain})
     if names:
         return f"substitute numbers for {', '.join(names)}"
@@ -280,16 +188,7 @@ def way_to_rational(*parts: Poly) -> str:
 
 
 def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
-    """Return numerator and denominator of a quotient as polynomials, common factors kept.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._expressions import read_text
-    >>> from compensator_theory.polynomials._poly import sides_in
-    >>> sides_in(read_text("2/(2*s)"), s)[1]
-    Poly(2*s, s, domain='QQ')
-    """
+    """Return numerator and denominator of a quotient as polynomials, common factors kept."""
     sides = quotient.polynomials(variable)
     if sides is not None:
         return sides
@@ -303,16 +202,7 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
 
 
 def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
-    """Return a quotient that is a polynomial; what divides it is cancelled first.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._expressions import read_text
-    >>> from compensator_theory.polynomials._poly import from_quotient
-    >>> from_quotient(read_text("(s**2 + s)/s"), s)
-    Poly(s + 1, s, domain='QQ')
-    """
+    """Return a quotient that is a polynomial; what divides it is cancelled first."""
     reduced = quotient.reduced()
     sides = reduced.polynomials(variable)
     if sides is not None and sides[1].degree() == 0:
@@ -362,15 +252,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
 
 
 def in_lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
-    """Return numerator and denominator without what they share, both monic.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._poly import in_lowest_terms
-    >>> [p.as_expr() for p in in_lowest_terms(polynomial("2*s"), polynomial("s**2 + s"))]
-    [1, s + 1]
-    """
+    """Return numerator and denominator without what they share, both monic."""
     top, bottom = top.unify(bottom)
     field = top.domain.get_field()
     top, bottom = top.set_domain(field), bottom.set_domain(field)

@@ -24,13 +24,6 @@ def in_our_order(obj: Any) -> Any:
 
     NumPy's `Polynomial` and python-flint list their coefficients from the constant on, `poly1d`
     from the highest power down, and each is read in its own order. What is none is handed back.
-
-    Examples
-    --------
-    >>> from flint import fmpz_poly
-    >>> from compensator_theory.polynomials._polynomial_objects import in_our_order
-    >>> in_our_order(fmpz_poly([3, 2, 1])), in_our_order("s + 1")
-    ([1, 2, 3], 's + 1')
     """
     if isinstance(obj, PolyElement | FracElement):
         expression = obj.as_expr()

@@ -59,12 +59,6 @@ class Quotient:
     numerator, denominator : flint.fmpq_mpoly
     generators : tuple of sympy.Expr
         Symbols, and irrational numbers that count as unknowns until the end.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import read_text
-    >>> read_text("(s + 1)/((s + 1)*(s + 2))").sides()
-    (s + 1, s**2 + 3*s + 2)
     """
 
     numerator: flint.fmpq_mpoly
@@ -120,13 +114,6 @@ def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
     """Evaluate a tree; sums use the product of two different denominators, or the least common one.
 
     Denominators that differ by a number are one denominator.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._quotients import Leaf, Power, multiplied_out
-    >>> multiplied_out(Power(Leaf(s), -2)).sides()
-    (1, s**2)
     """
     found: set[Expr] = set()
     _collect(tree, found)

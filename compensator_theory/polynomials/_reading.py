@@ -118,14 +118,7 @@ def polynomial_in_time(
     time: object,
     variable: str | Symbol | None = None,
 ) -> tuple[Poly, Time]:
-    """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._reading import polynomial_in_time
-    >>> polynomial_in_time([1, 2], "discrete"), polynomial_in_time("s + 2", None)[1]
-    ((Poly(q + 2, q, domain='QQ'), 'discrete'), 'continuous')
-    """
+    """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere."""
     system = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
     if (poles := getattr(system, "characteristic_polynomial", None)) is not None:
         obj = poles
@@ -149,23 +142,7 @@ def polynomial_in_time(
 def in_one_variable(
     *objects: PolynomialLike, variable: str | Symbol | None = None, default: str | None = None
 ) -> tuple[Poly, ...]:
-    """Read polynomials that are to be compared, by the rule of :func:`shared_variable`.
-
-    Parameters
-    ----------
-    *objects : polynomial
-        Anything :func:`polynomial` reads; lists show no variable.
-    variable : str or Symbol, optional
-        The variable; default: evident from all of them together.
-    default : str, optional
-        What to take where none shows a symbol.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._reading import in_one_variable
-    >>> in_one_variable("s + 1", [2, "a"])
-    (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
-    """
+    """Read polynomials that are to be compared, by the rule of :func:`shared_variable`."""
     objects = tuple(map(in_our_order, objects))
     if variable is None:
         read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
@@ -183,12 +160,6 @@ def is_list(obj: object) -> bool:
     """Tell whether something lists coefficients from the highest power down.
 
     Not everything that can be iterated does: polynomials of other packages begin with the constant.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._reading import is_list
-    >>> is_list([1, 2]), is_list({1, 2}), is_list("s + 1")
-    (True, False, False)
     """
     listed = isinstance(obj, Sequence | Tuple) and is_collection(obj)
     return listed or is_array(obj, dimensions=1)
@@ -222,13 +193,6 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
 
 
 def is_one_of(setting: object, allowed: Container[object]) -> bool:
-    """Tell whether a setting is among a few words or numbers; a list or an array never is.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._reading import is_one_of
-    >>> is_one_of(-1, (1, -1)), is_one_of([1], (1, -1)), is_one_of(True, (1, -1))
-    (True, False, False)
-    """
+    """Tell whether a setting is among a few words or numbers; a list or an array never is."""
     is_plain = isinstance(setting, str | Number) and not isinstance(setting, bool)
     return is_plain and setting in allowed

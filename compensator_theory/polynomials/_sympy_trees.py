@@ -35,14 +35,7 @@ _X = Symbol("x")
 
 
 def require_readable(expression: Expr) -> None:
-    """Refuse an expression that is not built from numbers, symbols and elementary functions.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._sympy_trees import require_readable
-    >>> require_readable(s**2 + 1)
-    """
+    """Refuse an expression that is not built from numbers, symbols and elementary functions."""
     waiting: list[tuple[sympy.Basic, int]] = [(expression, 0)]
     seen = 0
     while waiting:
@@ -68,14 +61,7 @@ def require_readable(expression: Expr) -> None:
 
 
 def require_scalar_symbol(symbol: Symbol) -> None:
-    """Refuse a symbol that stands for no real number (a variable may: it may be complex=True).
-
-    Examples
-    --------
-    >>> from sympy import Symbol
-    >>> from compensator_theory.polynomials._sympy_trees import require_scalar_symbol
-    >>> require_scalar_symbol(Symbol("s", complex=True))
-    """
+    """Refuse a symbol that stands for no real number (a variable may: it may be complex=True)."""
     if symbol.is_commutative is False:
         raise InputError(f"the symbol {symbol} is not commutative; exact data are scalars")
     if symbol.is_real is False:
@@ -88,16 +74,7 @@ def require_scalar_symbol(symbol: Symbol) -> None:
 
 
 def tree_of(expression: Expr) -> Tree:
-    """Take an expression without floats apart; what is no polynomial operation is kept whole.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._sympy_trees import tree_of
-    >>> tree_of(sqrt(2) * s)
-    Product(factors=[Leaf(value=s), Leaf(value=sqrt(2))], divisors=())
-    """
+    """Take an expression without floats apart; what is no polynomial operation is kept whole."""
     if isinstance(expression, sympy.Add):
         return Sum([tree_of(term) for term in expression.args])
     if isinstance(expression, sympy.Mul):
@@ -111,15 +88,7 @@ def tree_of(expression: Expr) -> Tree:
 
 
 def rational_floats(expression: Expr, binary: bool) -> Expr:
-    """Replace every float by the rational number that it means.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.polynomials._sympy_trees import rational_floats
-    >>> rational_floats(0.1 * s, binary=False)
-    s/10
-    """
+    """Replace every float by the rational number that it means."""
     floats = expression.atoms(Float)
     if not floats:
         return expression
@@ -138,15 +107,7 @@ def _rational(number: Float, binary: bool) -> Rational:
 
 
 def square_root(argument: Expr) -> Expr:
-    """Return SymPy's square root of an expression that is small enough for it.
-
-    Examples
-    --------
-    >>> from sympy import Integer
-    >>> from compensator_theory.polynomials._sympy_trees import square_root
-    >>> square_root(Integer(8))
-    2*sqrt(2)
-    """
+    """Return SymPy's square root of an expression that is small enough for it."""
     _require_short_radicand(argument)
     require_small_field([argument, sympy.Pow(argument, sympy.S.Half, evaluate=False)])
     return sympy.sqrt(argument)
@@ -165,13 +126,6 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
     """Return the principal value of a rational power; refuse odd roots of negative numbers.
 
     The real number -2 and a complex one are both called the third root of -8.
-
-    Examples
-    --------
-    >>> from sympy import Integer, Rational
-    >>> from compensator_theory.polynomials._sympy_trees import real_power
-    >>> real_power(Integer(8), Rational(1, 3))
-    2
     """
     if not exponent.is_Rational:
         raise InputError(
@@ -190,15 +144,7 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
 
 
 def indexed_root(polynomial: Expr, index: Expr) -> Expr:
-    """Return SymPy's CRootOf, as it prints itself.
-
-    Examples
-    --------
-    >>> from sympy.abc import x
-    >>> from compensator_theory.polynomials._sympy_trees import indexed_root
-    >>> indexed_root(x**3 + x + 1, 0)
-    CRootOf(x**3 + x + 1, 0)
-    """
+    """Return SymPy's CRootOf, as it prints itself."""
     symbols = polynomial.free_symbols
     if len(symbols) != 1 or not polynomial.is_polynomial() or not sympy.sympify(index).is_Integer:
         raise InputError("write CRootOf(p, k) with a polynomial p in one symbol and an integer k")
@@ -210,16 +156,7 @@ def indexed_root(polynomial: Expr, index: Expr) -> Expr:
 
 
 def settled(expression: Expr) -> Expr:
-    """Return the form of an expression that reads back to itself; SymPy has several for one value.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from sympy.abc import x
-    >>> from compensator_theory.polynomials._sympy_trees import settled
-    >>> settled(sqrt(2) * (sqrt(2) * x**2 - 2) / (2 * x))
-    (x**2 - sqrt(2))/x
-    """
+    """The form of an expression that reads back to itself; SymPy has several for one value."""
     for _ in range(5):
         again = multiplied_out(tree_of(expression), least_denominators=True).value()
         if again == expression:
@@ -229,15 +166,7 @@ def settled(expression: Expr) -> Expr:
 
 
 def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
-    """Collect an expanded expression by powers; None if it is no polynomial in the variable.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory.polynomials._sympy_trees import by_powers
-    >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
-    True
-    """
+    """Collect an expanded expression by powers; None if it is no polynomial in the variable."""
     if expression == 0:
         return {}  # SymPy takes 0 for a power of the variable
     found: dict[int, list[Expr]] = {}
@@ -255,12 +184,6 @@ def require_small_field(numbers: list[Expr]) -> None:
 
     The discriminant of a polynomial of degree n has about n (n - 1) times the digits of its
     coefficients, and to find the field is to factor polynomials of that size.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from compensator_theory.polynomials._sympy_trees import require_small_field
-    >>> require_small_field([sqrt(2), sqrt(3)])
     """
     degree = 1
     by_base: Counter[Expr] = Counter()  # the powers of one base lie in the field of one root of it
@@ -296,15 +219,7 @@ def _bits(number: Expr) -> int:
 
 
 def irrational_parts(number: Expr) -> set[Expr]:
-    """Return the roots, the imaginary unit and the indexed roots that a number is made of.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from compensator_theory.polynomials._sympy_trees import irrational_parts
-    >>> irrational_parts(1 + 2 * sqrt(3))
-    {sqrt(3)}
-    """
+    """Return the roots, the imaginary unit and the indexed roots that a number is made of."""
     found: set[Expr] = set()
     waiting = [number]
     while waiting:

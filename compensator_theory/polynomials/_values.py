@@ -25,14 +25,6 @@ class ExactValue(Truth):
     SymPy rebuilds the domain of a pickled polynomial from its coefficients, ZZ[a] for QQ[a], so
     that it equals the original no more; it is put into canonical form again. What a result says of
     itself may hold integers that are longer than Python prints without being told.
-
-    Examples
-    --------
-    >>> import pickle
-    >>> from compensator_theory import transfer_function
-    >>> G = transfer_function("1/(s + a)", "s")
-    >>> pickle.loads(pickle.dumps(G)) == G
-    True
     """
 
     _CARRIES: ClassVar[bool | str] = False

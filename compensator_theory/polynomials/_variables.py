@@ -24,14 +24,7 @@ Readable: TypeAlias = Poly | Expr | None
 
 
 def as_symbol(variable: str | Symbol) -> Symbol:
-    """Return the symbol of that name, as every function here names its variable.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._variables import as_symbol
-    >>> as_symbol("q")
-    q
-    """
+    """Return the symbol of that name, as every function here names its variable."""
     if isinstance(variable, Symbol):
         if not variable.is_commutative:
             raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
@@ -53,34 +46,12 @@ def _named(text: str) -> Expr:
 
 
 def is_operator(variable: Symbol) -> bool:
-    """Tell whether a symbol is one of s, z and q.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, q
-    >>> from compensator_theory.polynomials._variables import is_operator
-    >>> is_operator(a), is_operator(q)
-    (False, True)
-    """
+    """Tell whether a symbol is one of s, z and q."""
     return variable.name in OPERATORS
 
 
 def is_discrete(variable: Symbol, what: str) -> bool:
-    """Tell whether a variable means discrete time: s is continuous, z and q are discrete.
-
-    Parameters
-    ----------
-    variable : Symbol
-    what : str
-        The question that depends on it, for the message.
-
-    Examples
-    --------
-    >>> from sympy.abc import s, z
-    >>> from compensator_theory.polynomials._variables import is_discrete
-    >>> is_discrete(s, "stability"), is_discrete(z, "stability")
-    (False, True)
-    """
+    """Tell whether a variable means discrete time: s is continuous, z and q are discrete."""
     if not is_operator(variable):
         raise InputError(
             f"{what} depends on what {variable} means; write s for continuous time, z or q for "
@@ -90,27 +61,12 @@ def is_discrete(variable: Symbol, what: str) -> bool:
 
 
 def time_of(variable: Symbol, what: str) -> Time:
-    """Return the time domain that a variable stands for, as :func:`is_discrete` reads it.
-
-    Examples
-    --------
-    >>> from sympy.abc import z
-    >>> from compensator_theory.polynomials._variables import time_of
-    >>> time_of(z, "stability")
-    'discrete'
-    """
+    """Return the time domain that a variable stands for, as :func:`is_discrete` reads it."""
     return "discrete" if is_discrete(variable, what) else "continuous"
 
 
 def require_time(time: object) -> Time:
-    """Return the time domain that was named.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._variables import require_time
-    >>> require_time("discrete")
-    'discrete'
-    """
+    """Return the time domain that was named."""
     if not (isinstance(time, str) and time in ("continuous", "discrete")):
         raise InputError(
             f"time = {shown(time)} is no time domain; write time='continuous' or time='discrete'"
@@ -119,14 +75,7 @@ def require_time(time: object) -> Time:
 
 
 def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
-    """Return the variable of polynomials in a time domain: s or q where none is named.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._variables import variable_in
-    >>> variable_in("discrete", None, "LQG"), variable_in("discrete", "z", "LQG")
-    (q, z)
-    """
+    """Return the variable of polynomials in a time domain: s or q where none is named."""
     wanted = require_time(time)
     if variable is None:
         return Symbol("s" if wanted == "continuous" else "q")
@@ -140,15 +89,7 @@ def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbo
 
 
 def agreed_time(time: object, variable: Symbol) -> Time:
-    """Return the time domain that s, z and q show; of another variable it has to be named.
-
-    Examples
-    --------
-    >>> from sympy.abc import s, x
-    >>> from compensator_theory.polynomials._variables import agreed_time
-    >>> agreed_time(None, s), agreed_time("discrete", x)
-    ('continuous', 'discrete')
-    """
+    """Return the time domain that s, z and q show; of another variable it has to be named."""
     if time is None:
         if not is_operator(variable):
             raise InputError(
@@ -163,14 +104,7 @@ def agreed_time(time: object, variable: Symbol) -> Time:
 
 
 def require_discrete(variable: Symbol, what: str) -> None:
-    """Refuse a variable other than z and q.
-
-    Examples
-    --------
-    >>> from sympy.abc import q
-    >>> from compensator_theory.polynomials._variables import require_discrete
-    >>> require_discrete(q, "LQG")
-    """
+    """Refuse a variable other than z and q."""
     if variable.name not in DISCRETE:
         meaning = " and means continuous time" if variable.name in CONTINUOUS else ""
         raise InputError(
@@ -185,20 +119,6 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     It is the one that is named; else that of the arguments that are polynomials; else the only one
     of s, z, q that occurs; else the only symbol. Each expression that has symbols must contain it,
     because "s + 1" and "a" may mean a constant as well as a polynomial in a.
-
-    Parameters
-    ----------
-    parts : iterable of Poly, Expr or None
-        What was given; None shows no variable.
-    variable : str or Symbol, optional
-        The name that decides.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials._expressions import parse_expression as read
-    >>> from compensator_theory.polynomials._variables import shared_variable
-    >>> shared_variable([read("a*s + 1"), read("2")])
-    s
     """
     if variable is not None:
         return as_symbol(variable)
@@ -222,15 +142,7 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
 def evident_variable(
     occurring: Set[Symbol], what: object, fixed: Set[Symbol] = frozenset()
 ) -> Symbol:
-    """Return the only one of s, z, q that occurs, else the only symbol.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory.polynomials._variables import evident_variable
-    >>> evident_variable({a, s}, "a*s")
-    s
-    """
+    """Return the only one of s, z, q that occurs, else the only symbol."""
     operators = fixed | {symbol for symbol in occurring if is_operator(symbol)}
     candidates = operators or occurring
     if len(candidates) != 1:
@@ -249,12 +161,6 @@ def require_no_other_operator(*polys: Poly) -> None:
     """Refuse what was read in one of s, z, q, does not contain it, and contains another of them.
 
     1/s is no constant of a system in z; in (s + z)/(s + p), read in s, z is a parameter as p is.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomials._variables import require_no_other_operator
-    >>> require_no_other_operator(polynomial("s + a"), polynomial("s + z", "s"))
     """
     own = polys[0].gen
     if not is_operator(own) or any(poly.degree() > 0 for poly in polys):
@@ -269,14 +175,7 @@ def require_no_other_operator(*polys: Poly) -> None:
 
 
 def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
-    """Refuse two symbols with one name, which differ in their assumptions only.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.polynomials._variables import require_one_symbol_a_name
-    >>> require_one_symbol_a_name([a, b])
-    """
+    """Refuse two symbols with one name, which differ in their assumptions only."""
     seen: dict[str, Symbol] = {}
     for symbol in symbols:
         if seen.setdefault(symbol.name, symbol) != symbol:

@@ -102,37 +102,14 @@ def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) 
 
 
 def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:
-    """Return (degree, multiplicity) of each distinct irreducible real factor, 1 or 2 in degree.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._certified import real_multiplicities
-    >>> real_multiplicities(polynomial("(s + 1)**2*(s**2 + 1)**3"))
-    [(1, 2), (2, 3)]
-    """
+    """Return (degree, multiplicity) of each distinct irreducible real factor, 1 or 2 in degree."""
     roots = certified_roots(poly)
     kept = [root for root in roots if root.is_real or root.value.imag > 0]
     return [(1 if root.is_real else 2, root.multiplicity) for root in kept]
 
 
 def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
-    """Return the certified complex balls of python-flint with their multiplicities.
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Rational coefficients, not zero.
-    precision : int
-        Working precision in bits.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._certified import root_balls
-    >>> len(root_balls(polynomial("q**3 - 2")))
-    3
-    """
+    """Return the certified complex balls of python-flint with their multiplicities."""
     rest = _integer_polynomial(poly)
     rational = []
     if rest.degree() > EASY:
@@ -151,21 +128,6 @@ def decided_balls(
 
     The question is asked at the precision of the balls: at a lower one, python-flint would round
     what it computes from them and lose the answer.
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Rational coefficients, not zero.
-    decide : callable
-        Of a python-flint complex ball; None where the ball is too large to tell. Must have an
-        answer for small enough balls around every root.
-    precision : int
-        Bits to begin with.
-
-    Returns
-    -------
-    list of (flint.acb, int, decision)
-        Balls, multiplicities and answers.
     """
 
     def attempt(bits: int) -> list[tuple[flint.acb, int, Decision]] | None:

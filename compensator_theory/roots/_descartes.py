@@ -18,16 +18,6 @@ def distinct_real_roots(poly: flint.fmpz_poly) -> int | None:
     .. math:: \mathrm{var}\,(1 + x)^d\,p\!\left(\frac{1}{1+x}\right) \in \{0, 1\}
               \;\Rightarrow\; \text{as many roots in } (0, 1)
 
-    Parameters
-    ----------
-    poly : flint.fmpz_poly
-        Square-free, not zero.
-
-    Returns
-    -------
-    int or None
-        None where too many bisections would be needed, because two roots almost coincide.
-
     Notes
     -----
     The number of variations exceeds that of the roots by an even number, so 0 and 1 decide; other

@@ -162,71 +162,29 @@ class PolynomialEnclosure(ExactValue):
 
 
 def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
-    """Write a polynomial where it is rational, and its enclosure where it is not.
-
-    Examples
-    --------
-    >>> from compensator_theory import spectral_factor
-    >>> from compensator_theory.roots._enclosures import text_of
-    >>> found = spectral_factor("z - 2", time="discrete")
-    >>> text_of(found.polynomial, found.enclosure)
-    'z - 1/2'
-    """
+    """Write a polynomial where it is rational, and its enclosure where it is not."""
     return str(enclosure) if polynomial is None else format_polynomial(polynomial)
 
 
 def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
-    """Write the same for a notebook.
-
-    Examples
-    --------
-    >>> from compensator_theory import spectral_factor
-    >>> from compensator_theory.roots._enclosures import latex_of
-    >>> found = spectral_factor("z - 2", "z", 3, time="discrete")
-    >>> latex_of(found.polynomial, found.enclosure)
-    'z - 0.26794919'
-    """
+    """Write the same for a notebook."""
     return latex(enclosure if polynomial is None else polynomial)
 
 
 def enclosure_of_ball(ball: flint.arb) -> Enclosure:
-    """Return the exact data of a python-flint real ball.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._enclosures import enclosure_of_ball
-    >>> enclosure_of_ball(flint.arb(3) / 4)
-    3/4
-    """
+    """Return the exact data of a python-flint real ball."""
     if not ball.is_finite():
         raise InputError(f"the ball {ball} is not finite; raise the number of digits")
     return Enclosure(_dyadic(ball.mid()), _dyadic(ball.rad()))
 
 
 def ball_of_number(number: Expr) -> flint.arb:
-    """Return a python-flint real ball, at its working precision, that contains a rational number.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.roots._enclosures import ball_of_number
-    >>> ball_of_number(Rational(3, 4))
-    0.750000000000000
-    """
+    """A python-flint real ball, at its working precision, that contains a rational number."""
     return flint.arb(flint.fmpq(int(number.p), int(number.q)))
 
 
 def ball_of_enclosure(enclosure: Enclosure) -> flint.arb:
-    """Return a python-flint real ball, at its working precision, that contains an enclosure.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure
-    >>> ball_of_enclosure(Enclosure(Rational(1), Rational(1, 8)))
-    [1e+0 +/- 0.126]
-    """
+    """Return a python-flint real ball, at its working precision, that contains an enclosure."""
     error = flint.arb(0, ball_of_number(enclosure.radius))
     return ball_of_number(enclosure.centre) + error
 

@@ -180,62 +180,23 @@ class FieldMatrix(ExactValue):
 
 
 def integral(poly: Poly) -> flint.fmpz_poly:
-    """Return the primitive integer polynomial with the roots of a rational one.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._number_fields import integral
-    >>> integral(polynomial("x**2 - 1/2"))
-    2*x^2 + (-1)
-    """
+    """Return the primitive integer polynomial with the roots of a rational one."""
     whole = poly.set_domain(QQ).clear_denoms(convert=True)[1]
     return flint.fmpz_poly([int(c) for c in reversed(whole.all_coeffs())])
 
 
 def field_matrix(field: NumberField, grid: Grid) -> FieldMatrix:
-    """Return a matrix of polynomials in the generator as a value that compares and pickles.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._number_fields import NumberField, field_matrix
-    >>> root = NumberField(polynomial("sigma**2 - 2"))
-    >>> print(field_matrix(root, [[flint.fmpq_poly([1, 2])]]))
-    [[1 + 2*sqrt(2)]]
-    """
+    """Return a matrix of polynomials in the generator as a value that compares and pickles."""
     return FieldMatrix(field, tuple(tuple(tuple(e.coeffs()) for e in row) for row in grid))
 
 
 def grid_of(matrix: FieldMatrix) -> Grid:
-    """Return the entries as polynomials of python-flint.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._number_fields import NumberField, field_matrix, grid_of
-    >>> root = NumberField(polynomial("sigma**2 - 2"))
-    >>> grid_of(field_matrix(root, [[flint.fmpq_poly([1, 2])]]))
-    [[2*x + 1]]
-    """
+    """Return the entries as polynomials of python-flint."""
     return [[flint.fmpq_poly(list(e)) for e in row] for row in matrix.entries]
 
 
 class Arithmetic:
-    """Matrices over a number field, as grids of polynomials in its generator.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._number_fields import Arithmetic, NumberField
-    >>> work = Arithmetic(NumberField(polynomial("sigma**2 - 2")))
-    >>> sigma = [[flint.fmpq_poly([0, 1])]]
-    >>> work.product(sigma, sigma), work.solve(sigma, [[flint.fmpq_poly([2])]])
-    ([[2]], [[x]])
-    """
+    """Matrices over a number field, as grids of polynomials in its generator."""
 
     def __init__(self, field: NumberField) -> None:
         self.field = field
@@ -256,14 +217,7 @@ class Arithmetic:
         ]  # fmt: skip
 
     def solve(self, matrix: Grid, right: Grid, scale: flint.fmpz | None = None) -> Grid:
-        """Solve a square system: one rational system of d times the size, or one at each conjugate.
-
-        Parameters
-        ----------
-        matrix, right : list of lists of flint.fmpq_poly
-        scale : flint.fmpz, optional
-            What makes algebraic integers of all entries: then large fields are faster.
-        """
+        """Solve a square system: a rational one of d times the size, or one at each conjugate."""
         d, n, m = self.field.degree, len(matrix), len(right[0])
         if scale is not None and d >= CONJUGATES:
             return self._solve_at_conjugates(matrix, right, scale)
@@ -329,30 +283,14 @@ class Arithmetic:
 
 
 def plus(*grids: Grid) -> Grid:
-    """Add matrices entry by entry.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._number_fields import plus
-    >>> plus([[flint.fmpq_poly([1])]], [[flint.fmpq_poly([0, 2])]])
-    [[2*x + 1]]
-    """
+    """Add matrices entry by entry."""
     zero = flint.fmpq_poly()
     return [[sum(entries, zero) for entries in zip(*rows, strict=True)]
             for rows in zip(*grids, strict=True)]  # fmt: skip
 
 
 def times(left: flint.fmpq_mat, right: Grid) -> Grid:
-    """Multiply by a rational matrix from the left.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._number_fields import times
-    >>> times(flint.fmpq_mat([[2]]), [[flint.fmpq_poly([1, 2])]])
-    [[4*x + 2]]
-    """
+    """Multiply by a rational matrix from the left."""
     zero = flint.fmpq_poly()
     columns = transposed(right)
     return [
@@ -362,34 +300,14 @@ def times(left: flint.fmpq_mat, right: Grid) -> Grid:
 
 
 def by(left: Grid, right: flint.fmpq_mat) -> Grid:
-    """Multiply by a rational matrix from the right.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._number_fields import by
-    >>> by([[flint.fmpq_poly([1, 2])]], flint.fmpq_mat([[2]]))
-    [[4*x + 2]]
-    """
+    """Multiply by a rational matrix from the right."""
     return transposed(times(right.transpose(), transposed(left)))
 
 
 def characteristic_data(
     A: Grid, B: Grid, C: Grid, work: Arithmetic
 ) -> tuple[list[flint.fmpq_poly], list[Grid]]:
-    """Return det(sI - A), and C adj(sI - A) B as n matrices; powers of s descend.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._number_fields import (
-    ...     Arithmetic, NumberField, characteristic_data)
-    >>> work = Arithmetic(NumberField(polynomial("sigma**2 - 2")))
-    >>> one = [[flint.fmpq_poly([1])]]
-    >>> characteristic_data([[flint.fmpq_poly([0, 1])]], one, one, work)
-    ([1, (-1)*x], [[[1]]])
-    """
+    """Return det(sI - A), and C adj(sI - A) B as n matrices; powers of s descend."""
     n, zero = len(A), flint.fmpq_poly()
     descending, found = [flint.fmpq_poly([1])], []
     power = [[flint.fmpq_poly([int(i == j)]) for j in range(n)] for i in range(n)]
@@ -404,14 +322,7 @@ def characteristic_data(
 
 
 def transposed(grid: Grid) -> Grid:
-    """Exchange rows and columns.
-
-    Examples
-    --------
-    >>> from compensator_theory.roots._number_fields import transposed
-    >>> transposed([[1, 2]])
-    [[1], [2]]
-    """
+    """Exchange rows and columns."""
     return [list(column) for column in zip(*grid, strict=True)]
 
 
@@ -443,18 +354,6 @@ def stable_factors(*spectra: flint.fmpq_poly, most: int = LARGEST_FIELD) -> Stab
     no other, has the least real part. So minus that sum is real and a *simple* root, the greatest
     real one, of :math:`M(y) = \prod (y - \sum \pm r_i)`, and an automorphism that keeps it keeps
     every left root in its place: it generates the field of all coefficients of all factors.
-
-    Parameters
-    ----------
-    *spectra : flint.fmpq_poly
-        Even, not zero, without roots on the imaginary axis.
-    most : int
-        The largest degree of the field where the budget `field_degree` is less.
-
-    Returns
-    -------
-    StableFactors or None
-        None if the degree of the field is larger. Every factor was multiplied out in the field.
     """
     parts = [_parts(p) for p in spectra]
     distinct: list[flint.fmpz_poly] = []
@@ -600,15 +499,7 @@ def _divided(minimal: flint.fmpz_poly, y: flint.acb) -> list[flint.acb]:
 
 
 def inverse(value: flint.fmpq_poly, minimal: flint.fmpq_poly) -> flint.fmpq_poly:
-    """Return the reciprocal of an element of a field that is not zero.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._number_fields import inverse
-    >>> inverse(flint.fmpq_poly([1, 1]), flint.fmpq_poly([-2, 0, 1]))
-    x + (-1)
-    """
+    """Return the reciprocal of an element of a field that is not zero."""
     if minimal.degree() == 1:
         return flint.fmpq_poly([1 / (value % minimal).coeffs()[0]])
     g, x, _ = value.xgcd(minimal)

@@ -82,17 +82,7 @@ def monic_reciprocal_polynomial(poly: PolynomialLike, variable: str | Symbol | N
 
 
 def spectrum_of(poly: Poly, size: int, time: Time) -> Poly:
-    r"""Return a(s) a(-s), or :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._reflections import spectrum_of
-    >>> spectrum_of(polynomial("z - 2"), 2, "discrete").as_expr()
-    -2*z**3 + 5*z**2 - 2*z
-    >>> spectrum_of(polynomial("s + 2"), 1, "continuous").as_expr()
-    4 - s**2
-    """
+    r"""Return a(s) a(-s), or :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k."""
     if time == "continuous":
         return poly * poly.compose(Poly([-1, 0], poly.gen, domain=QQ))
     if poly.is_zero:
@@ -105,14 +95,7 @@ def spectrum_of(poly: Poly, size: int, time: Time) -> Poly:
 def weighted_pair(
     N: PolynomialLike, D: PolynomialLike | None, r: object, variable: str | Symbol | None
 ) -> tuple[Poly, Poly, Expr]:
-    """Read what N N* + r D D* is made of; without D it is zero.
-
-    Examples
-    --------
-    >>> from compensator_theory.roots._reflections import weighted_pair
-    >>> [x.as_expr() for x in weighted_pair("s - 1", "s**2", "1/4", None)]
-    [s - 1, s**2, 1/4]
-    """
+    """Read what N N* + r D D* is made of; without D it is zero."""
     weight = exact_number(r)
     if not (weight.is_Rational and weight >= 0):
         raise InputError(f"r = {weight} must be a rational number of at least 0")

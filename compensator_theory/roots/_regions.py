@@ -82,15 +82,7 @@ def locate_roots(
 
 
 def is_left(ball: flint.acb) -> bool | None:
-    """Tell whether a complex ball lies left of the imaginary axis; None if it meets the axis.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._regions import is_left
-    >>> is_left(flint.acb(-0.5)), is_left(flint.acb(1, 5)), is_left(flint.acb(0, 1))
-    (True, False, None)
-    """
+    """Tell whether a complex ball lies left of the imaginary axis; None if it meets the axis."""
     return _less(ball.real, 0)
 
 

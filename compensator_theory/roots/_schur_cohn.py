@@ -77,11 +77,6 @@ def reflection_coefficients(
 def has_root_outside(poly: Poly) -> bool:
     r"""Tell whether a root lies outside the unit circle, also of polynomials of high degree.
 
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Rational coefficients, not zero.
-
     Notes
     -----
     Exact, in about :math:`n^2` operations. Common factors with the reciprocal polynomial

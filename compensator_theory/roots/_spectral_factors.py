@@ -206,17 +206,6 @@ def factor_spectrum(spectrum: Poly, degree: int, time: Time, digits: int = 30) -
     r"""Take the stable roots out of a polynomial that is even, or palindromic in discrete time.
 
     .. math:: p(s) = p(-s), \qquad p(z) = z^{2m} p(1/z)
-
-    Parameters
-    ----------
-    spectrum : sympy.Poly
-        Rational; in discrete time equal to its reciprocal up to a power of z.
-    degree : int
-        Of the factor in discrete time, at least half the number of nonzero roots. In continuous
-        time it is always half that of the spectrum.
-    time : {"continuous", "discrete"}
-    digits : int
-        As for :func:`spectral_factor`.
     """
     bits = working_bits(digits)
     if spectrum.is_zero:

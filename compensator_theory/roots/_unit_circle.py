@@ -87,13 +87,6 @@ def lies_inside(factor: Poly) -> bool:
     """Tell whether an irreducible rational polynomial has all its roots inside the unit circle.
 
     Returns False if all are outside.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._unit_circle import lies_inside
-    >>> lies_inside(polynomial("2*q - 1")), lies_inside(polynomial("q**2 + 2"))
-    (True, False)
     """
     name = monic(factor).as_expr()
     mixed = NoSolutionError(
@@ -110,15 +103,7 @@ def lies_inside(factor: Poly) -> bool:
 
 
 def is_inside(ball: flint.acb) -> bool | None:
-    """Tell whether a complex ball lies inside the unit circle; None if it meets the circle.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots._unit_circle import is_inside
-    >>> is_inside(flint.acb(0.5)), is_inside(flint.acb(0, 1.5)), is_inside(flint.acb(1))
-    (True, False, None)
-    """
+    """Tell whether a complex ball lies inside the unit circle; None if it meets the circle."""
     modulus = abs(ball)
     return True if modulus < 1 else False if modulus > 1 else None
 
@@ -127,18 +112,6 @@ def fold_palindrome(poly: Poly) -> Poly:
     r"""Return the polynomial in :math:`t = q + 1/q` that a palindromic polynomial is.
 
     .. math:: q^{-h} a(q) = b(q + 1/q), \qquad \deg a = 2h
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Of even degree, equal to its reciprocal. A root on the unit circle is a root t in [-2, 2].
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._unit_circle import fold_palindrome
-    >>> fold_palindrome(polynomial("q**4 + 3*q**2 + 1")).as_expr()
-    q**2 + 1
     """
     poly = require_poly(poly)
     half = int(poly.degree()) // 2
@@ -155,14 +128,7 @@ def fold_palindrome(poly: Poly) -> Poly:
 
 
 def require_none_on_circle(poly: Poly) -> None:
-    """Refuse a rational polynomial with a root of modulus exactly 1.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._unit_circle import require_none_on_circle
-    >>> require_none_on_circle(polynomial("q**2 - 3*q + 1"))
-    """
+    """Refuse a rational polynomial with a root of modulus exactly 1."""
     for factor, _ in require_poly(poly).factor_list()[1]:
         if _is_self_reciprocal(factor) and _has_root_on_circle(factor):
             raise UnitCircleError(

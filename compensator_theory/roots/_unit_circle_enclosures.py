@@ -101,22 +101,7 @@ def enclose_split_at_unit_circle(
 def product_of_roots(
     balls: Iterable[tuple[flint.acb, int]], variable: Symbol
 ) -> PolynomialEnclosure:
-    """Multiply out the monic polynomial with the given balls as roots, conjugates included.
-
-    Parameters
-    ----------
-    balls : iterable of (flint.acb, int)
-        Roots with multiplicities, closed under conjugation, so that the product is real.
-    variable : sympy.Symbol
-
-    Examples
-    --------
-    >>> import flint
-    >>> from sympy.abc import q
-    >>> from compensator_theory.roots._unit_circle_enclosures import product_of_roots
-    >>> print(product_of_roots([(flint.acb(0, 2), 1), (flint.acb(0, -2), 1)], q))
-    q**2 + 4
-    """
+    """Multiply out the monic polynomial with the given balls as roots, conjugates included."""
     roots = [ball for ball, multiplicity in balls for _ in range(multiplicity)]
     ascending = flint.acb_poly.from_roots(roots).coeffs()
     return PolynomialEnclosure(
@@ -125,43 +110,19 @@ def product_of_roots(
 
 
 def exact_enclosure(poly: Poly) -> PolynomialEnclosure:
-    """Return a rational polynomial as an enclosure of radius 0.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._unit_circle_enclosures import exact_enclosure
-    >>> exact_enclosure(polynomial("q - 1/3")).radius
-    0
-    """
+    """Return a rational polynomial as an enclosure of radius 0."""
     return PolynomialEnclosure(
         tuple(Enclosure(c, Rational(0)) for c in poly.all_coeffs()), poly.gen
     )
 
 
 def working_bits(digits: int) -> int:
-    """Return the bits of precision to begin with for so many decimal digits.
-
-    Examples
-    --------
-    >>> from compensator_theory.roots._unit_circle_enclosures import working_bits
-    >>> working_bits(30)
-    152
-    """
+    """Return the bits of precision to begin with for so many decimal digits."""
     return 32 + 4 * integer(digits, "digits", at_least=1, at_most=MAX_DIGITS)
 
 
 def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:
-    """Multiply enclosures of polynomials in one variable.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots import _unit_circle_enclosures as rounded
-    >>> half = rounded.exact_enclosure(polynomial("q - 1/2"))
-    >>> print(rounded.multiply_enclosures(half, half))
-    q**2 - q + 1/4
-    """
+    """Multiply enclosures of polynomials in one variable."""
     if all(factor.radius == 0 for factor in factors):
         return exact_enclosure(reduce(operator.mul, (factor.centre for factor in factors)))
     finest = max(int(c.centre.q).bit_length() for factor in factors for c in factor.coefficients)
@@ -174,21 +135,7 @@ def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:
 
 
 def monic_reciprocal_enclosure(factor: PolynomialEnclosure) -> PolynomialEnclosure:
-    """Enclose the monic polynomial with the reciprocals of the roots.
-
-    Parameters
-    ----------
-    factor : PolynomialEnclosure
-        Known not to vanish at 0.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots._unit_circle_enclosures import (
-    ...     exact_enclosure, monic_reciprocal_enclosure)
-    >>> print(monic_reciprocal_enclosure(exact_enclosure(polynomial("q - 4"))))
-    q - 1/4
-    """
+    """Enclose the monic polynomial with the reciprocals of the roots."""
     last = factor.coefficients[-1]
     if 0 in last:
         raise InputError(f"the constant term of {factor} may be zero; raise the number of digits")

@@ -23,15 +23,7 @@ from compensator_theory.stability._half_plane import half_plane_polynomial
 
 @dataclass(frozen=True)
 class CriticalValue:
-    """A real algebraic number, exact and between two rational numbers.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import real_roots
-    >>> [str(root.value) for root in real_roots([polynomial("k**2 - 2")])]
-    ['-sqrt(2)', 'sqrt(2)']
-    """
+    """A real algebraic number, exact and between two rational numbers."""
 
     value: Expr
     enclosure: Enclosure
@@ -43,28 +35,6 @@ def critical_polynomials(poly: Poly, parameter: Symbol, *, discrete: bool) -> li
     With q(s) = E(s^2) + s O(s^2) they are q(0), the leading coefficient and the resultant
     :math:`\mathrm{Res}_t(E, O)`: Hurwitz's determinant :math:`\Delta_{n-1}` up to powers of the
     other two (Orlando).
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        In s or z, its coefficients polynomials in the parameter.
-    parameter : Symbol
-    discrete : bool
-        Whether the boundary is the unit circle.
-
-    Returns
-    -------
-    list of sympy.Poly, or None
-        None where there is a root on the boundary, or one on each side, for every value.
-
-    Examples
-    --------
-    >>> from sympy.abc import k
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import critical_polynomials
-    >>> found = critical_polynomials(polynomial("s**2 + k*s + 2 - k", "s"), k, discrete=False)
-    >>> [p.as_expr() for p in found]
-    [1, 2 - k, k]
     """
     q = half_plane_polynomial(poly) if discrete else poly
     found = [_in(poly.LC(), parameter)]
@@ -102,18 +72,6 @@ def resultant_in_parameter(
     """Return the resultant of polynomials in t, whose coefficients are polynomials in a parameter.
 
     It is interpolated from resultants of numbers, which flint finds modulo primes.
-
-    Parameters
-    ----------
-    first, second : lists of flint.fmpq_poly
-        Ascending powers of t; not all of them zero.
-
-    Examples
-    --------
-    >>> from flint import fmpq_poly
-    >>> from compensator_theory.stability._critical_values import resultant_in_parameter
-    >>> resultant_in_parameter([fmpq_poly([0, 1]), fmpq_poly([1])], [fmpq_poly([1, 1])])
-    x + 1
     """
     sides = []
     for side in (first, second):
@@ -139,30 +97,14 @@ def resultant_in_parameter(
 
 
 def even_and_odd(poly: Poly) -> tuple[Poly, Poly]:
-    """Return E and O of q(s) = E(s^2) + s O(s^2).
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import even_and_odd
-    >>> [p.as_expr() for p in even_and_odd(polynomial("s**3 + 2*s**2 + 3*s + 4"))]
-    [2*s + 4, s + 3]
-    """
+    """Return E and O of q(s) = E(s^2) + s O(s^2)."""
     ascending = list(reversed(poly.all_coeffs()))
     even, odd = (Poly(list(reversed(ascending[k::2])) or [0], poly.gen) for k in (0, 1))
     return even, odd
 
 
 def real_roots(polys: list[Poly]) -> list[CriticalValue]:
-    """Return the distinct real roots of rational polynomials in ascending order.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import real_roots
-    >>> [str(r.value) for r in real_roots([polynomial("k**3 - 2"), polynomial("3*k - 1")])]
-    ['1/3', 'CRootOf(k**3 - 2, 0)']
-    """
+    """Return the distinct real roots of rational polynomials in ascending order."""
     factors = {
         factor.monic() for poly in polys if not poly.is_zero for factor, _ in poly.factor_list()[1]
     }
@@ -177,15 +119,7 @@ def real_roots(polys: list[Poly]) -> list[CriticalValue]:
 
 
 def signs_at_real_roots(poly: Poly, factor: Poly) -> list[int]:
-    """Return the signs of a polynomial at the real roots, ascending, of an irreducible one.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import signs_at_real_roots
-    >>> signs_at_real_roots(polynomial("k + 1"), polynomial("k**2 - 2"))
-    [-1, 1]
-    """
+    """Return the signs of a polynomial at the real roots, ascending, of an irreducible one."""
     rest = to_flint_polynomial(poly.rem(factor))
 
     def decide(ball: flint.acb) -> int | None:
@@ -202,14 +136,6 @@ def is_less(first: Expr, second: Expr) -> bool:
     """Compare real numbers, one of them at most a multiple of an indexed root.
 
     SymPy would isolate all real roots of its polynomial, in Python.
-
-    Examples
-    --------
-    >>> from sympy import CRootOf, Rational
-    >>> from sympy.abc import x
-    >>> from compensator_theory.stability._critical_values import is_less
-    >>> is_less(CRootOf(x**3 - 2, 0), Rational(5, 4)), is_less(Rational(1), CRootOf(x**3 - 2, 0))
-    (False, True)
     """
     for value, number, above in ((first, second, False), (second, first, True)):
         factor, root = value.as_coeff_Mul()  # SymPy takes common powers out of the polynomial
@@ -225,16 +151,7 @@ def is_less(first: Expr, second: Expr) -> bool:
 
 
 def approximation(value: Expr) -> Rational:
-    """Return a rational number in place of the real roots in a value, 30 digits as good as each.
-
-    Examples
-    --------
-    >>> from sympy import CRootOf
-    >>> from sympy.abc import x
-    >>> from compensator_theory.stability._critical_values import approximation
-    >>> float(approximation(CRootOf(x**3 - 2, 0)))
-    1.2599210498948732
-    """
+    """Return a rational number in place of the real roots in a value, 30 digits as good as each."""
     roots = value.atoms(sympy.CRootOf)
     return value.xreplace({
         root: _roots_of_factor(root.poly, 128)[root.index].enclosure.centre for root in roots
@@ -242,15 +159,7 @@ def approximation(value: Expr) -> Rational:
 
 
 def cells_between(ends: list[CriticalValue]) -> list[tuple[Expr, Expr, Rational]]:
-    """Return the open intervals that ascending end points leave of the line, each with a sample.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import cells_between, real_roots
-    >>> cells_between(real_roots([polynomial("2*k - 1")]))
-    [(-oo, 1/2, 0), (1/2, oo, 1)]
-    """
+    """Return the open intervals that ascending end points leave of the line, each with a sample."""
     bounds: list[CriticalValue | None] = [None, *ends, None]
     return [
         (
@@ -271,15 +180,7 @@ def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rationa
 
 
 def number_between(lower: Rational, upper: Rational) -> Rational:
-    """Return a short rational number between two others.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.stability._critical_values import number_between
-    >>> number_between(Rational(0), Rational(3, 10))
-    1/4
-    """
+    """Return a short rational number between two others."""
     bits = 0
     while True:  # a multiple of 2**-bits
         number = Rational(sympy.floor(lower * 2**bits) + 1, 2**bits)
@@ -296,15 +197,7 @@ def _roots_of_factor(factor: Poly, precision: int) -> list[CriticalValue]:
 
 
 def real_root(factor: Poly, index: int) -> Expr:
-    """Return a real root, counted from the least, of a monic irreducible polynomial.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._critical_values import real_root
-    >>> real_root(polynomial("k**2 - 2"), 1)
-    sqrt(2)
-    """
+    """Return a real root, counted from the least, of a monic irreducible polynomial."""
     if factor.degree() > 2:
         return sympy.CRootOf(factor, index)
     if factor.degree() == 1:

@@ -11,25 +11,6 @@ def half_plane_polynomial(poly: Poly) -> Poly:
     r"""Map the open unit disk to the open left half plane.
 
     .. math:: q(w) = (1 - w)^n\, p\Big(\frac{1 + w}{1 - w}\Big), \qquad n = \deg p
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Degree n, symbols allowed.
-
-    Returns
-    -------
-    sympy.Poly
-        In the same variable, its coefficient of w**n kept as (-1)**n p(-1): where that is 0, the
-        degree drops, and p has the root -1. All roots of p are inside the unit circle if and only
-        if q has degree n and all its roots are left of the imaginary axis.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._half_plane import half_plane_polynomial
-    >>> half_plane_polynomial(polynomial("z - 1/2"))
-    Poly(3/2*z + 1/2, z, domain='QQ')
     """
     w, ring = poly.gen, poly.domain
     plus, minus = (Poly([sign, 1], w, domain=ring) for sign in (1, -1))

@@ -27,12 +27,6 @@ class HalfPlaneMatrix:
         Of the least common denominator; what a degree of D below that of N shows, a pole at
         infinity, is a pole on the boundary (z = -1).
     is_discrete : bool
-
-    Examples
-    --------
-    >>> from compensator_theory.stability._half_plane_matrices import half_plane_matrix
-    >>> half_plane_matrix("1/(z - 1/2)", "the norm").denominator.as_expr()
-    3*z/2 + 1/2
     """
 
     numerators: tuple[tuple[Poly, ...], ...]
@@ -54,14 +48,7 @@ class HalfPlaneMatrix:
 def half_plane_matrix(
     G: TransferMatrixLike, what: str, variable: str | Symbol | None = None
 ) -> HalfPlaneMatrix:
-    """Read a rational proper transfer matrix in s, z or q, without factors common to all entries.
-
-    Examples
-    --------
-    >>> from compensator_theory.stability._half_plane_matrices import half_plane_matrix
-    >>> half_plane_matrix("(s + 1)/((s + 1)*(s + 2))", "the norm").poles.total
-    1
-    """
+    """Read a rational proper transfer matrix; factors common to all entries are left out."""
     source = transfer_matrix(G, variable)
     s = source.variable
     discrete = is_discrete(s, what)

@@ -364,15 +364,7 @@ def _frequencies_of_gain_1(top: Poly, bottom: Poly) -> list[tuple[Poly, int, Exp
 
 
 def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
-    """Return real and imaginary part of N(jw) D(-jw), the latter over w, in x = w**2.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import squared
-    >>> [p.as_expr() for p in squared(polynomial("s + 1"), polynomial("s + 2"))]
-    [x + 2, 1]
-    """
+    """Return real and imaginary part of N(jw) D(-jw), the latter over w, in x = w**2."""
     s = first.gen
     even, odd = even_and_odd(first * second.compose(Poly(-s, s, domain=QQ)))
 
@@ -384,16 +376,7 @@ def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
 
 
 def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
-    """Return (irreducible factor, index among its real roots, value) of the positive roots.
-
-    Examples
-    --------
-    >>> from sympy import Poly
-    >>> from sympy.abc import x
-    >>> from compensator_theory.stability._margins import positive_roots
-    >>> [value for _, _, value in positive_roots(Poly(x**2 - 2, x, domain="QQ"))]
-    [sqrt(2)]
-    """
+    """Return (irreducible factor, index among its real roots, value) of the positive roots."""
     factors = [factor for factor, _ in poly.factor_list()[1]]
     found = []
     for factor in factors:
@@ -405,15 +388,7 @@ def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
 
 
 def real_root_balls(factor: Poly, bits: int) -> list[flint.arb]:
-    """Return balls around the real roots, ascending; inside of a block of that precision.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import real_root_balls
-    >>> [bool(ball > 1) for ball in real_root_balls(polynomial("x**2 - 2"), 53)]
-    [False, True]
-    """
+    """Return balls around the real roots, ascending; inside of a block of that precision."""
     real = [ball.real for ball, _ in root_balls(factor, bits) if ball.imag == 0]
     return sorted(real, key=lambda ball: ball.mid())
 
@@ -423,15 +398,7 @@ def _value_at(poly: Poly, point: flint.acb) -> flint.acb:
 
 
 def frequency_of(square: flint.arb, time: Time) -> flint.arb:
-    """Return the frequency whose square, or that of its tangent's half, is given.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.stability._margins import frequency_of
-    >>> frequency_of(flint.arb(4), "continuous")
-    2.00000000000000
-    """
+    """Return the frequency whose square, or that of its tangent's half, is given."""
     root = square.sqrt()
     return root if time == "continuous" else 2 * root.atan()
 
@@ -440,15 +407,7 @@ GOAL = Rational(1, 10**30)
 
 
 def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
-    """Return balls of 30 digits as enclosures; None where one of them is larger.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.stability._margins import narrow
-    >>> narrow(flint.arb(2)), narrow(flint.arb(2, 1))
-    ((2,), None)
-    """
+    """Return balls of 30 digits as enclosures; None where one of them is larger."""
     if not all(ball.is_finite() for ball in balls):
         return None
     found = tuple(map(enclosure_of_ball, balls))
@@ -456,16 +415,7 @@ def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
 
 
 def vanishes_at(poly: Poly, factor: Poly) -> bool:
-    """Tell whether a polynomial in s vanishes at +-j sqrt(x) for the positive roots x of a factor.
-
-    Examples
-    --------
-    >>> from sympy.abc import x
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import vanishes_at
-    >>> vanishes_at(polynomial("(s + 1)*(s**2 + 3)"), polynomial(x - 3))
-    True
-    """
+    """Whether a polynomial in s vanishes at +-j sqrt(x) for the positive roots x of a factor."""
     for part in even_and_odd(poly):
         terms = {k: c * (-1) ** int(k[0]) for k, c in part.terms()}
         if not Poly(terms, factor.gen, domain=QQ).rem(factor).is_zero:
@@ -547,29 +497,12 @@ def _phase_crossover(
 
 
 def quotient_modulo(factor: Poly, top: Poly, bottom: Poly) -> Poly:
-    """Return a quotient as a polynomial that has its values at the roots of an irreducible one.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import quotient_modulo
-    >>> quotient_modulo(*map(polynomial, ("x**2 - 2", "x", "x + 1"))).as_expr()
-    2 - x
-    """
+    """Return a quotient as a polynomial that has its values at the roots of an irreducible one."""
     return (top * bottom.invert(factor)).rem(factor)
 
 
 def value_at_root(poly: Poly, root: Expr) -> Expr:
-    """Return the value of a polynomial at a rational number, a square root or an indexed root.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._margins import value_at_root
-    >>> value_at_root(polynomial("2 - x"), sqrt(2))
-    2 - sqrt(2)
-    """
+    """Return the value of a polynomial at a rational number, a square root or an indexed root."""
     if root.is_Rational:
         return poly.eval(root)
     if not root.has(sympy.CRootOf):

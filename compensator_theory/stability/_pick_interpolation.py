@@ -298,18 +298,6 @@ def solve_pick(
     Taylor series of 1 and w that of f, at each point. In discrete time s stands for
     (z - 1)/(z + 1). Where P is singular, of rank r, the first r data make Theta, and the next one
     the number g of modulus 1: f is a Blaschke product.
-
-    Parameters
-    ----------
-    data : sequence of pairs
-        Points and Taylor coefficients, closed under conjugation, in Q(j), with a positive
-        semidefinite P.
-    variable : Symbol
-        Of f.
-    parameter : TransferFunction
-        g, of norm at most 1; not used where P is singular.
-    discrete : bool
-        Whether the variable is z or q.
     """
     inner = [_in_continuous_time(*given) for given in data] if discrete else data
     size, P = _leading_pick_matrix(inner)

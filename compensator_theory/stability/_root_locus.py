@@ -457,15 +457,7 @@ def _angles(here: Poly, other: Poly) -> tuple[LocusAngles, ...]:
 
 
 def replaced(root: Root, multiplicity: int) -> Root:
-    """Return a root with another multiplicity.
-
-    Examples
-    --------
-    >>> from compensator_theory import certified_roots
-    >>> from compensator_theory.stability._root_locus import replaced
-    >>> print(replaced(certified_roots("s + 1")[0], 2))
-    -1 (multiplicity 2)
-    """
+    """Return a root with another multiplicity."""
     return Root(root.value, root.radius, multiplicity, root.is_real)
 
 

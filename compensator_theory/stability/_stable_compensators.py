@@ -92,16 +92,7 @@ LOOP = "D D_c - f N N_c = D~; no root of D~ is unstable or on the boundary of st
 def loop_left_over(
     plant: TransferFunction, compensator: TransferFunction, loop: Poly
 ) -> list[Poly | list[Expr]]:
-    """Return what `LOOP` says is zero, for a compensator that knows its sign.
-
-    Examples
-    --------
-    >>> from compensator_theory import stable_compensator
-    >>> from compensator_theory.stability._stable_compensators import loop_left_over
-    >>> found = stable_compensator("1/(s - 1)", feedback=-1)
-    >>> loop_left_over(found.plant, found.compensator, found.characteristic_polynomial)
-    [Poly(0, s, domain='QQ'), [0]]
-    """
+    """Return what `LOOP` says is zero, for a compensator that knows its sign."""
     f, roots = compensator.feedback or 1, count_roots(loop)
     difference = canonical(closed_loop_of_pair(plant, compensator, f) - loop)
     return [difference, [Integer(roots.total - roots.stable)]]
@@ -296,15 +287,6 @@ def low_order_candidates(
 
     Of plants that were made around a compensator of order 2 or 3 with no gain that stabilises
     them, three in four get one back; of those around order 1 nearly all.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.stability._stable_compensators import low_order_candidates
-    >>> N, D = polynomial("1", "s"), polynomial("s**2*(s + 10)")
-    >>> top, bottom = next(low_order_candidates(N, D, 1, discrete=False))
-    >>> len(top), len(bottom)
-    (2, 2)
     """
     size = int(D.degree())
     share = WORK // (max(size - 2, 1) * STARTS)

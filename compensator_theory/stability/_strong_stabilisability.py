@@ -222,15 +222,7 @@ class Interlacing(NamedTuple):
 
 
 def interlacing(plant: TransferMatrixLike, variable: str | Symbol | None = None) -> Interlacing:
-    """Return the blocking zeros, poles and hidden modes of a plant.
-
-    Examples
-    --------
-    >>> from compensator_theory.stability._strong_stabilisability import interlacing
-    >>> found = interlacing([["(s - 1)/s", 0], [0, "(s - 1)/(s*(s - 2))"]])
-    >>> found.zeros.as_expr(), found.poles.as_expr()
-    (s - 1, s**3 - 2*s**2)
-    """
+    """Return the blocking zeros, poles and hidden modes of a plant."""
     G = _read(plant, variable)
     matrix = G if isinstance(G, TransferMatrix) else transfer_matrix(G)
     entries = [entry for entry in _entries(matrix) if not entry.numerator.is_zero]

@@ -13,19 +13,6 @@ def adjugate_and_determinant(matrix: DomainMatrix) -> tuple[DomainMatrix, Domain
 
     SymPy's ``adj_det`` (1.14) fails where one of the coefficients is 0, of [[0, 1], [s, 0]] for
     instance.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import s
-    >>> from sympy.polys.matrices import DomainMatrix
-    >>> from compensator_theory.systems._adjugates import adjugate_and_determinant
-    >>> matrix = DomainMatrix.from_Matrix(Matrix([[0, 1], [s, 0]]))
-    >>> found, determinant = adjugate_and_determinant(matrix)
-    >>> found.to_Matrix(), determinant
-    (Matrix([
-    [ 0, -1],
-    [-s,  0]]), -s)
     """
     n, domain = matrix.shape[0], matrix.domain
     coefficients = matrix.charpoly()

@@ -108,14 +108,7 @@ def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Rea
 def timed_realisation(
     obj: RealisationLike, variable: str | Symbol | None, what: str
 ) -> Realisation:
-    """Read a realisation for a question whose answer depends on time, which is never guessed.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._canonical_forms import timed_realisation
-    >>> timed_realisation(([[0]], [[1]], [[1]]), "z", "a Gramian").variable
-    z
-    """
+    """Read a realisation for a question whose answer depends on time, which is never guessed."""
     found = described(obj, variable)
     if variable is None and isinstance(found, States) and found.sample_time is None:
         raise InputError(
@@ -143,16 +136,7 @@ def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: s
 def verified_realisation(
     A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike, G: TransferFunction
 ) -> Realisation:
-    """Return the realisation of a transfer function, whose transfer function was compared with it.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems._canonical_forms import verified_realisation
-    >>> found = verified_realisation([[0]], [[1]], [[2]], [[0]], transfer_function("2/s"))
-    >>> print(found.certificate)
-    C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
-    """
+    """The realisation of a transfer function, compared with it."""
     s = G.variable
     found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
     back = found.transfer_function()

@@ -79,14 +79,7 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
 
 
 def rational_pair(A: MatrixLike, B: MatrixLike) -> tuple[flint.fmpq_mat, flint.fmpq_mat] | None:
-    """Read a pair of rational matrices; None where there are symbols or no states.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._controllability import rational_pair
-    >>> rational_pair([["a"]], [[1]]) is None
-    True
-    """
+    """Read a pair of rational matrices; None where there are symbols or no states."""
     a, b = (rational_in_flint(exact_matrix(M, name)) for M, name in ((A, "A"), (B, "B")))
     if a is None or b is None or not a.nrows():
         return None
@@ -151,15 +144,7 @@ def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
 
 
 def krylov(A: Any, B: Any) -> Any:
-    """Return the transpose of [B AB ...], in whichever ring of python-flint.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.systems._controllability import krylov
-    >>> krylov(flint.nmod_mat(2, 2, [0, 1, 2, 3], 5), flint.nmod_mat(2, 1, [0, 1], 5)).rank()
-    2
-    """
+    """Return the transpose of [B AB ...], in whichever ring of python-flint."""
     block, entries = B, B.transpose().entries()
     for _ in range(int(A.nrows()) - 1):
         block = A * block

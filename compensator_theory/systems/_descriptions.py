@@ -74,23 +74,6 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     equal length is a matrix by rows, in which a tuple is the fraction of an entry; two nested lists
     of three levels are the numerators and denominators of a matrix, as python-control has them;
     matrices are (A, B, C) or (A, B, C, D), and beside (A, B, C, D) a sample time may stand.
-
-    Parameters
-    ----------
-    obj : object
-    variable : str or Symbol, optional
-        By which two lists of coefficients are told from two rows of transfer functions.
-
-    Raises
-    ------
-    InputError
-        Where several readings are possible, or none.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._descriptions import described
-    >>> described(([1], [1, 2])), described([["1/s", 0]]).shape
-    (Pair(numerator=[1], denominator=[1, 2]), (1, 2))
     """
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
         held = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
@@ -109,14 +92,7 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
 
 
 def is_description(obj: object) -> bool:
-    """Tell whether something is of a kind that describes systems; its reader says whether it does.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._descriptions import is_description
-    >>> is_description("1/s"), is_description(([1], [1, 2])), is_description(None)
-    (True, True, False)
-    """
+    """Whether something is of a kind that describes systems; its reader says whether it does."""
     kinds = (str, list, tuple, Tuple, Mapping, Expr, Poly, MatrixBase, ExactValue)
     if isinstance(obj, kinds) or is_foreign(obj) or is_array(obj):
         return True
@@ -124,14 +100,7 @@ def is_description(obj: object) -> bool:
 
 
 def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
-    """Tell whether something is in state space, with states of its own.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._descriptions import has_states
-    >>> has_states(([[0]], [[1]], [["a"]])), has_states(([1, 2], [1, 0]))
-    (True, False)
-    """
+    """Tell whether something is in state space, with states of its own."""
     found = described(obj, variable)
     if not is_foreign(found):
         return isinstance(found, States | Realisation)
@@ -142,14 +111,7 @@ def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
 
 
 def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
-    """Numbers of outputs and inputs, as far as they show; (1, 1) of whatever is scalar.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._descriptions import shape_of
-    >>> shape_of([["1/s", 0]]), shape_of("1/s")
-    ((1, 2), (1, 1))
-    """
+    """Numbers of outputs and inputs, as far as they show; (1, 1) of whatever is scalar."""
     found = described(obj, variable)
     if isinstance(found, States):
         found = found.realisation("s" if variable is None else variable)

@@ -108,15 +108,7 @@ def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMa
 
 
 def over_one_denominator(rows: Sequence[Sequence[TransferFunction]]) -> TransferMatrix:
-    """Write transfer functions in one variable over their least common denominator.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems._matrix_conversions import over_one_denominator
-    >>> print(over_one_denominator([[transfer_function("1/s"), transfer_function("s/s**2")]]))
-    [[s, s]]/(s**2)
-    """
+    """Write transfer functions in one variable over their least common denominator."""
     different: dict[Poly, None] = dict.fromkeys(G.denominator for row in rows for G in row)
     common = reduce(_least_common_multiple, different)
     numerators = tuple(tuple(G.numerator for G in row) for row in rows)

@@ -47,18 +47,7 @@ Matrices: TypeAlias = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, I
 
 
 def in_parallel(first: Matrices, second: Matrices) -> Matrices:
-    """Return the matrices of y = y_1 + y_2.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.systems._realisations import in_parallel
-    >>> lag = tuple(ImmutableMatrix([[x]]) for x in (-2, 1, 3, 0))
-    >>> in_parallel(lag, lag)[0]
-    Matrix([
-    [-2,  0],
-    [ 0, -2]])
-    """
+    """Return the matrices of y = y_1 + y_2."""
     (A, B, C, D), (A_2, B_2, C_2, D_2) = first, second
     above, below = (
         A.row_join(zero_matrix(A.rows, A_2.cols)),
@@ -68,18 +57,7 @@ def in_parallel(first: Matrices, second: Matrices) -> Matrices:
 
 
 def in_series(last: Matrices, before: Matrices) -> Matrices:
-    """Return the matrices of u to the one before, and its output to the last.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.systems._realisations import in_series
-    >>> lag = tuple(ImmutableMatrix([[x]]) for x in (-2, 1, 3, 0))
-    >>> in_series(lag, lag)[0]
-    Matrix([
-    [-2,  3],
-    [ 0, -2]])
-    """
+    """Return the matrices of u to the one before, and its output to the last."""
     (A, B, C, D), (A_2, B_2, C_2, D_2) = last, before
     above = A.row_join(B * C_2)
     below = zero_matrix(A_2.rows, A.rows).row_join(A_2)
@@ -87,18 +65,7 @@ def in_series(last: Matrices, before: Matrices) -> Matrices:
 
 
 def in_feedback(plant: Matrices, other: Matrices, feedback: int) -> Matrices:
-    """Return the matrices from v to y of the plant under u = v + f K y.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.systems._realisations import in_feedback
-    >>> lag = tuple(ImmutableMatrix([[x]]) for x in (-2, 1, 3, 0))
-    >>> in_feedback(lag, lag, -1)[0]
-    Matrix([
-    [-2, -3],
-    [ 3, -2]])
-    """
+    """Return the matrices from v to y of the plant under u = v + f K y."""
     (A_1, B_1, C_1, D_1), (A_2, B_2, C_2, D_2) = plant, other
     n, n_2 = int(A_1.rows), int(A_2.rows)
     p, m = int(D_1.rows), int(D_1.cols)

@@ -20,15 +20,7 @@ if TYPE_CHECKING:
 
 
 class System(ExactValue):
-    """What every system carries into whatever is made of it: variable, time, sample time.
-
-    Examples
-    --------
-    >>> from compensator_theory import realisation
-    >>> G = realisation("1/(z - 1)", sample_time=0.1)
-    >>> G.time, G.sample_time, (G @ G).transfer_function().sample_time
-    ('discrete', 1/10, 1/10)
-    """
+    """What every system carries into whatever is made of it: variable, time, sample time."""
 
     _CARRIES = True
 
@@ -63,12 +55,6 @@ class System(ExactValue):
 
         As SymPy's: `subs({"a": 2, b: 1})`, all at once, `subs("a", 2)`, or
         `subs([("a", b), ("b", 1)])`, one after the other.
-
-        Raises
-        ------
-        InputError
-            If a coefficient has no value there, a name is that of the variable, or a symbol does
-            not occur.
         """
         return with_values(self, values, value, self.variable)
 
@@ -77,15 +63,7 @@ Timed = TypeVar("Timed", bound=System)
 
 
 def period_in(variable: Symbol, sample_time: NumberLike | None) -> Rational | None:
-    """The sample time of a system, read; only discrete time has one.
-
-    Examples
-    --------
-    >>> from sympy.abc import z
-    >>> from compensator_theory.systems._sample_times import period_in
-    >>> period_in(z, 0.1)
-    1/10
-    """
+    """The sample time of a system, read; only discrete time has one."""
     if sample_time is None:
         return None
     period = exact_number(sample_time)
@@ -107,22 +85,6 @@ def agreed_period(*periods: Any, at: str = "the system", remedy: str = "resample
     """The one sample time that was given, or None; two that differ by more than 1e-9 are refused.
 
     Of 3/10 and the decimal of 0.1*3 the one that is shorter to write is kept, in any order.
-
-    Parameters
-    ----------
-    periods : Rational, float or None, seconds
-        All exact, or all rounded.
-
-    Raises
-    ------
-    InputError
-        Where two of them differ.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems._sample_times import agreed_period
-    >>> agreed_period(None, 0.1 * 3, 0.3), agreed_period(None)
-    (0.3, None)
     """
     known = [period for period in periods if period is not None]
     if not known:
@@ -141,15 +103,7 @@ def _seconds(period: Any) -> str:
 
 
 def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
-    """The system with the sample time that was named; one that it has already has to agree.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems._sample_times import sampled_every
-    >>> sampled_every(transfer_function("1/z"), 0.1).sample_time
-    1/10
-    """
+    """The system with the sample time that was named; one that it has already has to agree."""
     period = period_in(system.variable, sample_time)
     agreed_period(system.sample_time, period)
     if period is None or system.sample_time is not None:
@@ -162,14 +116,6 @@ def shared_sample_time(*systems: Any) -> Rational | None:
 
     What has no sample time, a number or a transfer function that was written down, takes on that of
     the others.
-
-    Examples
-    --------
-    >>> import control
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems._sample_times import shared_sample_time
-    >>> shared_sample_time(transfer_function(control.tf([1], [1, -1], 0.01)), "1/(z - 2)")
-    1/100
     """
     found = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}
     try:
@@ -184,16 +130,7 @@ def shared_sample_time(*systems: Any) -> Rational | None:
 def time_base(
     variable: Symbol, sample_time: Rational | None, dt: float | bool | None = None
 ) -> float | bool:
-    """What python-control calls dt: seconds, 0 in continuous time, True where no one knows.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from sympy.abc import s, z
-    >>> from compensator_theory.systems._sample_times import time_base
-    >>> time_base(s, None), time_base(z, None), time_base(z, Rational(1, 100))
-    (0, True, 0.01)
-    """
+    """What python-control calls dt: seconds, 0 in continuous time, True where no one knows."""
     if dt is not None:
         if sample_time is not None and not isinstance(dt, bool):
             agreed_period(to_float(sample_time), dt, remedy="leave dt out, or resample it")
@@ -210,15 +147,7 @@ def control_state_space(
     A: ImmutableMatrix, B: ImmutableMatrix, C: ImmutableMatrix, D: ImmutableMatrix,
     dt: float | bool,
 ) -> control.StateSpace:  # fmt: skip
-    """The state space of python-control, every entry rounded once to float64.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix as M
-    >>> from compensator_theory.systems._sample_times import control_state_space
-    >>> control_state_space(*(M([[k]]) for k in range(4)), 0.01).dt
-    0.01
-    """
+    """The state space of python-control, every entry rounded once to float64."""
     import control  # slow to import, and only needed here
 
     symbols = set().union(*(m.free_symbols for m in (A, B, C, D)))
@@ -230,30 +159,13 @@ def control_state_space(
 
 
 def way_to_numbers(value: Expr) -> str:
-    """What to do about a coefficient that is no rational number: it has symbols, or is irrational.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from sympy.abc import a
-    >>> from compensator_theory.systems._sample_times import way_to_numbers
-    >>> way_to_numbers(a + 1), way_to_numbers(sqrt(2))
-    ('substitute numbers for a', 'give a rational number close to it')
-    """
+    """The advice about a coefficient that is not rational: it has symbols, or is irrational."""
     names = ", ".join(sorted(map(str, value.free_symbols)))
     return f"substitute numbers for {names}" if names else "give a rational number close to it"
 
 
 def to_float(value: Expr) -> float:
-    """A rational number, rounded once to float64.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from compensator_theory.systems._sample_times import to_float
-    >>> to_float(Rational(1, 10))
-    0.1
-    """
+    """A rational number, rounded once to float64."""
     number = sympy.sympify(value)
     if not isinstance(number, Rational):
         raise InputError(

@@ -40,20 +40,6 @@ def transfer_matrix_of_realisation(
 
     .. math:: G = \frac{C\,\mathrm{adj}(qI - A)\,B + D\det(qI - A)}{\det(qI - A)}
 
-    Parameters
-    ----------
-    A, B, C, D : sympy.Matrix
-        Exact, of shapes n x n, n x m, p x n, p x m; n may be 0.
-    variable : Symbol
-        The operator or transform variable.
-    sample_time : Rational, optional
-        In seconds.
-
-    Returns
-    -------
-    TransferMatrix
-        p x m, of order n, with its certificate.
-
     Notes
     -----
     The adjugate is never formed: with :math:`\det(qI-A) = \sum_k c_k q^k` the coefficients of
@@ -61,15 +47,6 @@ def transfer_matrix_of_realisation(
     (Faddeev and LeVerrier), and :math:`V_{n+1} = 0` proves
     :math:`(qI - A)\,\mathrm{adj}(qI-A)B = \det(qI-A)B` for all q. That is the certificate of the
     result. Source: (2.6), (2.7).
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import a, q
-    >>> from compensator_theory.systems._state_space import transfer_matrix_of_realisation
-    >>> G = transfer_matrix_of_realisation(Matrix([[a]]), Matrix([1]), Matrix([2]), Matrix([0]), q)
-    >>> print(G.scalar())
-    (2)/(q - a)
     """
     found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
     entries, denominator, residual = found

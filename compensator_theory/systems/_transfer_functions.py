@@ -381,14 +381,7 @@ class TransferFunction(System):
 
 
 def require_proper(G: TransferFunction, name: str) -> None:
-    """Refuse a transfer function that is not known to be proper.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems._transfer_functions import require_proper
-    >>> require_proper(transfer_function("s/(s + 1)"), "plant")
-    """
+    """Refuse a transfer function that is not known to be proper."""
     if not G.is_proper:
         s = G.variable
         pole = f"{s}" if s.name in DISCRETE else f"(1 + {s}/100)"
@@ -400,15 +393,7 @@ def require_proper(G: TransferFunction, name: str) -> None:
 
 
 def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
-    """Return numerator and denominator of an operand; None if it is none.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.systems._transfer_functions import sides_of
-    >>> sides_of("2/(s + 1)", s)
-    (Poly(2, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
-    """
+    """Return numerator and denominator of an operand; None if it is none."""
     if isinstance(operand, TransferFunction):
         if operand.denominator.gen != variable:
             raise InputError(
@@ -430,15 +415,7 @@ def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
 
 
 def added(a: Sides, b: Sides) -> Sides:
-    """Add two quotients over the denominator they share, else over the product of both.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.systems._transfer_functions import added
-    >>> added((polynomial("s"), polynomial("s + 1")), (polynomial("1", "s"), polynomial("s + 1")))
-    (Poly(s + 1, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
-    """
+    """Add two quotients over the denominator they share, else over the product of both."""
     if a[1] == b[1]:
         return total(a[0], b[0]), a[1]
     (n_1, d_2), (n_2, d_1) = (a[0], b[1]), (b[0], a[1])
@@ -446,56 +423,24 @@ def added(a: Sides, b: Sides) -> Sides:
 
 
 def multiplied(a: Sides, b: Sides) -> Sides:
-    """Multiply two quotients, side by side.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.systems._transfer_functions import multiplied
-    >>> multiplied((polynomial("s"), polynomial("s + 1")), (polynomial("s + 1"), polynomial("s")))
-    (Poly(s**2 + s, s, domain='QQ'), Poly(s**2 + s, s, domain='QQ'))
-    """
+    """Multiply two quotients, side by side."""
     return product(a[0], b[0]), product(a[1], b[1])
 
 
 def inverted(sides: Sides) -> Sides:
-    """Exchange numerator and denominator.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.systems._transfer_functions import inverted
-    >>> inverted((polynomial("s"), polynomial("s + 1")))[0]
-    Poly(s + 1, s, domain='QQ')
-    """
+    """Exchange numerator and denominator."""
     if sides[0].is_zero:
         raise InputError("the transfer function 0 has no inverse")
     return sides[1], sides[0]
 
 
 def constant_one(like: Poly) -> Poly:
-    """Return 1 as a polynomial in the same variable.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.systems._transfer_functions import constant_one
-    >>> constant_one(polynomial("s + a", "s"))
-    Poly(1, s, domain='QQ')
-    """
+    """Return 1 as a polynomial in the same variable."""
     return Poly(1, like.gen, domain=sympy.QQ)
 
 
 def quotient_of(expression: Expr) -> Quotient:
-    """Multiply out a SymPy expression, as SymPy has it.
-
-    Examples
-    --------
-    >>> from sympy.abc import s
-    >>> from compensator_theory.systems._transfer_functions import quotient_of
-    >>> quotient_of(1/s + 1/(s + 1)).sides()
-    (2*s + 1, s**2 + s)
-    """
+    """Multiply out a SymPy expression, as SymPy has it."""
     return multiplied_out(tree_of(expression), least_denominators=True)
 
 

@@ -38,14 +38,6 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
     that is best at one frequency bounds mu at all of them, and the frequencies where it exceeds
     a level are found as eigenvalues on the unit circle: more scalings are added where none stays
     below, until none is needed. So the bound holds at every frequency, not on a grid.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis._disk import structured_peak
-    >>> shared = np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0))
-    >>> round(structured_peak((*shared, np.array([[1.0, 100.0], [0.01, 1.0]])))[0], 6)
-    2.0
     """
     A = system[0]
     omega = np.linspace(0, np.pi, 17) if len(A) else np.zeros(1)

@@ -23,11 +23,6 @@ def stein_solution(A: Array, Q: Array) -> Array:
     entries. The powers of a strongly non-normal A are lost to rounding, though, and may leave
     float64: where the residual shows it, X is enclosed in balls and rounded once.
 
-    Raises
-    ------
-    IllConditionedError
-        Where A is not stable, X leaves float64, or neither way leaves a residual of rounding.
-
     Notes
     -----
     Source: (4.23); R. A. Smith, SIAM J. Appl. Math. 16 (1968) 198-201.

@@ -126,33 +126,6 @@ def with_oscillation(
 
     s(k+1) = radius [cos omega, sin omega; -sin omega, cos omega] s(k) + noise, b(k) = s_1(k): the
     model whose inverse LQG builds into the controller, as `with_bias` is that of a constant.
-
-    Parameters
-    ----------
-    plant : Plant
-    channel : str
-        One of `plant.channels`.
-    omega : float
-        In rad/sample.
-    radius : float
-        In (0, 1); the sinusoid lasts about 1/(1 - radius) steps.
-    mean_square : float
-        The stationary E[b(k)^2].
-    name : str
-        What the block is called; of several sinusoids on one channel each its own.
-
-    Returns
-    -------
-    Plant
-        Of order n + 2, with two more channels of w, the block ``channel + "_" + name``.
-
-    Examples
-    --------
-    >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.analysis._noise import with_oscillation
-    >>> with_oscillation(
-    ...     standard_plant("1/(q - 0.5)"), "w", omega=0.3, radius=0.99, mean_square=1.0)
-    Plant(n=3, l_u=1, l_w=3, l_y=1, l_z=1)
     """
     plant = linear_plant(plant)
     if channel not in plant.channels:

@@ -62,17 +62,7 @@ ESTIMATOR = Role(
 
 
 def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
-    """Refuse a mode on or outside the unit circle that no gain moves, by name.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis._obstacles import require_stabilisable
-    >>> require_stabilisable(np.diag([1.5, 0.5]), np.array([[0.0], [1.0]]))
-    Traceback (most recent call last):
-    ...
-    compensator_theory.errors.NotControllableError: (A, B) is not stabilisable: no gain ...
-    """
+    """Refuse a mode on or outside the unit circle that no gain moves, by name."""
     size = max(float(np.linalg.norm(A, 2)), 1.0) if A.size else 1.0
     widths = np.linalg.norm(B, axis=0)
     scaled = B[:, widths > 0] / widths[widths > 0] * size
@@ -142,14 +132,7 @@ def _zero_on_circle(at: complex, least: float, role: Role) -> UnitCircleError:
 
 
 def words(value: complex) -> str:
-    """A complex number, without what is rounding only.
-
-    Examples
-    --------
-    >>> from rcac_numeric.analysis._obstacles import words
-    >>> words(1 + 1e-17j), words(0.6 - 0.8j), words(-1j)
-    ('1', '0.6-0.8j', '-1j')
-    """
+    """A complex number, without what is rounding only."""
     value = complex(value)
     if abs(value.imag) < 1e-12 * max(abs(value), 1.0):
         return f"{value.real:.12g}"

@@ -142,22 +142,7 @@ class OpenedLoop(Value):
 def broken_loop(
     loop: Any, *, at: str = "u", channel: int = 0, feedback: int | None = None
 ) -> OpenedLoop:
-    """Open a closed loop at one component of u or y, or read a loop transfer function.
-
-    Parameters
-    ----------
-    loop : what `closed_loop` reads, or a transfer function
-        Of a closed loop the other components stay closed. A transfer function in any form that
-        `compensator_theory.transfer_function` reads is the whole loop: scalar, in discrete time.
-    at : {"u", "y"}
-        Where a ClosedLoop is opened: between controller and plant input, or between plant output
-        and controller.
-    channel : int
-        Which component, from 0 on.
-    feedback : {+1, -1}, for a loop transfer function only
-        -1 where the loop is closed by 1 + L = 0, +1 where it is closed by 1 - L = 0. A ClosedLoop
-        knows its own sign (+1 everywhere in this package).
-    """
+    """Open a closed loop at one component of u or y, or read a loop transfer function."""
     is_pair = isinstance(loop, tuple) and len(loop) == 2 and feedback is None
     if is_pair or isinstance(loop, ClosedLoop | LoopAnalysis | Run):
         if feedback is not None:

@@ -49,13 +49,6 @@ def decide_stability(A: Array, uncertainty: Array | None = None) -> Stability:
       unstable once a trace is above n;
     - the eigenvalues with the bound of Bauer and Fike, from the residual of the eigenvectors;
     - the count of roots of det(qI - A) inside the circle, over the rationals.
-
-    Parameters
-    ----------
-    A : array, shape (n, n)
-    uncertainty : array, shape (n, n), optional
-        How far each entry of the matrix that is meant may be from that of A, such as by the
-        rounding that made A; the first two then decide for all these matrices at once.
     """
     if not np.isfinite(A).all():
         raise InputError("the matrix has entries that are not finite; it has no stability.")

@@ -23,15 +23,7 @@ def imported(name: str) -> Any:
 def control_state_space(
     A: Array, B: Array, C: Array, D: Array, sample_time: float | None
 ) -> StateSpace:
-    """A discrete state space of python-control; without a sample time its dt is True.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays._frames import control_state_space
-    >>> control_state_space(*np.ones((4, 1, 1)), 0.01).dt
-    0.01
-    """
+    """A discrete state space of python-control; without a sample time its dt is True."""
     from control import ss  # a second of import time, paid only here
 
     return ss(A, B, C, D, True if sample_time is None else sample_time)

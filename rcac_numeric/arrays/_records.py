@@ -32,19 +32,7 @@ _NAME = re.compile(r"[^\W\d]\w{0,30}")
 
 
 class Records:
-    """Writes data of the classes that it names as a tree of JSON and named arrays, and reads it.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays._records import Records
-    >>> arrays = {}
-    >>> tree = Records().tree((1.5, np.arange(2.0)), arrays)
-    >>> tree
-    {'tuple': [{'float': '0x1.8000000000000p+0'}, {'array': 'part_0'}]}
-    >>> Records().value(tree, arrays)
-    (1.5, array([0., 1.]))
-    """
+    """Writes data of the classes that it names as a tree of JSON and named arrays, and reads it."""
 
     def __init__(self, *classes: type) -> None:
         self._classes = {one.__name__: one for one in classes}
@@ -128,18 +116,7 @@ class Records:
 
 
 def require_declared(made: Any) -> None:
-    """Raise TypeError where a field of a dataclass is not of the type that the class declares.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Tap
-    >>> from rcac_numeric.arrays._records import require_declared
-    >>> require_declared(Tap("u", 0, 1))
-    >>> require_declared(Tap("u", 0, "1"))
-    Traceback (most recent call last):
-        ...
-    TypeError: delay of a Tap is of type str
-    """
+    """Raise TypeError where a field of a dataclass is not of the type that the class declares."""
     for name, hint in _declared(made.__class__).items():
         if not _is_of(getattr(made, name), hint):
             kind = type(getattr(made, name)).__name__

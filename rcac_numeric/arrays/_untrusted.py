@@ -34,19 +34,7 @@ _JSON = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"?|[\[{]|[\]}]|,|[0-9]+', re.DOTA
 
 
 class ReadingLimit:
-    """What is left of the numbers that one file may hold.
-
-    Examples
-    --------
-    >>> import pathlib
-    >>> from rcac_numeric.arrays._untrusted import ReadingLimit
-    >>> ReadingLimit(pathlib.Path("log.mat")).take([1000, 10])
-    10000
-    >>> ReadingLimit(pathlib.Path("log.mat")).take([10**6, 10**6])
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: log.mat holds more than 33554432 numbers; cut it.
-    """
+    """What is left of the numbers that one file may hold."""
 
     def __init__(self, file: Path) -> None:
         self.file, self.left = file, MOST_NUMBERS

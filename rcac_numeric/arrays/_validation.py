@@ -108,15 +108,7 @@ def has_mask(value: object) -> bool:
 
 
 def gaps_as_nan(value: Any) -> Any:
-    """A masked array of NumPy with NaN where it is masked; anything else as it is.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays._validation import gaps_as_nan
-    >>> gaps_as_nan(np.ma.masked_equal([1, -9999], -9999))
-    array([ 1., nan])
-    """
+    """A masked array of NumPy with NaN where it is masked; anything else as it is."""
     if isinstance(value, list | tuple) and has_mask(value):
         return [gaps_as_nan(entry) for entry in value]
     is_numeric = isinstance(value, np.ma.MaskedArray) and value.dtype.kind in "iuf"

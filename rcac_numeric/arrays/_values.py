@@ -123,17 +123,7 @@ def replaced(value: T, **changes: Any) -> T:
 
 
 def overview(value: Any, depth: int = 1) -> str:
-    """The class and its fields, one in a line: large arrays by size and range, None left out.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Saturation
-    >>> from rcac_numeric.arrays._values import overview
-    >>> print(overview(Saturation(low=-1.0, high=2.0)))
-    Saturation
-      low   [-1.]
-      high  [2.]
-    """
+    """The class and its fields, one in a line: large arrays by size and range, None left out."""
     rows = _rows(value, depth)
     width = max((len(name) for name, _ in rows), default=0)
     lines = [

@@ -27,16 +27,7 @@ UNSEEN = ("Cc", "Cf", "Mn", "Zl", "Zp", "Zs")  # categories of characters that m
 
 
 def shortened(text: str, at_most: int = 400) -> str:
-    """The text, or its beginning and end where it is longer than `at_most`.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays._wording import shortened
-    >>> shortened("u, y, z")
-    'u, y, z'
-    >>> shortened(", ".join(map(str, range(1000))), at_most=40)
-    '0, 1, 2,  ... [4888 characters] ...  999'
-    """
+    """The text, or its beginning and end where it is longer than `at_most`."""
     if len(text) <= at_most:
         return text
     cut = f" ... [{len(text)} characters] ... "
@@ -52,14 +43,6 @@ def spreadsheet_text(text: str) -> str:
     width, spaces, quotes and what is not seen passed over, gets an apostrophe in front of that
     character; so does what stands behind a semicolon, a bar or a tabulator, where the
     spreadsheets of some countries begin a new cell. A text that is a plain number stays.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays._wording import spreadsheet_text
-    >>> spreadsheet_text("=HYPERLINK(A1)"), spreadsheet_text("1/(q - 0.5)")
-    ("'=HYPERLINK(A1)", '1/(q - 0.5)')
-    >>> spreadsheet_text("-0.5; -0.5*q")
-    "'-0.5; '-0.5*q"
     """
     plain = in_a_line(text)
     if NUMBER.fullmatch(plain):
@@ -77,28 +60,14 @@ def _no_formula(cell: str) -> str:
 
 
 def matrix_latex(rows: Iterable[Iterable[float]], digits: int = 4) -> str:
-    r"""A matrix of numbers in LaTeX, each with a few digits.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays._wording import matrix_latex
-    >>> print(matrix_latex([[1.0, -2.5e-7]]))
-    \begin{bmatrix}1 & -2.5 \cdot 10^{-7}\end{bmatrix}
-    """
+    r"""A matrix of numbers in LaTeX, each with a few digits."""
     lines = (" & ".join(number_latex(value, digits) for value in row) for row in rows)
     body = r" \\ ".join(lines)
     return rf"\begin{{bmatrix}}{body}\end{{bmatrix}}"
 
 
 def number_latex(value: float, digits: int = 4) -> str:
-    r"""A number in LaTeX, with a power of ten where that is shorter.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays._wording import number_latex
-    >>> print(number_latex(0.25), number_latex(1.5e10))
-    0.25 1.5 \cdot 10^{10}
-    """
+    r"""A number in LaTeX, with a power of ten where that is shorter."""
     mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else mantissa
 
@@ -120,14 +89,7 @@ def polynomial_latex(coefficients: Iterable[float], variable: str = "q") -> str:
 
 
 def sum_latex(terms: Iterable[tuple[int, Iterable[Iterable[float]]]], signal: str) -> str:
-    r"""A sum of matrices times a signal at earlier steps, in LaTeX; zero matrices are left out.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays._wording import sum_latex
-    >>> print(sum_latex([(0, [[0.0]]), (1, [[2.0]])], "y"))
-    \begin{bmatrix}2\end{bmatrix} y(k-1)
-    """
+    r"""A sum of matrices times a signal at earlier steps, in LaTeX; zero matrices are left out."""
     parts = []
     for delay, matrix in terms:
         rows = [list(row) for row in matrix]

@@ -565,20 +565,7 @@ class _Look:
 
 
 def learning_warnings(run: Run) -> Iterator[HealthWarning]:
-    """The warnings of a run with `DataDriven`, `CAUSES` among them where they would explain others.
-
-    Examples
-    --------
-    >>> from rcac_numeric import (
-    ...     UD, ControllerSettings, DataDriven, WhiteNoise, exogenous, iir, simulate,
-    ...     standard_plant)
-    >>> from rcac_numeric.checks._rules import learning_warnings
-    >>> settings = ControllerSettings(
-    ...     structure=iir(n_c=4), update=UD(R_theta=1), target=DataDriven(order=4, dither=1e-6))
-    >>> run = simulate(standard_plant("1/(q - 0.5)"), settings, exogenous([WhiteNoise()], 400))
-    >>> [warning.code for warning in learning_warnings(run)]
-    ['nothing learnt']
-    """
+    """The warnings of a run with `DataDriven`, `CAUSES` first where they explain others."""
     settings = run.settings
     if not isinstance(settings, ControllerSettings) or settings.learning is None:
         return

@@ -81,15 +81,7 @@ def _first(response: Array) -> int | None:
 
 
 def zeros_of(plant: Plant) -> ComplexArray:
-    """The zeros of a scalar G_zu, from its exact numerator; none of a plant of many states.
-
-    Examples
-    --------
-    >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.checks._target_errors import zeros_of
-    >>> zeros_of(standard_plant("(q - 2)/(q*(q - 0.5))"))
-    array([2.+0.j])
-    """
+    """The zeros of a scalar G_zu, from its exact numerator; none of a plant of many states."""
     if plant.n > LARGEST:
         return np.zeros(0, dtype=np.complex128)
     numerator, _ = plant.scalar_map("zu")

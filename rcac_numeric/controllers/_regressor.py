@@ -47,16 +47,7 @@ def has_common_filter(target: TargetModel) -> bool:
 
 
 def filtered_regressor(phi: Array, target: TargetModel) -> Array:
-    """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric import TargetModel
-    >>> from rcac_numeric.controllers._regressor import filtered_regressor
-    >>> filtered_regressor(np.ones((3, 1)), TargetModel([0, 2])).ravel()
-    array([0., 2., 2.])
-    """
+    """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta)."""
     steps, taps = phi.shape
     if target.denominator[1:].any():
         phi = _divided(phi, target.denominator[1:, 0, 0])

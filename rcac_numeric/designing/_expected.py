@@ -184,23 +184,7 @@ def _size(factor: float, signal: Signal) -> float:
 def read_expected(
     disturbance: Any, noise: float | None, command: Any, u_range: float, gain: float, m: int = 1
 ) -> tuple[Expected, tuple[str, ...]]:
-    """What is expected, and the names of what had to be assumed.
-
-    Parameters
-    ----------
-    disturbance : "unknown", number, Signal or None
-        A number is the size of one that is not known otherwise; in units of u. None, like 0: there
-        is none.
-    noise : float or None
-        Standard deviation of the sensor noise, in units of y.
-    command : Signal or None
-    u_range : float
-        Half of what the actuator can do; infinite where no limit is known.
-    gain : float
-        Of the plant, from u to y.
-    m : int
-        The number of inputs and of outputs.
-    """
+    """What is expected, and the names of what had to be assumed."""
     assumed = []
     if disturbance is None or (
         not isinstance(disturbance, Signal | str) and not number(disturbance, "disturbance")

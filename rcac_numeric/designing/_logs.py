@@ -137,36 +137,6 @@ def plant_from_log(
     In an open loop by `identify_output_error`; in a closed one, where the plant may be unstable, by
     `identify_in_closed_loop`. A pole at 1 is taken where the criterion is the better for it and a
     held-out part of the log is predicted as well.
-
-    Parameters
-    ----------
-    log : ControllerLog
-        Of u and y, each scalar; with r, or where y tells what u will be, in a closed loop.
-    sample_time : float, optional
-        In seconds.
-    dead_time : float
-        Where it is known: in seconds, in steps without a sample time; 0 looks for it.
-    most : int
-        The highest order that is tried, without the dead time.
-
-    Raises
-    ------
-    InputError
-        Where the log does not show that y answers to u, or u follows from y alone; or where what
-        moved u is still seen in the prediction errors of the best model.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scipy.signal import lfilter
-    >>> from rcac_numeric import ControllerLog
-    >>> from rcac_numeric.designing._logs import plant_from_log
-    >>> rng = np.random.default_rng(1)
-    >>> u = rng.standard_normal(1000)
-    >>> y = lfilter([0, 0, 0, -0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(1000)
-    >>> found = plant_from_log(ControllerLog(u, y))
-    >>> found.plant.delay, found.plant.sign, round(found.noise, 3), found.is_closed
-    (2, '-', 0.01, False)
     """
     if log.u.shape[1] != 1 or log.y.shape[1] != 1:
         raise InputError(

@@ -264,16 +264,7 @@ def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
 
 
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """The same system with states of like size, scaled by powers of two.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.designing._plants import balanced
-    >>> A, B, C = balanced(np.array([[0.5]]), np.array([[1e6]]), np.array([[1e-6]]))
-    >>> bool(0.25 < B.item() < 4), (C @ B).item()
-    (True, 1.0)
-    """
+    """The same system with states of like size, scaled by powers of two."""
     point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
     n, m = B.shape
     gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
@@ -285,17 +276,7 @@ def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
 
 
 def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
-    """A plant in any form that `plant_of` reads, with its dead time apart.
-
-    Parameters
-    ----------
-    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
-    sample_time : float or None
-        In seconds.
-    dead_time : float, or rows of them
-        In seconds; in steps where no sample time is known. Rows are those of the entries of a
-        transfer matrix in s.
-    """
+    """A plant in any form that `plant_of` reads, with its dead time apart."""
     if np.ndim(dead_time):
         return _late_by_entry(plant, sample_time, real_array(dead_time, "dead_time"))
     late = number(dead_time, "dead_time")

@@ -26,14 +26,7 @@ MOVES = 1e-2  # least weight of the steps of u, over the square of the gain, aga
 
 
 def require_reducible(structure: Structure) -> None:
-    """Refuse a structure whose poles are free, or that reads a command.
-
-    Examples
-    --------
-    >>> from rcac_numeric import pid
-    >>> from rcac_numeric.designing._reduced import require_reducible
-    >>> require_reducible(pid("PI"))
-    """
+    """Refuse a structure whose poles are free, or that reads a command."""
     if not isinstance(structure, Structure):
         raise InputError(f"structure = {structure!r}: give one such as pid('PI') or fir(20).")
     if (structure.l_u, structure.l_y) != (1, 1):
@@ -60,19 +53,6 @@ def reduced_reference(ladder: Ladder, structure: Structure) -> Reference:
     which is what the difference makes of the error to first order. The loop that is robust (as
     `reference_loop` says) at least cost is taken, else the most robust; up to six coefficients are
     improved by Nelder and Mead's search.
-
-    Parameters
-    ----------
-    ladder : Ladder
-    structure : Structure
-        Of y alone: a PID, an FIR filter, a table of one's own.
-
-    Raises
-    ------
-    InputError
-        Where the structure is of another kind.
-    NoSolutionError
-        Where none that was tried stabilises the plant.
     """
     require_reducible(structure)
     taps = _responses(structure)
@@ -163,18 +143,6 @@ def with_feedforward(plant: DesignPlant, reference: Reference, expected: Expecte
 
     u = D_c^-1 (N_e e + N_r r); the loop, and what it does to d and v, stays as it is. N_r minimises
     the error that a step of r leaves, abs(S (1 - G N_r/D_c) R)^2, and the steps of u that it takes.
-
-    Parameters
-    ----------
-    plant : DesignPlant
-    reference : Reference
-    expected : Expected
-        With a command.
-
-    Raises
-    ------
-    InputError
-        Where there is no command, or several signals.
     """
     if plant.m > 1:
         raise InputError("feedforward is for one input and one output; leave it out.")

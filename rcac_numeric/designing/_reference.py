@@ -152,32 +152,11 @@ class Ladder:
     z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
     the controller cancel b, whatever R_2 is.
 
-    Parameters
-    ----------
-    plant : DesignPlant
-    expected : Expected
-        What of d is a constant or a sinusoid becomes a model of the disturbance: an integrator,
-        an oscillator.
-    u_range : float
-        Half of what the actuator can do. What lasts of d is cancelled by u; the rest of u is to
-        have a standard deviation of a third of what is left, at most.
-    others : sequence of Variation
-        What the plant may be instead.
-    saturation : Saturation, optional
-        Then controllers are told apart by what they make of the error in a run with it, and the
-        ladder goes up to slower ones.
-
     Attributes
     ----------
     blocked : tuple of float
         Frequencies, in rad/step, of what of d a zero of the plant keeps from y: no model of it is
         in the controller, which the zero would cancel.
-
-    Raises
-    ------
-    NoSolutionError
-        Where the plant has a zero where the command, a ramp, or a disturbance of several inputs
-        has its pole.
     """
 
     def __init__(
@@ -273,11 +252,6 @@ class Ladder:
 
         Of those within a tenth of the least error the one with the least u is taken; with limits
         of u, unless runs with them say otherwise.
-
-        Raises
-        ------
-        NoSolutionError
-            Where no rung of the ladder has a controller.
         """
         plant, units, V = self.plant, self.units, self.noise_variance
         rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
@@ -373,11 +347,6 @@ def reference_loop(
     within a tenth of the least error the one with the least u is taken; where none is robust,
     the one that fails with the fewest of them, and of those the one with the smallest peak.
     Parameters are those of `Ladder`.
-
-    Raises
-    ------
-    NoSolutionError
-        Where no rung of the ladder has a controller.
     """
     return Ladder(plant, expected, u_range, others, saturation).best()
 
@@ -584,16 +553,7 @@ def _powers(
 
 
 def sensitivity_peak(loop: ClosedLoop) -> float:
-    """Ms of a loop, the peak of S over frequency, at u and at y; infinite where it is unstable.
-
-    Examples
-    --------
-    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
-    >>> from rcac_numeric.designing._reference import sensitivity_peak
-    >>> still = Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]])
-    >>> sensitivity_peak(ClosedLoop(standard_plant("1/(q - 0.5)"), still))
-    1.0
-    """
+    """Ms of a loop, the peak of S over frequency, at u and at y; infinite where it is unstable."""
     if not loop.is_stable:
         return np.inf
     return _peak(loop.plant, loop.compensator.state_space())

@@ -79,13 +79,6 @@ def settings_of(
     G_f = N_zu q^n_c / chi_cl, the intercalated transfer function (4.18) of the reference loop;
     theta(0) the reference controller; R_theta = N_0 mean(Phi_f' Phi_f) in the reference loop under
     the expected signals, so that the prior is worth N_0 samples.
-
-    Parameters
-    ----------
-    plant : DesignPlant
-    reference : Reference
-    expected : Expected
-    knobs : Knobs, optional
     """
     knobs = Knobs() if knobs is None else knobs
     G_c, servo, l_r = reference.compensator, plant.servo(), reference.commands
@@ -185,15 +178,6 @@ def miss(found: ComplexArray, wanted: ComplexArray, u: Array) -> float:
 
     max over octaves of norm((G - G_wanted) U)/norm(G_wanted U), and the same over all frequencies;
     octaves with less than 0.03 of the response count in the latter alone.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.designing._road import miss
-    >>> u, wanted = np.random.default_rng(0).standard_normal((64, 1)), np.ones((33, 1, 1))
-    >>> wrong = wanted + 0.5 * (np.arange(33) > 24)[:, None, None]
-    >>> bool(0.3 < miss(wrong, wanted, u) < 0.5)
-    True
     """
     U = np.fft.rfft(np.hanning(len(u))[:, None] * u, axis=0)[:, :, None]
     error, size = (np.sum(np.abs(G @ U) ** 2, axis=(1, 2)) for G in (found - wanted, wanted))
@@ -210,14 +194,6 @@ def truncated(A: Array, B: Array, C: Array, share: float) -> StateSpace:
 
     In balanced coordinates: the states that are reached and seen least are left out, and what is
     left is stable.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.designing._road import truncated
-    >>> A, B, C, D = truncated(np.diag([0.5, 0.1]), np.ones((2, 1)), np.array([[1.0, 0.0]]), 1e-9)
-    >>> A.round(9), (C @ B).round(9), D
-    (array([[0.5]]), array([[0.5]]), array([[1.]]))
     """
     left = _root(stein_solution(A, B @ B.T))
     D, C = C @ B, C @ A  # of q times the map

@@ -26,31 +26,11 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     K_c = tau_1 / (k (tau_c + theta)), tau_I = min(tau_1, 4 (tau_c + theta)), tau_D = tau_2 in
     series form, where the half rule gives k, tau_1, tau_2 and theta.
 
-    Parameters
-    ----------
-    plant : DesignPlant
-    derivative : bool, optional
-        Whether it is a PID; by default where tau_2 is longer than theta.
-
-    Raises
-    ------
-    NoSolutionError
-        Where the rules are silent: an unstable plant, an oscillation, two integrators, no gain at
-        rest, or a sampled plant that none in continuous time has.
-
     Notes
     -----
     Source: S. Skogestad, Journal of Process Control 13 (2003) 291-309: (10)-(11), (23)-(25), and
     for zeros (14), (30)-(33). A zero in the left half plane goes with the next longer lag, and
     where there is none with the next shorter one.
-
-    Examples
-    --------
-    >>> from rcac_numeric.designing._plants import read_plant
-    >>> from rcac_numeric.designing._simc import simc
-    >>> lag = read_plant("1/(10*s + 1)", sample_time=1.0, dead_time=2.5)
-    >>> simc(lag).compensator.numerator   # theta = 4: K_c = 10/8, tau_I = 10
-    array([ 0.   ,  1.25 , -1.125,  0.   ])
     """
     if plant.m > 1:
         raise NoSolutionError("the rules are for one input and one output.")

@@ -62,27 +62,11 @@ def truncated(plant: DesignPlant) -> Truncation | None:
     error is measured: the bound by the Hankel singular values that are left out grows with their
     number, which of an impulse response that was cut off is nearly its length.
 
-    Parameters
-    ----------
-    plant : DesignPlant
-        One of few states stays, one that is not stable, and one with other dead times by entry.
-
     Notes
     -----
     Source: U. M. Al-Saggaf and G. F. Franklin, IEEE Transactions on Automatic Control 32 (1987)
     815-819; the small-gain theorem: G. Zames, IEEE Transactions on Automatic Control 11 (1966)
     228-238.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.designing._plants import DesignPlant
-    >>> from rcac_numeric.designing._truncation import truncated
-    >>> h = 0.8 ** np.arange(60)                       # from 3 steps on
-    >>> shift, enters = np.eye(62, k=-1), np.eye(62, 1)
-    >>> found = truncated(DesignPlant(shift, enters, np.append([0, 0], h)[None]))
-    >>> len(found.plant.A), found.plant.delay, found.error < 1e-3
-    (1, 2, True)
     """
     if len(plant.A) <= MOST_STATES or plant.later is not None or not plant.is_stable:
         return None

@@ -50,14 +50,7 @@ class Consistency(Result):
 
 
 def chi_square_interval(degrees: float, samples: int, confidence: float) -> tuple[float, float]:
-    """Where the mean of independent chi-square numbers lies.
-
-    Examples
-    --------
-    >>> from rcac_numeric.estimation._consistency import chi_square_interval
-    >>> [round(v, 2) for v in chi_square_interval(2, 50, 0.95)]  # 74.22 and 129.56 over 50
-    [1.48, 2.59]
-    """
+    """Where the mean of independent chi-square numbers lies."""
     samples = integer(samples, "samples", 1)
     if not number(degrees, "degrees") > 0:
         raise InputError(f"degrees = {degrees} must be positive.")

@@ -16,25 +16,7 @@ ROUNDING = 1e-12
 def retrospective_matrix(
     A: Array, B: Array, C: Array, delays: Sequence[int], stack: Sequence[int]
 ) -> Array:
-    """H~ of (8.45): block (j, i) is H_{i-k_j} = C A^(i-k_j-1) B, zero before u^ can act.
-
-    Parameters
-    ----------
-    A, B, C : arrays, shapes (n, n), (n, l_u) and (l_y, n)
-    delays : sequence of int
-        i of u^(k - i).
-    stack : sequence of int
-        k_j of z(k - k_j).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.estimation._markov import retrospective_matrix
-    >>> a, one = np.array([[0.5]]), np.ones((1, 1))
-    >>> retrospective_matrix(a, one, one, delays=(1, 2), stack=(0, 1))
-    array([[1. , 0.5],
-           [0. , 1. ]])
-    """
+    """H~ of (8.45): block (j, i) is H_{i-k_j} = C A^(i-k_j-1) B, zero before u^ can act."""
     powers, markov = C, []
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(max(delays)):

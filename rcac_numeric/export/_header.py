@@ -69,17 +69,7 @@ class _Writer:
 
 
 def config_header(tables: CoreTables, real: str = "float64", changing: Collection[str] = ()) -> str:
-    """The text of rcac_config.h; the same tables give the same bytes.
-
-    Parameters
-    ----------
-    tables : CoreTables
-    real : {"float64", "float32"}
-        float32 gets a carry for each coefficient and, where it forgets, D <= D(0).
-    changing : collection of str
-        Tables that are variables, for who includes rcac.c and writes them before rcac_init: "D_0",
-        "lambda", "numerators", "denominators", and "K_W" and "K_UPDATE" of the sizes.
-    """
+    """The text of rcac_config.h; the same tables give the same bytes."""
     out = _Writer(one_of(real, "real", REALS), changing)
     _define_sizes(out, tables, real)
     out.lines += ["", "#ifdef RCAC_TABLES /* which rcac.c defines */"]

@@ -109,19 +109,7 @@ def recorded(
     saturation: Saturation | None = None,
     run: Run | None = None,
 ) -> Recording:
-    """What the engine's plain instruction set makes of the inputs of a run, or of a small loop.
-
-    Parameters
-    ----------
-    controller : ControllerSettings, FixedController or Compensator
-    tables : CoreTables
-        Made of it.
-    saturation : Saturation, optional
-    run : Run, optional
-        From step 0 on. Its plant is run anew around the controller: what it answered to other
-        last digits would drive an unstable controller away. Where y or z waits for u, the y and
-        z of the run are the inputs. Without a run a small plant with noise stands in.
-    """
+    """What the engine's plain instruction set makes of the inputs of a run, or of a small loop."""
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
     if saturation is not None and not tables.strictly_proper:

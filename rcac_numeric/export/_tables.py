@@ -237,18 +237,7 @@ def core_tables(
     live_order: int | None = None,
     supervision: Supervision | None = None,
 ) -> CoreTables:
-    """The tables of a controller; what the core does not know is refused by name.
-
-    Parameters
-    ----------
-    controller : ControllerSettings, FixedController or Compensator
-    saturation : Saturation, optional
-        Of the actuator, which the core then applies itself.
-    live_order : int, optional
-        The target model can be replaced while the controller runs, by one of this order at most.
-    supervision : Supervision, optional
-        With the policy "warn": what the core notes.
-    """
+    """The tables of a controller; what the core does not know is refused by name."""
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
     if isinstance(controller, Decentralized):

@@ -73,15 +73,7 @@ def coefficient_covariance(
 
 
 def degrees_of_freedom(rows: int, freedom: int, noise: NeweyWest | None) -> float:
-    """How many independent squares the covariance is worth.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification import NeweyWest
-    >>> from rcac_numeric.identification._noise_models import degrees_of_freedom
-    >>> [degrees_of_freedom(300, 280, noise) for noise in (NeweyWest(lags=9), None)]
-    [50.0, 280.0]
-    """
+    """How many independent squares the covariance is worth."""
     if noise is None:
         return float(freedom)
     return max(2.0, min(float(freedom), 1.5 * rows / max(noise.chosen_lags(rows), 1)))

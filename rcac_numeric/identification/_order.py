@@ -10,16 +10,7 @@ from rcac_numeric.arrays._validation import integer
 
 
 def hankel_matrix(parameters: Array, first: int, rows: int, columns: int) -> Array:
-    """The block Hankel matrix [H_(first + i + j)].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification._order import hankel_matrix
-    >>> hankel_matrix(np.arange(5.0).reshape(-1, 1, 1), first=1, rows=2, columns=2)
-    array([[1., 2.],
-           [2., 3.]])
-    """
+    """The block Hankel matrix [H_(first + i + j)]."""
     blocks = [[parameters[first + i + j] for j in range(columns)] for i in range(rows)]
     return np.asarray(np.block(blocks), dtype=np.float64)
 
@@ -30,14 +21,6 @@ def order_from_singular_values(
     """The order that the Hankel matrix of H_1, H_2, ... shows, and its singular values.
 
     n = number of singular values above the Frobenius norm of the matrix of standard errors
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification._order import order_from_singular_values
-    >>> H = np.r_[0.0, 0.5 ** np.arange(6)].reshape(-1, 1, 1)
-    >>> order_from_singular_values(H, np.zeros(H.shape))[0]
-    1
     """
     if len(H) < 3:
         raise InputError(

@@ -15,14 +15,7 @@ from rcac_numeric.compiled._estimators import Arx
 
 
 def floor_of(R_theta: float) -> float:
-    """R_theta, positive and with a reciprocal in float64, or a refusal.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification._recursive_regression import floor_of
-    >>> floor_of(1)
-    1.0
-    """
+    """R_theta, positive and with a reciprocal in float64, or a refusal."""
     value = number(R_theta, "R_theta")
     if not 1e-300 < value < 1e300:
         raise InputError(f"R_theta = {value:g} must be positive.")

@@ -20,14 +20,7 @@ def regression(u: ArrayLike, y: ArrayLike, mu: int, n_mod: int) -> tuple[Array, 
 
 
 def as_signal(value: ArrayLike, name: str) -> Array:
-    """A signal as an array of shape (steps, number of signals).
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification._regressors import as_signal
-    >>> as_signal([1, 2, 3], "u").shape
-    (3, 1)
-    """
+    """A signal as an array of shape (steps, number of signals)."""
     array = squarable(real_array(value, name), name)
     array = array.reshape(-1, 1) if array.ndim == 1 else array
     if array.ndim != 2 or array.size == 0:
@@ -36,14 +29,6 @@ def as_signal(value: ArrayLike, name: str) -> Array:
 
 
 def lagged(signal: Array, window: int) -> Array:
-    """Rows [s(k)', s(k-1)', ..., s(k-window+1)'] for k = window-1, ..., steps-1.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification._regressors import lagged
-    >>> lagged(np.array([[1.0], [2.0], [3.0]]), 2).tolist()
-    [[2.0, 1.0], [3.0, 2.0]]
-    """
+    """Rows [s(k)', s(k-1)', ..., s(k-window+1)'] for k = window-1, ..., steps-1."""
     rows = sliding_window_view(signal, window, axis=0)[:, :, ::-1]
     return np.ascontiguousarray(rows.transpose(0, 2, 1)).reshape(len(rows), -1)

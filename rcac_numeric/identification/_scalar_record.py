@@ -70,14 +70,7 @@ class ScalarRecord:
 def scalar_record(
     u: ArrayLike, y: ArrayLike, longest: int, *, drifts: bool = False
 ) -> ScalarRecord:
-    """What is recorded of one u and one y, for models of orders and delays of `longest` together.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification._scalar_record import scalar_record
-    >>> scalar_record([0.0, 2.0] * 50, [5.0, 7.0] * 50, longest=3).units
-    (1.0, 1.0)
-    """
+    """The record of one u and one y, for models of orders and delays of `longest` together."""
     control, output = scalar_signal(u, "u"), scalar_signal(y, "y")
     if len(control) != len(output):
         raise InputError(f"u has {len(control)} steps and y {len(output)}; they belong together.")
@@ -121,14 +114,7 @@ def late(signal: Array, steps: int) -> Array:
 
 
 def inside(A: Array) -> Array:
-    """A, in powers of q^-1 from 1 on, with every root outside the circle reflected into it.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification._scalar_record import inside
-    >>> inside([1.0, -2.0])
-    array([ 1. , -0.5])
-    """
+    """A, in powers of q^-1 from 1 on, with every root outside the circle reflected into it."""
     A = np.asarray(A, dtype=np.float64)
     roots = np.roots(A)
     size = np.abs(roots)
@@ -148,14 +134,6 @@ def integrated_share(A: Array, B: Array) -> float:
     """What the pole at 1 of B/((1 - q^-1) A) makes of the gain at 0.02 rad/step.
 
     Its residue over 0.02 abs(G): 1 for an integrator alone, 0 where a zero cancels it.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification._scalar_record import integrated_share
-    >>> lag, cancelled = np.array([1.0, -0.5]), np.array([1.0, -1.0])
-    >>> round(integrated_share(lag, np.array([2.0])), 2), integrated_share(lag, cancelled)
-    (1.0, 0.0)
     """
     there = np.exp(-1j * LOW)
     gain = np.polyval(B[::-1], there) / (np.polyval(A[::-1], there) * (1 - there))

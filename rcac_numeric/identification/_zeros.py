@@ -168,17 +168,7 @@ def identified_zeros(
 
 
 def leading_index(markov: IdentifiedMarkovParameters, significance: float) -> int:
-    """The index of the first significant Markov parameter, or a refusal.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification import identify_markov_parameters
-    >>> from rcac_numeric.identification._zeros import leading_index
-    >>> u = np.random.default_rng(0).standard_normal(50)
-    >>> leading_index(identify_markov_parameters(u, np.r_[0, 0, u[:-2]], 4, 0), 5.0)
-    2
-    """
+    """The index of the first significant Markov parameter, or a refusal."""
     cleared = markov.cleared(significance).any(axis=(1, 2))
     if not cleared.any():
         raise InputError(
@@ -213,14 +203,7 @@ def _level(level: float) -> float:
 
 
 def plain_number(zero: complex) -> complex | float:
-    """A complex number without imaginary part as a float.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification._zeros import plain_number
-    >>> plain_number(1.5 + 0j)
-    1.5
-    """
+    """A complex number without imaginary part as a float."""
     return zero.real if zero.imag == 0 else zero
 
 

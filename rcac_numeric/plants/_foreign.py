@@ -109,20 +109,7 @@ def as_plant(system: Any) -> Any:
 
 
 def agreed_time(system: Any, sample_time: float | None) -> float | None:
-    """The sample time of a system, or the one that was named; two that differ are refused.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric.plants._foreign import agreed_time
-    >>> agreed_time(control.tf([1], [1, -0.5], 0.3), 0.1 * 3)
-    0.3
-    >>> agreed_time(control.tf([1], [1, -0.5], 0.3), 0.7)
-    Traceback (most recent call last):
-    ...
-    compensator_theory.errors.InputError: this TransferFunction is sampled every 0.3 s, not every
-    0.7 s; leave sample_time out, or resample it yourself.
-    """
+    """The sample time of a system, or the one that was named; two that differ are refused."""
     return agreed_times([system], sample_time)
 
 
@@ -138,15 +125,7 @@ def agreed_times(systems: Sequence[Any], sample_time: float | None = None) -> fl
 
 
 def linear_plant(system: Any, name: str = "plant") -> Plant:
-    """A linear plant, ours or one that `plant_of` reads.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric.plants._foreign import linear_plant
-    >>> linear_plant(control.tf([1], [1, -0.5], 0.01)).sample_time
-    0.01
-    """
+    """A linear plant, ours or one that `plant_of` reads."""
     read = as_plant(system)
     if isinstance(read, FunctionPlant):
         raise InputError(
@@ -257,15 +236,7 @@ def _values(polynomial: Any, points: ComplexArray) -> ComplexArray:
 
 
 def is_nonlinear(system: Any) -> bool:
-    """Whether it is a system of python-control that is given by functions alone.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric.plants._foreign import is_nonlinear
-    >>> is_nonlinear(control.ss([[0.5]], [[1]], [[1]], [[0]], 1))
-    False
-    """
+    """Whether it is a system of python-control that is given by functions alone."""
     is_control = type(system).__module__.split(".")[0] == "control"
     return is_control and hasattr(system, "dynamics") and not hasattr(system, "A")
 

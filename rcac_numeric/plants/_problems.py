@@ -107,12 +107,6 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
 
     Its order is the degree of the least common denominator D, so that it is controllable where the
     numerators over D and D itself have no factor in common.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plants._problems import realised_row
-    >>> realised_row(["1/(q - 2)", "3/q"])["B"]
-    [[1, 3], [0, -6]]
     """
     given = [exact.transfer_function(entry) for entry in entries]
     if len({str(g.variable) for g in given}) > 1:
@@ -148,15 +142,7 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
 
 
 def sample_time_of(system: Any) -> float | None:
-    """The sample time of a system; None where it has none, or of a text.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric.plants._problems import sample_time_of
-    >>> sample_time_of(control.tf([1], [1, -0.5], 0.01)), sample_time_of("1/(q - 0.5)")
-    (0.01, None)
-    """
+    """The sample time of a system; None where it has none, or of a text."""
     if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:

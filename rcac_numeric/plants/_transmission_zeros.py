@@ -60,17 +60,7 @@ def transmission_zero_polynomial(plant: Plant) -> Poly:
 
 
 def rosenbrock_matrix(plant: Plant, weights: Matrix | None = None) -> Matrix:
-    """The Rosenbrock matrix from u to z, or to weights z.
-
-    Examples
-    --------
-    >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.plants._transmission_zeros import rosenbrock_matrix
-    >>> rosenbrock_matrix(standard_plant("2/(q - 1/2)"))
-    Matrix([
-    [q - 1/2, -1],
-    [      2,  0]])
-    """
+    """The Rosenbrock matrix from u to z, or to weights z."""
     from sympy import Matrix, eye, symbols
 
     problem = plant.problem

@@ -33,15 +33,7 @@ def coefficient_names(run: Run) -> list[str]:
 
 
 def structure_names(structure: Structure) -> list[str]:
-    """The same of one structure, in the order of its coefficients.
-
-    Examples
-    --------
-    >>> from rcac_numeric import pid
-    >>> from rcac_numeric.plots._coefficients import structure_names
-    >>> structure_names(pid())
-    ['K_P', 'K_I', 'K_D']
-    """
+    """The same of one structure, in the order of its coefficients."""
     if structure.name in GAINS and structure.l_theta == len(structure.name):
         return [f"K_{letter}" for letter in structure.name]
     widths = {"u": structure.l_u, "y": structure.l_y, "r": structure.l_r}

@@ -30,26 +30,12 @@ DECADES = 1e3  # a peak so many times the median is drawn over decades
 
 
 def line_style(index: int) -> dict[str, Any]:
-    """Colour and dashes of the index-th of several lines in one pair of axes.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots._style import line_style
-    >>> line_style(0)["color"] != line_style(1)["color"]
-    True
-    """
+    """Colour and dashes of the index-th of several lines in one pair of axes."""
     return {"color": PALETTE[index % len(PALETTE)], "linestyle": DASHES[index % len(DASHES)]}
 
 
 def label_words(name: str) -> str:
-    r"""A name of a user as a label: in one line, no command, and its dollars are no mathematics.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots._style import label_words
-    >>> print(label_words("R = 5 $ a"))
-    R = 5 \$ a
-    """
+    r"""A name of a user as a label: in one line, no command, and its dollars are no mathematics."""
     return in_a_line(name).replace("$", r"\$")
 
 
@@ -189,16 +175,7 @@ def figure_of(axis: Axes) -> Figure:
 
 
 def checked_width(width: float) -> float:
-    """Return the width of a figure in inches.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots._style import checked_width
-    >>> checked_width(2)
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: width = 2 inches is too narrow; 3.0 are needed.
-    """
+    """Return the width of a figure in inches."""
     try:
         inches = float(width)
     except (TypeError, ValueError):

@@ -146,17 +146,7 @@ def _margins(margins: Margins) -> dict[str, Any]:
 
 
 def margin_words(margins: Margins) -> str:
-    """Gain, phase and delay margin in one line.
-
-    Examples
-    --------
-    >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
-    >>> from rcac_numeric.reports._loop import margin_words
-    >>> loop = ClosedLoop(
-    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
-    >>> margin_words(stability_margins(loop))
-    'gain 0.8 to 1.2 (-1.9 to 1.6 dB), phase 8.43 deg, delay 0.242 steps'
-    """
+    """Gain, phase and delay margin in one line."""
     if not margins.is_stable:
         return "none: the loop is unstable"
     assert margins.gain_up is not None

@@ -16,16 +16,7 @@ from rcac_numeric.arrays._wording import shortened
 
 
 def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
-    r"""The names of a table's columns, and its numbers; shape (rows, columns).
-
-    Parameters
-    ----------
-    file : path
-        Rows of numbers separated by commas, semicolons or tabs. Empty lines are skipped.
-    named : bool
-        Whether the first row must name the columns. Where it need not, it does if none of its
-        entries is a number; without names the list is empty.
-    """
+    r"""The names of a table's columns, and its numbers; shape (rows, columns)."""
     try:
         with _opened(file) as stream:
             head, row, delimiter = _first_row(file, stream)

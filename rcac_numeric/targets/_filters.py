@@ -114,20 +114,7 @@ def _from_matrix(G: exact.TransferMatrix) -> TargetModel:
 
 
 def read_filter(filter: Any) -> exact.TransferFunction | exact.TransferMatrix:
-    """A filter as an exact transfer function, or matrix where it has several inputs or outputs.
-
-    Parameters
-    ----------
-    filter : python-control or scipy.signal system, or what `transfer_function` reads
-        Floats mean their shortest decimals.
-
-    Examples
-    --------
-    >>> import scipy.signal
-    >>> from rcac_numeric.targets._filters import read_filter
-    >>> print(read_filter(scipy.signal.dlti([2.0], [1.0, -0.5])))
-    (2)/(q - 1/2)
-    """
+    """A filter as an exact transfer function, or matrix where it has several inputs or outputs."""
     if isinstance(filter, exact.TransferMatrix):
         return _scalar_if_possible(filter)
     library = type(filter).__module__.split(".")[0]

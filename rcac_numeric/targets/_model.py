@@ -169,15 +169,7 @@ def _require_same(
 
 
 def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
-    """The target model with these exact coefficients, each rounded once.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from rcac_numeric.targets._model import from_transfer_function
-    >>> from_transfer_function(transfer_function("1/(q - 1/3)")).denominator.ravel()
-    array([ 1.        , -0.33333333])
-    """
+    """The target model with these exact coefficients, each rounded once."""
     require_causal(exact)
     order = exact.denominator.degree()
     padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
@@ -189,14 +181,7 @@ def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
 
 
 def require_causal(exact: exact_theory.TransferFunction) -> None:
-    """Refuse a filter that is improper or not in q.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from rcac_numeric.targets._model import require_causal
-    >>> require_causal(transfer_function("q/(q - 1/3)"))
-    """
+    """Refuse a filter that is improper or not in q."""
     if exact.denominator.degree() < exact.numerator.degree():
         raise ImproperError(
             f"the target model {exact} has more zeros than poles; it would use future values. "
@@ -222,19 +207,6 @@ def require_no_pole_outside(
     A pole on the circle is the user's to ask for. No tolerance is involved: the poles are those of
     `exact` where the denominator was rounded from it, else the roots of det D_f with the shortest
     decimals of its entries.
-
-    Parameters
-    ----------
-    denominator : array, shape (n_f + 1, l_z, l_z)
-        In powers of q^{-1}, the first coefficient being the identity.
-    exact : TransferFunction or TransferMatrix, optional
-        What the filter was rounded from: the roots of its denominator are the poles.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.targets._model import require_no_pole_outside
-    >>> require_no_pole_outside(np.array([1.0, -1.0]).reshape(-1, 1, 1))
     """
     if not denominator[1:].any():
         return

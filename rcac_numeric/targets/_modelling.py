@@ -146,15 +146,7 @@ def modelling_information(plant: Plant) -> ModellingInformation:
 
 
 def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
-    """The roots of a rational polynomial on or outside the unit circle, with multiplicity.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from rcac_numeric.targets._modelling import zeros_not_inside
-    >>> zeros_not_inside(polynomial("(q - 2)**2*(q - 1/2)"))
-    (2, 2)
-    """
+    """The roots of a rational polynomial on or outside the unit circle, with multiplicity."""
     zeros: list[Number] = []
     for factor, multiplicity in polynomial.factor_list()[1]:
         zeros += multiplicity * _of_irreducible(factor)
@@ -162,17 +154,7 @@ def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
 
 
 def factor_not_inside(polynomial: Poly) -> Poly | None:
-    """The monic factor with the roots on or outside the unit circle; None where it is irrational.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from rcac_numeric.targets._modelling import factor_not_inside
-    >>> factor_not_inside(polynomial("2*(q**2 + 5)*(q - 1/2)")).as_expr()
-    q**2 + 5
-    >>> factor_not_inside(polynomial("q**2 - 3*q + 1")) is None
-    True
-    """
+    """The monic factor with the roots on or outside the circle; None where it is irrational."""
     found = polynomial.one
     for factor, multiplicity in polynomial.factor_list()[1]:
         wanted = _count_not_inside(factor)

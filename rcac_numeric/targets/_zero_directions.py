@@ -195,16 +195,7 @@ def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> Di
 
 
 def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZero, ...]:
-    """The NMP zeros of left G_zu right, a square map, with their left directions.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.targets._zero_directions import directed_zeros
-    >>> directed_zeros(standard_plant("(q - 2)/(q*(q - 0.5))"), Matrix([1]), Matrix([1]))
-    (((2+0j), ((1+0j),)),)
-    """
+    """The NMP zeros of left G_zu right, a square map, with their left directions."""
     n, pencil = plant.n, rosenbrock_matrix(plant, left)
     pencil = pencil[:, :n].row_join(pencil[:, n:] * right)
     q = Symbol("q")
