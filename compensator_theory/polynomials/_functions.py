@@ -87,10 +87,14 @@ class Unknowns:
         return tuple(self._tangents.values())
 
     def conditions(self, nonzero: Iterable[Expr]) -> Iterator[Expr]:
-        """Write what must not vanish: no exponential does, and a root where its radicand does."""
+        """Write what must not vanish: a root does where its radicand does.
+
+        No exponential does, nor does 1 + tan^2, which is 1/cos^2.
+        """
         radicands = {r: k for k, r in self._root.items()}
+        never = {*self._exponential.values(), *(t**2 + 1 for t in self._tangents)}
         for factor in nonzero:
-            if factor not in self._exponential.values():
+            if factor not in never:
                 yield radicands[factor] if factor in radicands else self.shown(factor)
         for angle in self.angles:
             yield 1 + sympy.cos(angle)

@@ -233,6 +233,9 @@ def test_an_exceptional_set_speaks_of_the_functions():
     assert [str(factor) for factor in a_root.exceptional] == ["k"]
     turned = exact.place_poles("1/(s + 1 + cos(a))", [-2], feedback=-1, variable="s")
     assert 1 + cos(a) in turned.exceptional  # where the tangent of a/2 has no value
+    by_sine = exact.place_poles("sin(a)/(s + 1)", [-2], feedback=-1)
+    for factor in by_sine.exceptional:  # 1 + tan(a/2)**2 vanishes nowhere, and is none of them
+        assert any(factor.subs(a, angle) == 0 for angle in (0, sympy.pi))
 
 
 def test_a_result_goes_into_the_next_call():
