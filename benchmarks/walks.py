@@ -5,8 +5,10 @@ Run with: python benchmarks/walks.py [NAME OF A TASK]
 Counted are the functions of the packages that are called, the files and the folders that hold
 them, the deepest stack of them, and the classes of ours that are instantiated. All modules are
 imported before, so that what is made at import does not count. With the name of a task its files
-are listed, each with the functions called there, and its classes. The last line counts the modules
-that a controller needs. The check prints these numbers; nothing enforces them.
+are listed, each with the functions called there, and its classes. Then the way of a plant, in each
+form that one is written in, through the functions that read it: the files that are entered, and how
+often one is entered again that had been left. The last line counts the modules that a controller
+needs. The check prints these numbers; nothing enforces them.
 """
 
 from __future__ import annotations
@@ -22,10 +24,20 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+import control
+import numpy as np
+import sympy
+
 import compensator_theory
 import rcac_experiments
 import rcac_numeric
-from compensator_theory import place_poles, transfer_function
+from compensator_theory import (
+    place_poles,
+    realisation,
+    stability_margins,
+    transfer_function,
+    transfer_matrix,
+)
 from rcac_experiments import check_arguments, load_experiment, verify
 from rcac_experiments.sweeps import read_table, run_study
 from rcac_experiments.sweeps._files import load_study
@@ -37,6 +49,7 @@ from rcac_numeric import (
     check_controller,
     fir_target,
     iir,
+    plant_of,
     read_log,
 )
 from rcac_numeric.estimation import EKF, Estimator, LinearModel
@@ -142,6 +155,64 @@ def walk(task: Callable[[], Any]) -> tuple[dict[str, set[str]], int, set[str]]:
     return called, deepest, classes
 
 
+def plants() -> dict[str, Any]:
+    """One plant, (s + 2)/(s**2 - 1), as somebody may have it."""
+    s = sympy.Symbol("s")
+    A, B, C = [[0, 1], [1, 0]], [[0], [1]], [[2, 1]]
+    return {
+        "text": "(s + 2)/(s**2 - 1)",
+        "SymPy": (s + 2) / (s**2 - 1),
+        "pair of texts": ("s + 2", "s**2 - 1"),
+        "pair of lists": ([1, 2], [1, 0, -1]),
+        "pair of arrays": (np.array([1.0, 2.0]), np.array([1.0, 0.0, -1.0])),
+        "rows": [["(s + 2)/(s**2 - 1)"]],
+        "python-control": control.tf([1, 2], [1, 0, -1]),
+        "control.ss": control.ss(A, B, C, 0),
+        "matrices": (A, B, C),
+        "arrays": tuple(np.array(part, float) for part in (A, B, C)),
+        "one of ours": transfer_function("(s + 2)/(s**2 - 1)"),
+    }
+
+
+READERS: dict[str, Callable[[Any], Any]] = {
+    "transfer_function": lambda plant: transfer_function(plant, "s"),
+    "transfer_matrix": lambda plant: transfer_matrix(plant, "s"),
+    "realisation": lambda plant: realisation(plant, "s"),
+    "place_poles": lambda plant: place_poles(plant, [-1, -2, -3], feedback=-1, variable="s"),
+    "stability_margins": lambda plant: stability_margins(plant, feedback=-1, variable="s"),
+    "plant_of": lambda plant: plant_of(plant, sample_time=0.1, variable="s"),
+}
+
+
+def way(reader: Callable[[Any], Any], plant: Any) -> tuple[int, int, int]:
+    """Files that are entered, entries into one that had been left, and calls."""
+    entered: list[str] = []
+
+    def note(frame: FrameType, event: str, argument: object) -> None:
+        if event == "call" and frame.f_code.co_filename.startswith(PACKAGES):
+            entered.append(frame.f_code.co_filename)
+
+    sys.setprofile(note)
+    try:
+        reader(plant)
+    finally:
+        sys.setprofile(None)
+    moves = [file for file, before in zip(entered, ["", *entered], strict=False) if file != before]
+    return len(set(moves)), len(moves) - len(set(moves)), len(entered)
+
+
+def print_ways() -> None:
+    """Print files and returns, by reader and by what is read."""
+    print("\n" + f"{'files entered + returns':24}" + "".join(f"{n:>18}" for n in READERS))
+    for name, plant in plants().items():
+        found = []
+        for reader in READERS.values():
+            reader(plant)  # what is kept for the next time is no part of the way
+            files, returns, _ = way(reader, plant)
+            found.append(f"{files} + {returns}")
+        print(f"{name:24}" + "".join(f"{one:>18}" for one in found))
+
+
 def modules_of_a_controller() -> str:
     """How many modules `from rcac_numeric import Controller` loads, ours and all."""
     code = (
@@ -172,6 +243,8 @@ def main(chosen: str = "") -> None:
                 print(f"  {Path(file).relative_to(ROOT)}: {', '.join(names)}")
             for one in sorted(classes) if chosen else ():
                 print(f"  class {one}")
+    if not chosen:
+        print_ways()
     ours, every = modules_of_a_controller().split()
     print(f"from rcac_numeric import Controller: {ours} modules of ours, {every} in all")
 
