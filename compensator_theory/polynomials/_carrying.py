@@ -36,7 +36,7 @@ MARK = "_carried"
 """Where a result that shows functions keeps itself in unknowns; None where it was pickled."""
 
 _SIMPLE = {int, float, bool, type(None), Fraction, Symbol, type(sympy.S.One), type(sympy.S.Half)}
-_SIMPLE |= {type(sympy.S.Zero), type(sympy.S.NegativeOne), sympy.Integer}
+_SIMPLE |= {type(sympy.S.Zero), type(sympy.S.NegativeOne), sympy.Integer, sympy.Rational}
 
 
 def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P, Found]]:
@@ -111,19 +111,28 @@ def require_no_functions(given: Any) -> None:
 
 def has_functions(given: Any) -> bool:
     """Tell whether there are functions of symbols in it, or numbers that are carried as such."""
-    if isinstance(given, tuple) and all(map(_is_simple, given)):
-        return False
-    return any(True for _ in functions_in(_expressions(given)))
+    return not _is_simple(given) and any(True for _ in functions_in(_expressions(given)))
 
 
 def _is_simple(value: Any) -> bool:
-    """Whether a short look is enough: nearly all that is passed inside is such."""
+    """Whether a look at the types is enough: nearly all that is passed is such, and is not read."""
     kind = type(value)
-    if kind is tuple or kind is dict:
-        return all(map(_is_simple, value.values() if kind is dict else value))
+    if kind in _SIMPLE:
+        return True
+    if isinstance(value, str):
+        return not _CALL.search(value)
+    if kind is tuple or kind is list or kind is dict:
+        parts = value.values() if kind is dict else value
+        return _SIMPLE.issuperset(map(type, parts)) or all(map(_is_simple, parts))
     if kind is Poly:
-        return bool(value.rep.dom.is_QQ)
-    return kind in _SIMPLE or (hasattr(kind, "_CARRIES") and MARK not in value.__dict__)
+        return _is_of_symbols(value.domain)
+    if hasattr(kind, "__dataclass_fields__"):
+        return MARK not in vars(value)
+    if kind.__module__ == "numpy":
+        return getattr(getattr(value, "dtype", None), "kind", "O") in "biufc"
+    return isinstance(value, MatrixBase) and (
+        hasattr(value, "kept") or _is_of_symbols(value._rep.domain)
+    )
 
 
 def shown_polynomial(descending: list[Expr], variable: Symbol) -> Poly:
@@ -311,26 +320,20 @@ def _parts(value: Any) -> Iterator[Any]:
 
 def _expressions(value: Any) -> Iterator[Expr]:
     """Expressions in which there may be functions."""
+    if _is_simple(value):
+        return
     if isinstance(value, str):
-        yield from _leaves(value)
+        for tree in _trees(value):
+            yield from () if isinstance(tree, str) else leaves_of(tree)
     elif isinstance(value, Poly):
-        domain = value.domain
-        if domain.is_EX or domain.is_EXRAW or not _is_of_symbols(domain):
-            yield from value.all_coeffs() if len(value.gens) == 1 else [value.as_expr()]
+        yield from value.all_coeffs() if len(value.gens) == 1 else [value.as_expr()]
     elif isinstance(value, MatrixBase):
-        if not (hasattr(value, "kept") or _is_of_symbols(value._rep.domain)):
-            yield from value.flat()
+        yield from value.flat()
     elif isinstance(value, Expr):
         yield value
-    elif _is_result(value) and MARK not in vars(value):
-        return
     else:
-        for part in () if _holds_numbers(value) else _parts(value):
+        for part in _parts(value):
             yield from _expressions(part)
-
-
-def _holds_numbers(value: Any) -> bool:
-    return type(value) in (list, tuple) and _SIMPLE.issuperset(map(type, value))
 
 
 def _is_of_symbols(domain: Any) -> bool:
@@ -422,13 +425,6 @@ def _rebuilt(value: Any, change: Callable[[Any], Any]) -> Any:
         found.flat = [change(part) for part in value.flat]
         return found
     return value
-
-
-def _leaves(text: str) -> Iterator[Expr]:
-    if _CALL.search(text):
-        for tree in _trees(text):
-            if not isinstance(tree, str):
-                yield from leaves_of(tree)
 
 
 def _trees(text: str) -> list[Tree | str]:
