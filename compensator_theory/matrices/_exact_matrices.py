@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from itertools import chain
 from typing import Any, Protocol, TypeAlias
 
 import flint
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase, Rational
+from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import (
@@ -23,7 +21,7 @@ from compensator_theory.matrices._kept_matrices import KeptMatrix
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 from compensator_theory.polynomials._budget import ask, decimal_digits, listed, shown
 from compensator_theory.polynomials._decidable import require_rational_functions
-from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._numbers import NumberLike, exact_number, plain_rationals
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
 
@@ -37,9 +35,6 @@ class ArrayOfNumbers(Protocol):
     def __iter__(self) -> Iterator[Any]:
         """Return its rows."""
 
-
-WHOLE_AS_PRINTED = 10**16
-"""Below this a float without a fraction is the integer of its shortest decimal."""
 
 MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNumbers
 """A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
@@ -92,26 +87,11 @@ def _read_at_once(value: Any, name: str) -> KeptMatrix | None:
     shape = len(value), len(value[0])
     ask("entries", shape[0] * shape[1], f"the matrix {name}")
     flat = [*chain.from_iterable(value)]
-    kinds = set(map(type, flat))
-    if kinds == {int}:
+    if set(map(type, flat)) == {int}:
         ask("digits", decimal_digits(max(*flat, -min(flat)).bit_length()), "a number")
         return from_flint(flint.fmpq_mat(flint.fmpz_mat(*shape, flat)))
-    if not all(kind in (int, float, Fraction) or issubclass(kind, Rational) for kind in kinds):
-        return None
-    entries = [*map(_number, flat)]
-    if None in entries:
-        return None
-    return _asked(from_flint(flint.fmpq_mat(*shape, entries)), name)
-
-
-def _number(entry: Any) -> flint.fmpq | None:
-    """Read one entry as :func:`exact_number` does; None if it is not finite."""
-    if isinstance(entry, float):
-        if not math.isfinite(entry):
-            return None
-        whole = entry.is_integer() and abs(entry) < WHOLE_AS_PRINTED
-        entry = int(entry) if whole else Fraction(repr(entry))
-    return flint.fmpq(int(entry.numerator), int(entry.denominator))
+    entries = plain_rationals(flat)
+    return None if entries is None else from_flint(flint.fmpq_mat(*shape, entries))
 
 
 def _asked(matrix: RationalMatrix, name: str) -> RationalMatrix:

@@ -26,8 +26,8 @@ from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import (
     SpectrumLike,
+    from_read_roots,
     lists_roots,
-    polynomial_from_roots,
     read_roots,
 )
 from compensator_theory.polynomials._letters import names_in_all, numbered
@@ -166,11 +166,11 @@ def _of_least_order(
         raise InputError(
             f"there are {len(poles)} poles, but the loop has at least {G.order}; give more"
         )
-    polynomial_from_roots(poles, G.variable)  # complain about the whole list first
+    from_read_roots(poles, G.variable)  # complain about the whole list first
     reason: Exception | None = None
     for count in range(G.order, len(poles) + 1):
         try:
-            polynomial_from_roots(poles[:count], G.variable)
+            from_read_roots(poles[:count], G.variable)
         except InputError:
             continue  # a conjugate pair is divided here
         try:
@@ -197,7 +197,7 @@ def _goal(
         goal = read_polynomial(coefficients, G.variable)
     elif lists_roots(target):
         roots = read_roots(cast(Iterable[NumberLike], target))
-        goal = polynomial_from_roots(roots, G.variable)
+        goal = from_read_roots(roots, G.variable)
     else:
         goal = read_polynomial(cast(PolynomialLike, target), G.variable)
     require_no_other_operator(goal)

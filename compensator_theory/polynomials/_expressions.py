@@ -13,10 +13,10 @@ import sympy
 from sympy import Expr, Integer, Rational, Symbol
 from sympy.printing.str import StrPrinter
 
-from compensator_theory._printing import fraction_of
+from compensator_theory._printing import SHORT, fraction_of
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
-from compensator_theory.polynomials._budget import ask, ask_for_number, shown
+from compensator_theory.polynomials._budget import ask, ask_for_number, limit_of, shown
 from compensator_theory.polynomials._quotients import (
     Leaf,
     Power,
@@ -43,7 +43,6 @@ _TOKEN = re.compile(
     rf"|(?P<name>[^\W\d{_SMALL}][^\W{_SMALL}]*)|(?P<operator>\*\*|[-+*/^(),])"
     r"|(?P<raised>[⁺⁻]?[⁰¹²³⁴-⁹]+)|(?P<end>\Z))"
 )
-_KINDS = ("number", "name", "operator", "raised", "end")
 _CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi, "π": sympy.pi}
 _FUNCTIONS = ("sqrt", "CRootOf")
 _TRANSCENDENTAL = {
@@ -168,8 +167,8 @@ def _tokens(text: str) -> list[_Token]:
         if match is None:
             wrong = repr(text[place:].lstrip()[:1])
             raise InputError(f"cannot read {_short(text)}: no {wrong} there; write {_GRAMMAR}")
-        kind = next(k for k in _KINDS if match[k] is not None)
-        found.append(_Token(kind, match[kind], bool(match["space"]), bool(match["imaginary"])))
+        kind = "number" if (last := match.lastgroup or "") == "imaginary" else last
+        found.append(_Token(kind, match[kind], bool(match["space"]), last == "imaginary"))
         place = match.end()
     return found
 
@@ -183,8 +182,11 @@ class _Reader:
     place: int = 0
     depth: int = 0
     has_symbols: bool = field(init=False)
+    digits: int = field(init=False)
+    nesting: int = field(init=False)
 
     def __post_init__(self) -> None:
+        self.digits, self.nesting = min(SHORT, limit_of("digits")), limit_of("nesting")
         names = {token.text for token in self.tokens if token.kind == "name"}
         self.has_symbols = bool(names - set(_CONSTANTS) - set(_FUNCTIONS))
 
@@ -233,8 +235,12 @@ class _Reader:
         if not self.take("**", "^"):
             return base
         self.deeper()
-        exponent = multiplied_out(self.signed()).value()
+        written = self.signed()
         self.depth -= 1
+        if isinstance(written, Leaf) and written.value.is_Rational:
+            exponent = written.value
+        else:
+            exponent = multiplied_out(written).value()
         if exponent.is_Integer:
             return Power(base, int(exponent))
         return tree_of(real_power(multiplied_out(base).value(), exponent))
@@ -249,6 +255,9 @@ class _Reader:
         token = self.next
         self.place += 1
         if token.kind == "number":
+            is_short = len(token.text) < self.digits and token.text.isdecimal()
+            if is_short and not token.is_imaginary:
+                return Leaf(Integer(int(token.text)))
             return _number(token)
         if token.kind == "name" and token.text in _FUNCTIONS:
             return self.function(token.text)
@@ -286,7 +295,8 @@ class _Reader:
 
     def deeper(self) -> None:
         self.depth += 1
-        ask("nesting", self.depth, f"the expression {_short(self.text)}")
+        if self.depth > self.nesting:
+            ask("nesting", self.depth, f"the expression {_short(self.text)}")
 
     def require_clear_sign(self) -> None:
         """Refuse -1 -2: in a list of numbers it would be two, in a sum it is one."""

@@ -19,7 +19,7 @@ from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import WORDS
 from compensator_theory.polynomials._functions import functions_in
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
-from compensator_theory.polynomials._poly import canonical, from_expression
+from compensator_theory.polynomials._poly import canonical, from_coefficients, from_expression
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import as_symbol
 
@@ -95,9 +95,22 @@ def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -
     Poly(s**3 + 2*s**2 + 63/50*s + 13/50, s, domain='QQ')
     """
     symbol = as_symbol(variable)
+    return _multiplied_out(read_roots(roots), symbol)
+
+
+@carrying()
+def from_read_roots(roots: tuple[Expr, ...], variable: Symbol) -> Poly:
+    """Multiply out what :func:`read_roots` returned, as :func:`polynomial_from_roots` does."""
+    return _multiplied_out(roots, variable)
+
+
+def _multiplied_out(roots: tuple[Expr, ...], symbol: Symbol) -> Poly:
     plain: list[Expr] = []
     irrational: list[Algebraic] = []
-    for root in read_roots(roots):
+    for root in roots:
+        if root.is_Rational:
+            plain.append(root)
+            continue
         if symbol in root.free_symbols:
             raise InputError(f"the root {quoted(root)} contains the variable {symbol} itself")
         number = None if _is_plain(root) else algebraic(root)
@@ -124,6 +137,9 @@ def _rational_or_symbolic(roots: Sequence[Expr], s: Symbol) -> list[Poly]:
     for root in roots:
         if not waiting[root]:
             continue
+        if root.is_Rational:
+            factors.append(from_coefficients([sympy.S.One, -root], s))
+            continue
         partner = sympy.expand(root.xreplace({sympy.I: -sympy.I}))
         waiting[root] -= 1
         if partner == root and any(True for _ in functions_in([root])):
@@ -139,11 +155,15 @@ def _rational_or_symbolic(roots: Sequence[Expr], s: Symbol) -> list[Poly]:
                 f"the root {quoted(root)} lacks its conjugate {quoted(partner)}; list both, "
                 "equally often"
             )
-    return [*factors, from_expression(sympy.expand(sympy.Mul(*joint)), s)]
+    if joint:
+        factors.append(from_expression(sympy.expand(sympy.Mul(*joint)), s))
+    return factors
 
 
 def _irrational(roots: Sequence[Algebraic], s: Symbol) -> list[Poly]:
     """Take out whole minimal polynomials, whose coefficients are rational; then pair the rest."""
+    if not roots:
+        return []
     factors, rest = [], []
     for members in _grouped(roots):
         minimal = members[0][0].minimal

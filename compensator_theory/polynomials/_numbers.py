@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -16,7 +16,14 @@ from sympy import Expr, Rational
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
-from compensator_theory.polynomials._budget import ask, ask_for_number, listed, shown
+from compensator_theory.polynomials._budget import (
+    ask,
+    ask_for_number,
+    decimal_digits,
+    limit_of,
+    listed,
+    shown,
+)
 from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._expressions import parse_expression
 from compensator_theory.polynomials._sympy_trees import rational_floats, require_readable
@@ -26,6 +33,9 @@ NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
 
 PLAIN = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{1,18}|/[1-9][0-9]{0,17})?")
 """Texts that need no parser; a matrix may hold 500 000 of them."""
+
+WHOLE_AS_PRINTED = 10**16
+"""Below this a float without a fraction is the integer of its shortest decimal."""
 
 
 @roots_in_sympy()
@@ -91,11 +101,38 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     if getattr(values, "shape", None) == ():
         raise InputError(f"{shown(values)} is one number and no list; give the number itself")
     given = listed(values, "degree", "the list of coefficients", more=1)
-    found = [sympy.sympify(exact_number(v)) for v in given]
-    if not found:
+    if not given:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+    if (rational := plain_rationals(given)) is not None:
+        return [Rational(int(value.p), int(value.q)) for value in rational]
+    found = [sympy.sympify(exact_number(v)) for v in given]
     require_decidable(found)
     return found
+
+
+def plain_rationals(values: Sequence[Any]) -> list[flint.fmpq] | None:
+    """Read finite numbers of Python, and SymPy's Rationals, each as :func:`exact_number` does.
+
+    None where there is anything else, or a number longer than the budget allows: whoever reads them
+    one by one says which.
+    """
+    if not all(_is_plain(kind) for kind in set(map(type, values))):
+        return None
+    found = []
+    for given in values:
+        value = given
+        if isinstance(given, float):
+            if not math.isfinite(given):
+                return None
+            whole = given.is_integer() and abs(given) < WHOLE_AS_PRINTED
+            value = int(given) if whole else Fraction(float.__repr__(given))
+        found.append(flint.fmpq(int(value.numerator), int(value.denominator)))
+    longest = max(map(flint.fmpq.height_bits, found), default=0)
+    return found if decimal_digits(longest) <= limit_of("digits") else None
+
+
+def _is_plain(kind: type) -> bool:
+    return issubclass(kind, int | float | Fraction | Rational) and kind is not bool
 
 
 def _ratio(numerator: int, denominator: int) -> Rational:

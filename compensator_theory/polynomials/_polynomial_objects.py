@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import flint
-from sympy import Poly, Symbol
+from sympy import Expr, Poly, Symbol
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
 
@@ -25,6 +25,8 @@ def in_our_order(obj: Any) -> Any:
     NumPy's `Polynomial` and python-flint list their coefficients from the constant on, `poly1d`
     from the highest power down, and each is read in its own order. What is none is handed back.
     """
+    if isinstance(obj, str | list | tuple | Poly | Expr):
+        return obj
     if isinstance(obj, PolyElement | FracElement):
         expression = obj.as_expr()
         symbols = (obj.ring if isinstance(obj, PolyElement) else obj.field).symbols

@@ -65,6 +65,20 @@ class Quotient:
     denominator: flint.fmpq_mpoly
     generators: tuple[Expr, ...]
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is made of symbols and rational numbers alone."""
+        return all(generator.is_Symbol for generator in self.generators)
+
+    @property
+    def free_symbols(self) -> set[Symbol]:
+        """The symbols that occur; what cancelled in a sum does not."""
+        if not self.is_plain:
+            return set().union(*(side.free_symbols for side in self.sides()))
+        degrees = zip(self.numerator.degrees(), self.denominator.degrees(), strict=True)
+        occurs = zip(self.generators, degrees, strict=True)
+        return {symbol for symbol, powers in occurs if max(powers) > 0}
+
     def sides(self) -> tuple[Expr, Expr]:
         """Return both as SymPy expressions; a constant denominator divides the numerator."""
         if self.denominator.is_constant():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
 from numbers import Number
-from typing import Protocol, TypeAlias, cast
+from typing import Any, Protocol, TypeAlias, cast
 
 import sympy
-from sympy import Poly, Symbol, Tuple
+from sympy import Expr, Poly, Symbol, Tuple
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
@@ -23,7 +23,7 @@ from compensator_theory.polynomials._poly import (
     from_quotient,
 )
 from compensator_theory.polynomials._polynomial_objects import in_our_order
-from compensator_theory.polynomials._quotients import multiplied_out
+from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
     Readable,
@@ -74,22 +74,21 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     >>> polynomial([1, "a", 0.25], "q")
     Poly(q**2 + a*q + 1/4, q, domain='QQ[a]')
     """
-    obj = in_our_order(obj)
-    if isinstance(obj, Poly):
-        return _from_poly(obj, variable)
-    if isinstance(obj, str):
-        quotient = read_text(obj)
-        return from_quotient(quotient, shared_variable([quotient.value()], variable))
-    if not is_list(obj) and (is_collection(obj) or hasattr(obj, "__iter__")):
+    read = read_once(obj)
+    if isinstance(read, Poly):
+        return _from_poly(read, variable)
+    if isinstance(read, Quotient):
+        reduced = read.reduced()
+        return from_quotient(reduced, shared_variable([_shown(reduced)], variable))
+    if isinstance(read, Expr):
+        symbol = shared_variable([read], variable)
+        return from_quotient(multiplied_out(tree_of(read), least_denominators=True), symbol)
+    if not is_list(read):
         raise InputError(
-            f"a {type(obj).__name__} does not say which is its first and which its last "
+            f"a {type(read).__name__} does not say which is its first and which its last "
             "coefficient; list them from the highest power down, as in [1, 3, 2]"
         )
-    if not is_list(obj):
-        expression = exact_number(obj)
-        symbol = shared_variable([expression], variable)
-        return from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
-    coefficients = read_coefficients(cast(Iterable[NumberLike], obj))
+    coefficients = read_coefficients(cast(Iterable[NumberLike], read))
     if variable is None:
         raise InputError(
             f"the variable of a list of {len(coefficients)} coefficients is not evident; name it, "
@@ -99,6 +98,30 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     if any(symbol in value.free_symbols for value in coefficients):
         raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
     return from_coefficients(coefficients, symbol)
+
+
+def read_once(obj: Any) -> Any:
+    """Read a text or an expression, whose variable is not asked yet.
+
+    Return a Poly, the Quotient of a text, an Expr, or what lists coefficients, as it is.
+    """
+    obj = in_our_order(obj)
+    if isinstance(obj, Poly | Quotient):
+        return obj
+    if isinstance(obj, str):
+        return read_text(obj)
+    if is_collection(obj) or hasattr(obj, "__iter__"):
+        return obj
+    return sympy.sympify(exact_number(obj))
+
+
+def read_quotient(obj: Any) -> Quotient:
+    """Read a text as it is written, and any other expression or number as SymPy has it."""
+    if isinstance(obj, Quotient):
+        return obj
+    if isinstance(obj, str):
+        return read_text(obj)
+    return multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
 
 
 class HasCharacteristicPolynomial(Protocol):
@@ -143,17 +166,17 @@ def in_one_variable(
     *objects: PolynomialLike, variable: str | Symbol | None = None, default: str | None = None
 ) -> tuple[Poly, ...]:
     """Read polynomials that are to be compared, by the rule of :func:`shared_variable`."""
-    objects = tuple(map(in_our_order, objects))
-    if variable is None:
-        read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
-        if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
-            return tuple(map(canonical, read))  # what is read already costs next to nothing
-    parts = [_shown(obj) for obj in objects]
+    if variable is not None:
+        symbol = as_symbol(variable)
+        return tuple(polynomial(obj, symbol) for obj in objects)
+    read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
+    if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
+        return tuple(map(canonical, read))  # what is read already costs next to nothing
+    readings = [*map(_reading, objects)]
+    parts = [part for part, _ in readings]
     shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
-    if variable is None and default is not None and not shows:
-        variable = default
-    symbol = shared_variable(parts, variable)
-    return tuple(polynomial(obj, symbol) for obj in objects)
+    symbol = shared_variable(parts, None if shows else default)
+    return tuple(polynomial(obj, symbol) for _, obj in readings)
 
 
 def is_list(obj: object) -> bool:
@@ -174,11 +197,19 @@ def _shows_variable(poly: Poly) -> bool:
     return len(poly.gens) == 1 and bool(poly.gen.is_Symbol)
 
 
-def _shown(obj: PolynomialLike) -> Readable:
-    if isinstance(obj, Poly):
-        return canonical(obj) if len(obj.gens) == 1 else obj.as_expr()
-    is_listed = hasattr(obj, "__iter__") and not isinstance(obj, str)
-    return None if is_listed else sympy.sympify(exact_number(obj))
+def _reading(obj: PolynomialLike) -> tuple[Readable, Any]:
+    """What an argument shows of the variable, and it, read where :func:`polynomial` need not."""
+    read = read_once(obj)
+    if isinstance(read, Poly):
+        return (canonical(read) if len(read.gens) == 1 else read.as_expr()), obj
+    if isinstance(read, Quotient):
+        reduced = read.reduced()
+        return _shown(reduced), reduced if reduced.is_plain else obj  # the rest it may carry
+    return (read if isinstance(read, Expr) else None), obj
+
+
+def _shown(reduced: Quotient) -> Readable:
+    return reduced if reduced.is_plain else reduced.value()
 
 
 def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Float, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, decimal_digits
+from compensator_theory.polynomials._budget import ask, decimal_digits, limit_of
 from compensator_theory.polynomials._quotients import (
     Leaf,
     Power,
@@ -36,13 +36,15 @@ _X = Symbol("x")
 
 def require_readable(expression: Expr) -> None:
     """Refuse an expression that is not built from numbers, symbols and elementary functions."""
+    most, deepest = limit_of("characters"), limit_of("nesting")
     waiting: list[tuple[sympy.Basic, int]] = [(expression, 0)]
     seen = 0
     while waiting:
         part, depth = waiting.pop()
         seen += 1
-        ask("characters", seen, "the expression")
-        ask("nesting", depth, "the expression")
+        if seen > most or depth > deepest:
+            ask("characters", seen, "the expression")
+            ask("nesting", depth, "the expression")
         if part in (sympy.nan, sympy.oo, -sympy.oo, sympy.zoo):
             raise InputError("the expression is not finite; exact data must be finite")
         if part.is_Rational:

@@ -11,6 +11,7 @@ from sympy import Expr, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import quoted, shown
 from compensator_theory.polynomials._expressions import POSITIVE, UNKNOWN, parse_expression
+from compensator_theory.polynomials._quotients import Quotient
 
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
 OPERATORS = (*CONTINUOUS, *DISCRETE)
@@ -19,8 +20,9 @@ OPERATORS = (*CONTINUOUS, *DISCRETE)
 Time: TypeAlias = Literal["continuous", "discrete"]
 """The time domain: what is stable is the left half plane, or the inside of the unit circle."""
 
-Readable: TypeAlias = Poly | Expr | None
-"""A polynomial, an expression, or None for what shows no variable (a list of coefficients)."""
+Readable: TypeAlias = Poly | Expr | Quotient | None
+"""A polynomial, an expression, a text that was read and reduced; None for a list, which shows no
+variable."""
 
 
 def as_symbol(variable: str | Symbol) -> Symbol:
@@ -199,6 +201,6 @@ class _Names:
         return " and ".join(map(_written, shown or given)) or "a list of coefficients"
 
 
-def _written(part: Poly | Expr) -> str:
-    text = quoted(part)
+def _written(part: Poly | Expr | Quotient) -> str:
+    text = quoted(part.value() if isinstance(part, Quotient) else part)
     return text if len(text) <= 60 else text[:57] + "..."
