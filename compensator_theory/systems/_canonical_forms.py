@@ -16,10 +16,16 @@ from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._variables import as_symbol, time_of
-from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems._descriptions import States, described, shape_of
+from compensator_theory.systems._conversions import TransferFunctionLike, scalar_of
+from compensator_theory.systems._descriptions import (
+    Kind,
+    described,
+    read_system,
+    realised,
+    shape_of,
+)
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
-from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
+from compensator_theory.systems._kinds import States
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every
 from compensator_theory.systems._state_space import controllable_canonical_form
@@ -85,24 +91,16 @@ def realisation(
 
 
 def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Realisation:
-    if isinstance(obj, Realisation):
-        if variable is not None and as_symbol(variable) != obj.variable:
-            raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
-        return obj
-    if isinstance(obj, DescriptorSystem):
-        return _read(obj.realisation(), variable, form)
-    obj = described(obj, variable)
-    if isinstance(obj, Realisation | DescriptorSystem):
-        return _read(obj, variable, form)
-    if isinstance(obj, States):
-        return obj.realisation(variable)
-    if is_foreign(obj):
-        found = contents_of(obj, variable)
-        if isinstance(found, Matrices):
-            return Realisation(
-                found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
-            )
-    return _canonical(obj, variable, form)
+    found = read_system(obj, variable)
+    if isinstance(found, States):
+        return realised(found, variable)
+    if isinstance(found, DescriptorSystem):
+        found = found.realisation()
+    if not isinstance(found, Realisation):
+        return _canonical(found, variable, form)
+    if variable is not None and as_symbol(variable) != found.variable:
+        raise InputError(f"the realisation has the variable {found.variable}, not {variable}")
+    return found
 
 
 def timed_realisation(
@@ -120,13 +118,13 @@ def timed_realisation(
     return read
 
 
-def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:
-    if (shape := shape_of(obj, variable)) != (1, 1):
+def _canonical(found: Kind, variable: str | Symbol | None, form: str) -> Realisation:
+    if (shape := shape_of(found, variable)) != (1, 1):
         raise InputError(
             f"a transfer matrix of {shape[0]} outputs and {shape[1]} inputs has no canonical form "
             "here; give minimal_realisation(G).realisation"
         )
-    G = transfer_function(obj, variable)
+    G = scalar_of(found, variable)
     A, B, C, D = controllable_canonical_form(G)
     if form == "observable":
         A, B, C = A.T, C.T, B.T

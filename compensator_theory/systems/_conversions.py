@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any, TypeAlias
 
 from sympy import Poly, Symbol
@@ -12,34 +11,25 @@ from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.matrices._exact_matrices import MatrixLike
 from compensator_theory.polynomials._carrying import carrying
-from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._from_roots import polynomial_from_roots
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import scaled, sides_in
-from compensator_theory.polynomials._quotients import Quotient, multiplied_out
+from compensator_theory.polynomials._quotients import Quotient
 from compensator_theory.polynomials._reading import (
     PolynomialLike,
     in_one_variable,
     polynomial,
 )
-from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
     as_symbol,
     evident_variable,
     require_no_other_operator,
 )
-from compensator_theory.systems._descriptions import Pair, Rows, States, described
+from compensator_theory.systems._descriptions import Kind, read_system, realised
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
-from compensator_theory.systems._foreign import (
-    Contents,
-    ForeignSystem,
-    Fraction,
-    Matrices,
-    ZerosAndPoles,
-    contents_of,
-    is_foreign,
-)
+from compensator_theory.systems._foreign import ForeignSystem
+from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -123,48 +113,39 @@ def transfer_function(
     >>> G.time, (G * G).sample_time
     ('discrete', 1/100)
     """
-    found = _read(obj, variable, zeros, poles, gain)
+    if obj is None:
+        obj = Roots(zeros, poles, gain)
+    elif not (zeros is None and poles is None and gain is None):
+        raise InputError("give either a transfer function or zeros, poles and gain, not both")
+    found = scalar_of(read_system(obj, variable), variable)
     return found if sample_time is None else sampled_every(found, sample_time)
 
 
-def _read(
-    obj: TransferFunctionLike | None,
-    variable: str | Symbol | None,
-    zeros: Iterable[NumberLike] | None,
-    poles: Iterable[NumberLike] | None,
-    gain: NumberLike | None,
-) -> TransferFunction:
-    if isinstance(obj, Mapping):
-        unknown = sorted(map(str, set(obj) - {"zeros", "poles", "gain"}))
-        if unknown:
-            raise InputError(f"unknown keys {unknown}; a transfer function has zeros, poles, gain")
-        return transfer_function(None, variable, **obj)
-    if obj is None:
-        return _from_roots(zeros, poles, gain, variable)
-    if not (zeros is None and poles is None and gain is None):
-        raise InputError("give either a transfer function or zeros, poles and gain, not both")
-    obj = described(obj, variable)
-    if isinstance(obj, States):
-        obj = obj.realisation(variable)
-    if isinstance(obj, Realisation | DescriptorSystem):
-        obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
-    if isinstance(obj, TransferMatrix):
-        obj = obj.scalar()
-    if isinstance(obj, TransferFunction):
-        return _in_variable(obj, variable)
-    if isinstance(obj, str):
-        return _from_quotient(read_text(obj), variable)
-    if isinstance(obj, Poly):
-        return TransferFunction(polynomial(obj, variable), polynomial(1, obj.gen))
-    if isinstance(obj, Rows):
-        return transfer_function(_only_entry(obj), variable)
-    if isinstance(obj, Pair):
-        pair = in_one_variable(obj.numerator, obj.denominator, variable=variable)
-        return TransferFunction(*pair)
-    if is_foreign(obj):
-        return _from_foreign(contents_of(obj, variable))
-    tree = tree_of(exact_number(obj))
-    return _from_quotient(multiplied_out(tree, least_denominators=True), variable)
+def scalar_of(found: Kind, variable: str | Symbol | None) -> TransferFunction:
+    """Make the transfer function of what was read."""
+    match found:
+        case TransferFunction():
+            return _in_variable(found, variable)
+        case TransferMatrix():
+            return _in_variable(found.scalar(), variable)
+        case Realisation() | DescriptorSystem():
+            G = found.transfer_function() if found.is_siso else found.transfer_matrix().scalar()
+            return _in_variable(G, variable)
+        case States():
+            return scalar_of(realised(found, variable), None)
+        case Quotient():
+            return _from_quotient(found, variable)
+        case Poly():
+            return TransferFunction(polynomial(found, variable), polynomial(1, found.gen))
+        case Pair(numerator, denominator, own, period):
+            symbol = variable if own is None else own
+            top, bottom = in_one_variable(numerator, denominator, variable=symbol)
+            return TransferFunction(top, bottom, sample_time=period)
+        case Roots():
+            return _from_roots(found, variable)
+        case Rows():
+            return scalar_of(read_system(_only_entry(found), variable), variable)
+    raise AssertionError(found)
 
 
 def _only_entry(rows: Rows) -> Any:
@@ -177,23 +158,19 @@ def _only_entry(rows: Rows) -> Any:
     return rows.entries[0][0]
 
 
-def _from_roots(
-    zeros: Iterable[NumberLike] | None,
-    poles: Iterable[NumberLike] | None,
-    gain: NumberLike | None,
-    variable: str | Symbol | None,
-) -> TransferFunction:
-    if poles is None:
+def _from_roots(found: Roots, variable: str | Symbol | None) -> TransferFunction:
+    if found.poles is None:
         raise InputError("give a transfer function, or at least its poles")
-    if variable is None:
+    if (variable := variable if found.variable is None else found.variable) is None:
         raise InputError(
             "zeros and poles do not show the variable; name it, as in transfer_function(zeros=z, "
             "poles=p, gain=k, variable='s')"
         )
     symbol = as_symbol(variable)
-    numerator = polynomial_from_roots(() if zeros is None else zeros, symbol)
-    factor = exact_number(1 if gain is None else gain)
-    return TransferFunction(scaled(numerator, factor), polynomial_from_roots(poles, symbol))
+    numerator = polynomial_from_roots(() if found.zeros is None else found.zeros, symbol)
+    numerator = scaled(numerator, exact_number(1 if found.gain is None else found.gain))
+    denominator = polynomial_from_roots(found.poles, symbol)
+    return TransferFunction(numerator, denominator, sample_time=found.sample_time)
 
 
 def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> TransferFunction:
@@ -201,11 +178,8 @@ def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> Transfe
         sides = sides_in(quotient, as_symbol(variable))
         require_no_other_operator(*sides)
         return TransferFunction(*sides)
-    top, bottom = quotient.sides()
-    occurring = top.free_symbols | bottom.free_symbols
-    return TransferFunction(
-        *sides_in(quotient, evident_variable(occurring, "the transfer function"))
-    )
+    symbol = evident_variable(quotient.free_symbols, "the transfer function")
+    return TransferFunction(*sides_in(quotient, symbol))
 
 
 def _in_variable(G: TransferFunction, variable: str | Symbol | None) -> TransferFunction:
@@ -214,19 +188,3 @@ def _in_variable(G: TransferFunction, variable: str | Symbol | None) -> Transfer
     raise InputError(
         f"{G} is a transfer function in {G.variable}, not in {variable}; build it in {variable}"
     )
-
-
-def _from_foreign(found: Contents) -> TransferFunction:
-    return replace(_fraction_of(found), sample_time=found.sample_time)
-
-
-def _fraction_of(found: Contents) -> TransferFunction:
-    match found:
-        case Fraction(numerator, denominator, variable):
-            return TransferFunction(
-                polynomial(numerator, variable), polynomial(denominator, variable)
-            )
-        case ZerosAndPoles(zeros, poles, gain, variable):
-            return _from_roots(zeros, poles, gain, variable)
-        case Matrices(A, B, C, D, variable):
-            return Realisation(A, B, C, D, variable).transfer_function()

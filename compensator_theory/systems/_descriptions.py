@@ -1,10 +1,14 @@
-"""What lists, tuples and arrays describe: a fraction, a matrix of them, or a state space."""
+"""The door of every function that takes a system: what was given, asked here and nowhere else.
+
+What is given comes down to a :data:`Kind`, which `_conversions` makes a transfer function of,
+`_matrix_conversions` a transfer matrix, and `_canonical_forms` a realisation.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from numbers import Number
+from typing import Any, NoReturn, TypeAlias
 
 from sympy import Expr, MatrixBase, Poly, Rational, Symbol, Tuple
 
@@ -12,54 +16,17 @@ from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials._budget import ask, is_array, shown
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._polynomial_objects import in_our_order
-from compensator_theory.polynomials._reading import is_list
+from compensator_theory.polynomials._quotients import Quotient
+from compensator_theory.polynomials._reading import is_list, read_quotient
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import as_symbol, is_operator
-from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign
+from compensator_theory.systems._foreign import contents_of, is_foreign
+from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import System
 
-
-@dataclass(frozen=True)
-class Pair:
-    """Numerator and denominator, each a polynomial in any form."""
-
-    numerator: Any
-    denominator: Any
-
-
-@dataclass(frozen=True)
-class Rows:
-    """A matrix by rows; an entry is a transfer function in any form."""
-
-    entries: list[list[Any]]
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Numbers of outputs and inputs."""
-        return len(self.entries), len(self.entries[0])
-
-
-@dataclass(frozen=True)
-class States:
-    """Matrices of a state space; where a sample time stands beside them, they are of its time."""
-
-    A: Any
-    B: Any
-    C: Any
-    D: Any = None
-    sample_time: Rational | None = None
-
-    def realisation(self, variable: str | Symbol | None) -> Realisation:
-        """The realisation, whose time domain has to be known."""
-        if variable is None and self.sample_time is None:
-            raise InputError(
-                "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, "
-                "'s') for continuous time, with 'z' or 'q' for discrete time"
-            )
-        symbol = "z" if variable is None else variable
-        return Realisation(self.A, self.B, self.C, self.D, symbol, sample_time=self.sample_time)
-
+Kind: TypeAlias = Pair | Roots | Rows | States | System | Poly | Quotient
+"""All that a description comes down to."""
 
 FORMS = (
     "give a text, a pair (num, den), matrices (A, B, C, D), rows of transfer functions such as "
@@ -78,6 +45,8 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
         held = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
         return held if isinstance(held, Realisation) else obj
+    if isinstance(obj, Kind | str):
+        return obj
     if isinstance(obj, MatrixBase):
         return _rows(obj.tolist())
     if isinstance(obj, list | tuple | Tuple):
@@ -87,8 +56,39 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
             _refuse(obj)
         ask("entries", obj.size, "the transfer matrix")
         return _rows([[obj[i, j] for j in range(obj.shape[1])] for i in range(obj.shape[0])])
-    read = in_our_order(obj)
+    read = in_our_order(obj)  # an element of SymPy's rings is a mapping, and a polynomial
+    if isinstance(read, Mapping):
+        if unknown := sorted(map(str, set(read) - {"zeros", "poles", "gain"})):
+            raise InputError(f"unknown keys {unknown}; a transfer function has zeros, poles, gain")
+        return Roots(**read)
     return Pair(read, 1) if isinstance(read, list) else read
+
+
+def read_system(obj: Any, variable: str | Symbol | None = None) -> Kind:
+    """Return what a system is written as; a text or an expression is read in the same pass."""
+    if obj is None:
+        return Roots()
+    found = opened(described(obj, variable), variable)
+    return found if isinstance(found, Kind) else read_quotient(found)
+
+
+def opened(obj: Any, variable: str | Symbol | None = None) -> Any:
+    """Return a text as it was read, a foreign system as what it holds, and all else as it is."""
+    if isinstance(obj, str):
+        return read_quotient(obj)
+    return contents_of(obj, variable) if is_foreign(obj) else obj
+
+
+def realised(found: States, variable: str | Symbol | None) -> Realisation:
+    """The realisation of matrices, whose time domain has to be known."""
+    symbol = variable if found.variable is None else found.variable
+    if symbol is None and found.sample_time is None:
+        raise InputError(
+            "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, "
+            "'s') for continuous time, with 'z' or 'q' for discrete time"
+        )
+    symbol = "z" if symbol is None else symbol
+    return Realisation(found.A, found.B, found.C, found.D, symbol, sample_time=found.sample_time)
 
 
 def is_description(obj: object) -> bool:
@@ -107,14 +107,14 @@ def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
     if all(hasattr(found, name) for name in "ABCD"):
         return True
     joined = type(found).__module__.startswith("sympy") and shape_of(found) == (1, 1)
-    return joined and isinstance(contents_of(found, variable), Matrices)
+    return joined and isinstance(contents_of(found, variable), States)
 
 
 def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
     """Numbers of outputs and inputs, as far as they show; (1, 1) of whatever is scalar."""
     found = described(obj, variable)
     if isinstance(found, States):
-        found = found.realisation("s" if variable is None else variable)
+        return _sizes(found.C)[0], _sizes(found.B)[1]
     if is_foreign(found):
         counts: tuple[Any, Any] = (None, None)
         if hasattr(found, "noutputs"):  # of python-control, SymPy and SciPy
@@ -189,6 +189,8 @@ def _rows(rows: list[list[Any]]) -> Rows:
 
 def _level(part: Any) -> int:
     """How many levels of lists: 0 of a text, a number, a system; 2 of a matrix; -1 of none."""
+    if isinstance(part, Number | str | System):
+        return 0
     if isinstance(part, MatrixBase):
         return 2
     if is_array(part):
@@ -236,7 +238,7 @@ def _states(parts: Sequence[Any], variable: str | Symbol | None) -> States | Non
     D = rest[0] if rest else None
     if not _is_matrix(A) or not (_is_matrix(D) or D is None or _is_zero(D) or _level(D) == 1):
         return None
-    n = _size(A)
+    n, _ = _sizes(A)
     B = [[entry] for entry in B] if is_list(B) and not _is_matrix(B) and len(B) == n else B
     C = [[*C]] if is_list(C) and not _is_matrix(C) and len(C) == n else C
     if not (_is_matrix(B) and _is_matrix(C)):
@@ -257,7 +259,7 @@ def _states(parts: Sequence[Any], variable: str | Symbol | None) -> States | Non
             f"the sample time {shown(rest[1])} beside (A, B, C, D) is no positive number of "
             "seconds; leave it out, and name the variable"
         )
-    return States(A, B, C, D, period)
+    return States(A, B, C, D, sample_time=period)
 
 
 def _is_matrix(obj: object) -> bool:
@@ -269,8 +271,9 @@ def _is_matrix(obj: object) -> bool:
     return isinstance(obj, MatrixBase) or getattr(obj, "ndim", 0) == 2
 
 
-def _size(A: Any) -> int:
-    return int(A.shape[0]) if hasattr(A, "shape") else len(A)
+def _sizes(matrix: Any) -> tuple[int, int]:
+    shape = matrix.shape if hasattr(matrix, "shape") else (len(matrix), len(matrix[0]))
+    return int(shape[0]), int(shape[1])
 
 
 def _is_zero(D: object) -> bool:
@@ -290,6 +293,8 @@ def _shows(lists: Sequence[Any], variable: str | Symbol | None) -> bool:
         return is_operator(symbol) if named is None else symbol == named
 
     for entry in (entry for one in lists for entry in one):
+        if isinstance(entry, Number):
+            continue
         if isinstance(entry, System | tuple) or is_foreign(entry):
             return True
         if isinstance(entry, Poly) and any(map(is_variable, entry.gens)):

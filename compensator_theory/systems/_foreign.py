@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Protocol, TypeAlias
 
 from sympy import Rational, Symbol
@@ -11,6 +10,7 @@ from sympy import Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._variables import CONTINUOUS, DISCRETE, as_symbol
+from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 
 
 class HasFraction(Protocol):
@@ -32,49 +32,15 @@ class HasMatrices(Protocol):
 ForeignSystem: TypeAlias = HasFraction | HasMatrices
 """What these packages call a system; others of their classes are refused by name."""
 
-_PACKAGES = ("control", "scipy", "sympy.physics.control")
+_PACKAGES = ("control.", "scipy.", "sympy.physics.control.")
 
 
-@dataclass(frozen=True)
-class Fraction:
-    """Numerator and denominator, anything :func:`polynomial` reads."""
-
-    numerator: Any
-    denominator: Any
-    variable: Symbol
-    sample_time: Rational | None = None
-
-
-@dataclass(frozen=True)
-class ZerosAndPoles:
-    """Roots and the leading coefficient."""
-
-    zeros: Iterable[Any]
-    poles: Iterable[Any]
-    gain: Any
-    variable: Symbol
-    sample_time: Rational | None = None
-
-
-@dataclass(frozen=True)
-class Matrices:
-    """A realisation, entries anything :func:`exact_number` reads."""
-
-    A: Any
-    B: Any
-    C: Any
-    D: Any
-    variable: Symbol
-    sample_time: Rational | None = None
-
-
-Contents: TypeAlias = Fraction | ZerosAndPoles | Matrices
+Contents: TypeAlias = Pair | Roots | States
 
 
 def is_foreign(obj: object) -> bool:
     """Tell whether an object comes from a package that describes systems."""
-    module = type(obj).__module__ or ""  # classes that SymPy makes at run time have none
-    return any(module == name or module.startswith(f"{name}.") for name in _PACKAGES)
+    return f"{type(obj).__module__}.".startswith(_PACKAGES)
 
 
 def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
@@ -92,6 +58,22 @@ def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
     return replace(_of_numbers(system, variable), sample_time=sample_time_of(system))
 
 
+def several_of(system: Any, variable: str | Symbol | None) -> States | Rows:
+    """Return what a foreign system of any number of signals holds, entry by entry or as states."""
+    if type(system).__module__.startswith("sympy") and type(system).__name__.startswith("MIMO"):
+        system = joined_of(system)
+    outputs = getattr(system, "noutputs", getattr(system, "num_outputs", 1))
+    inputs = getattr(system, "ninputs", getattr(system, "num_inputs", 1))
+    if (outputs, inputs) == (1, 1) or not hasattr(system, "num"):
+        if all(hasattr(system, name) for name in "ABCD"):
+            found = contents_of(system, variable)
+            assert isinstance(found, States)
+            return found
+        if (outputs, inputs) == (1, 1):
+            return Rows([[system]])
+    return Rows([[system[i, j] for j in range(inputs)] for i in range(outputs)])
+
+
 def sample_time_of(system: Any) -> Rational | None:
     """Return the sample time of a foreign system in seconds; None where it has none."""
     period = getattr(system, "dt", None)
@@ -103,10 +85,10 @@ def sample_time_of(system: Any) -> Rational | None:
 
 def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:
     if all(hasattr(system, name) for name in "ABCD"):
-        return Matrices(system.A, system.B, system.C, system.D, _variable(system, variable))
+        return States(system.A, system.B, system.C, system.D, _variable(system, variable))
     if hasattr(system, "gain") and hasattr(system, "zeros"):
         symbol = _variable(system, variable)
-        return ZerosAndPoles(list(system.zeros), list(system.poles), system.gain, symbol)
+        return Roots(list(system.zeros), list(system.poles), system.gain, symbol)
     if not (hasattr(system, "num") and hasattr(system, "den")):
         raise InputError(
             f"a {type(system).__name__} has no rational transfer function; give a transfer "
@@ -117,17 +99,17 @@ def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:
         numerator = system.num
         if getattr(numerator, "ndim", 1) > 1 and len(numerator) != 1:
             _refuse_several(system, len(numerator), 1)
-        return Fraction([*numerator.flat], [*system.den], symbol)
+        return Pair([*numerator.flat], [*system.den], symbol)
     if (system.ninputs, system.noutputs) != (1, 1):
         _refuse_several(system, system.noutputs, system.ninputs)
-    return Fraction(list(system.num[0][0]), list(system.den[0][0]), symbol)
+    return Pair(list(system.num[0][0]), list(system.den[0][0]), symbol)
 
 
 def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
     name = type(system).__name__
     if name == "StateSpace":
         symbol = as_symbol("s" if variable is None else variable)
-        return Matrices(system.A, system.B, system.C, system.D, symbol)
+        return States(system.A, system.B, system.C, system.D, symbol)
     if (system.num_inputs, system.num_outputs) != (1, 1):
         _refuse_several(system, system.num_outputs, system.num_inputs)
     joined = joined_of(system)
@@ -141,7 +123,7 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
     own = joined.var
     if variable is not None and as_symbol(variable) != own:
         raise InputError(f"the system is written in {own}, not in {variable}")
-    return Fraction(joined.num, joined.den, own)
+    return Pair(joined.num, joined.den, own)
 
 
 def joined_of(system: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any, TypeAlias
 
@@ -11,21 +11,21 @@ from sympy import MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._carrying import carrying
-from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import common_divisor, exact_quotient, monic, product
-from compensator_theory.polynomials._polynomial_objects import in_our_order
-from compensator_theory.polynomials._reading import is_list
+from compensator_theory.polynomials._quotients import Quotient
+from compensator_theory.polynomials._reading import is_list, read_once
 from compensator_theory.polynomials._variables import (
     as_symbol,
     evident_variable,
     require_one_symbol_a_name,
 )
-from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems._descriptions import Pair, Rows, States, described
+from compensator_theory.systems._conversions import TransferFunctionLike, scalar_of
+from compensator_theory.systems._descriptions import described, opened, read_system, realised
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
-from compensator_theory.systems._foreign import Matrices, contents_of, is_foreign, joined_of
+from compensator_theory.systems._foreign import is_foreign, several_of
+from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import sampled_every, shared_sample_time
 from compensator_theory.systems._transfer_functions import TransferFunction
@@ -85,18 +85,19 @@ def transfer_matrix(
 
 
 def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMatrix:
-    rows = described(rows, variable)
-    if isinstance(rows, States):
-        rows = rows.realisation(variable)
-    if isinstance(rows, TransferMatrix | Realisation | DescriptorSystem):
-        if variable is not None and as_symbol(variable) != rows.variable:
-            raise InputError(f"the system is in {rows.variable}, not in {variable}")
-        return rows if isinstance(rows, TransferMatrix) else rows.transfer_matrix()
-    entries = _entries(rows, variable)
-    if isinstance(entries, TransferMatrix):
-        return entries
-    symbol = _variable(entries, variable)
-    read = [[transfer_function(entry, symbol) for entry in row] for row in entries]
+    found = described(rows, variable)
+    if is_foreign(found):
+        found = several_of(found, variable)
+    if isinstance(found, States):
+        found = realised(found, variable)
+    if isinstance(found, TransferMatrix | Realisation | DescriptorSystem):
+        if variable is not None and as_symbol(variable) != found.variable:
+            raise InputError(f"the system is in {found.variable}, not in {variable}")
+        return found if isinstance(found, TransferMatrix) else found.transfer_matrix()
+    given = found.entries if isinstance(found, Rows) else [[found]]
+    entries = [[opened(entry, variable) for entry in row] for row in given]
+    symbol = _variable(entries) if variable is None else as_symbol(variable)
+    read = [[scalar_of(read_system(entry, symbol), symbol) for entry in row] for row in entries]
     if any(G.variable != symbol for row in read for G in row):
         raise InputError(f"the entries are not all in the variable {symbol}")
     require_one_symbol_a_name(
@@ -128,59 +129,32 @@ def _least_common_multiple(a: Poly, b: Poly) -> Poly:
     return product(a, exact_quotient(b, common_divisor(a, b)))
 
 
-def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
-    if isinstance(rows, Rows):
-        return rows.entries
-    if is_foreign(rows):
-        return _foreign(rows, variable)
-    return [[rows]]
-
-
-def _foreign(system: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
-    if type(system).__module__.startswith("sympy") and type(system).__name__.startswith("MIMO"):
-        system = joined_of(system)
-    outputs = getattr(system, "noutputs", getattr(system, "num_outputs", 1))
-    inputs = getattr(system, "ninputs", getattr(system, "num_inputs", 1))
-    if (outputs, inputs) == (1, 1) or not hasattr(system, "num"):
-        if all(hasattr(system, name) for name in "ABCD"):
-            found = contents_of(system, variable)
-            assert isinstance(found, Matrices)
-            plant = Realisation(
-                found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
-            )
-            return plant.transfer_matrix()
-        if (outputs, inputs) == (1, 1):
-            return [[transfer_function(system, variable)]]
-    return [
-        [transfer_function(system[i, j], variable) for j in range(inputs)] for i in range(outputs)
-    ]
-
-
-def _variable(entries: list[list[Any]], variable: str | Symbol | None) -> Symbol:
-    if variable is not None:
-        return as_symbol(variable)
+def _variable(entries: list[list[Any]]) -> Symbol:
+    """The variable that entries show, of which texts and foreign systems are opened already."""
     fixed: set[Symbol] = set()
     occurring: set[Symbol] = set()
     for entry in (described(entry) for row in entries for entry in row):
-        if isinstance(entry, TransferFunction | TransferMatrix | Realisation | DescriptorSystem):
-            fixed.add(entry.variable)
-        elif isinstance(entry, Poly):
-            fixed |= set(entry.gens)
-        elif is_foreign(entry):
-            fixed.add(transfer_function(entry).variable)
-        elif isinstance(entry, str):
-            top, bottom = read_text(entry).sides()
-            occurring |= top.free_symbols | bottom.free_symbols
-        elif isinstance(entry, Pair):
-            for part in map(in_our_order, (entry.numerator, entry.denominator)):
-                if isinstance(part, Poly):
-                    fixed |= set(part.gens)
-                elif not is_list(part):
-                    occurring |= sympy.sympify(exact_number(part)).free_symbols
-        elif isinstance(entry, Mapping):
-            continue
-        elif isinstance(entry, States | Rows):
-            fixed.add(transfer_function(entry).variable)
-        else:
-            occurring |= sympy.sympify(exact_number(entry)).free_symbols
+        match entry:
+            case TransferFunction() | TransferMatrix() | Realisation() | DescriptorSystem():
+                fixed.add(entry.variable)
+            case Poly():
+                fixed |= set(entry.gens)
+            case Quotient():
+                occurring |= entry.free_symbols
+            case Pair(variable=Symbol()) | Roots(variable=Symbol()) | States(variable=Symbol()):
+                fixed.add(entry.variable)
+            case Pair(numerator, denominator):
+                for part in map(read_once, (numerator, denominator)):
+                    if isinstance(part, Poly):
+                        fixed |= set(part.gens)
+                    elif isinstance(part, Quotient):
+                        occurring |= part.reduced().free_symbols
+                    elif not is_list(part):
+                        occurring |= sympy.sympify(exact_number(part)).free_symbols
+            case Roots():
+                continue
+            case States() | Rows():
+                fixed.add(scalar_of(entry, None).variable)
+            case _:
+                occurring |= sympy.sympify(exact_number(entry)).free_symbols
     return evident_variable(occurring | fixed, "the transfer matrix", fixed)

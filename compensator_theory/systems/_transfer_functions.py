@@ -14,7 +14,6 @@ from compensator_theory._latex import displayed, fraction
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.polynomials._budget import ask, is_integer, quoted, shown
-from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import (
@@ -29,7 +28,7 @@ from compensator_theory.polynomials._poly import (
     total,
 )
 from compensator_theory.polynomials._quotients import Quotient, multiplied_out
-from compensator_theory.polynomials._reading import polynomial
+from compensator_theory.polynomials._reading import polynomial, read_quotient
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
     DISCRETE,
@@ -119,7 +118,10 @@ class TransferFunction(System):
     sample_time: Rational | None = None
 
     def __post_init__(self) -> None:
-        numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
+        numerator, denominator = (
+            canonical(side) if isinstance(side, Poly) else polynomial(side)
+            for side in (self.numerator, self.denominator)
+        )
         if numerator.gen != denominator.gen:
             raise InputError(
                 f"the numerator is a polynomial in {numerator.gen} and the denominator in "
@@ -392,7 +394,7 @@ def require_proper(G: TransferFunction, name: str) -> None:
         )
 
 
-def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
+def sides_of(operand: Operand | Quotient, variable: Symbol) -> Sides | None:
     """Return numerator and denominator of an operand; None if it is none."""
     if isinstance(operand, TransferFunction):
         if operand.denominator.gen != variable:
@@ -403,15 +405,13 @@ def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
         return operand.numerator, operand.denominator
     if isinstance(operand, Poly):
         return polynomial(operand, variable), constant_one(polynomial(operand, variable))
-    if isinstance(operand, str):
-        return _in_one_operator(sides_in(read_text(operand), variable))
     try:
-        number = exact_number(operand)
+        quotient = read_quotient(operand)
     except InputError:
-        if isinstance(operand, Expr | int | float | complex):
+        if isinstance(operand, str | Expr | int | float | complex):
             raise  # a NaN, for instance: the reason is better than "unsupported operand"
         return None
-    return _in_one_operator(sides_in(quotient_of(number), variable))
+    return _in_one_operator(sides_in(quotient, variable))
 
 
 def added(a: Sides, b: Sides) -> Sides:
@@ -452,12 +452,13 @@ def _in_one_operator(sides: Sides) -> Sides:
 
 def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Sides:
     if isinstance(inner, TransferFunction | Poly):
+        read: Operand | Quotient = inner
         own = inner.gen if isinstance(inner, Poly) else inner.denominator.gen
     else:
-        read = read_text(inner) if isinstance(inner, str) else quotient_of(exact_number(inner))
+        read = read_quotient(inner)
         occurring = read.value().free_symbols
         own = evident_variable(occurring, repr(inner)) if occurring else outer
-    found = sides_of(inner, own if variable is None else as_symbol(variable))
+    found = sides_of(read, own if variable is None else as_symbol(variable))
     if found is None:
         raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
     return found
