@@ -11,7 +11,7 @@ from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.polynomials._budget import shown
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, over_one_field
-from compensator_theory.polynomials._reading import is_one_of
+from compensator_theory.polynomials._reading import is_one_of, read_plain_text
 from compensator_theory.polynomials._variables import is_operator
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems._realisations import Realisation
@@ -131,6 +131,7 @@ Read = TypeVar("Read", TransferFunction, TransferMatrix)
 
 def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None], Read]) -> Read:
     """Read what stands beside G; only another operator is another variable."""
+    part = read_plain_text(part)
     try:
         found = read(part, None)
     except InputError:

@@ -124,6 +124,17 @@ def read_quotient(obj: Any) -> Quotient:
     return multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
 
 
+def read_plain_text(obj: Any) -> Any:
+    """Read a text of symbols and rational numbers, to be handed on; all else as it was given.
+
+    What else a text holds, functions of symbols for instance, is carried by whoever reads it.
+    """
+    if not isinstance(obj, str):
+        return obj
+    quotient = read_text(obj)
+    return quotient if quotient.is_plain else obj
+
+
 class HasCharacteristicPolynomial(Protocol):
     """A system of this package, asked where its poles are."""
 

@@ -13,10 +13,9 @@ from compensator_theory.polynomials._algebraic import Algebraic, algebraic, rati
 from compensator_theory.polynomials._budget import unlimited
 from compensator_theory.polynomials._expressions import read_text
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._quotients import Product, Quotient, multiplied_out
-from compensator_theory.polynomials._reading import is_list, polynomial
+from compensator_theory.polynomials._reading import is_list, polynomial, read_quotient
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._conversions import TransferFunctionLike, transfer_function
@@ -79,11 +78,7 @@ def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[
         return str(transfer_function(obj, variable)), False
     if isinstance(obj, Poly) or is_list(obj):
         return format_polynomial(polynomial(obj, variable)), False
-    if isinstance(obj, str):
-        quotient = read_text(obj)
-    else:
-        quotient = multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
-    return _form(obj, quotient, variable)
+    return _form(obj, read_quotient(obj), variable)
 
 
 def _form(
@@ -95,7 +90,8 @@ def _form(
         return _number(quotient.value()), False
     try:
         if not bottom.is_number:
-            return str(transfer_function(obj, variable)), False
+            read = quotient if quotient.is_plain else obj  # the rest it may carry
+            return str(transfer_function(read, variable)), False
         return format_polynomial(polynomial(quotient.value(), variable)), False
     except InputError:
         if variable is not None:
