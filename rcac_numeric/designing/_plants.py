@@ -13,8 +13,7 @@ from scipy.linalg import block_diag, logm, matrix_balance
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
-from compensator_theory.systems._descriptions import has_states
-from compensator_theory.systems._foreign import is_foreign
+from compensator_theory.systems._descriptions import has_states, shape_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import (
     instance_of,
@@ -26,9 +25,10 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.plants._foreign import plant_of, rounded_once
+from rcac_numeric.plants._foreign import is_nonlinear, plant_of, rounded_once
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._problems import exact_realisation
 from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plants._zero_order_hold import zero_order_hold
 from rcac_numeric.plants.gallery._continuous import ContinuousPlant
@@ -401,15 +401,11 @@ def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
 
 
 def _realised(plant: Any) -> exact.Realisation | None:
-    if has_states(plant):
-        return exact.realisation(plant)
-    if is_foreign(plant) and hasattr(plant, "dynamics"):
-        return None  # nonlinear; plant_of says what to do
-    G = exact.transfer_matrix(plant)
-    _require_square(*reversed(G.shape))
-    if G.shape == (1, 1):
-        return exact.realisation(G.scalar())
-    return exact.minimal_realisation(G).realisation
+    if is_nonlinear(plant):
+        return None  # plant_of says what to do
+    if not has_states(plant):
+        _require_square(*reversed(shape_of(plant)))
+    return exact_realisation(plant)
 
 
 def _of_plant(plant: Plant) -> DesignPlant:

@@ -9,7 +9,7 @@ import numpy as np
 
 import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
-from compensator_theory.systems._descriptions import has_states, is_description
+from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._sample_times import agreed_period
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -18,7 +18,7 @@ from rcac_numeric.arrays._values import replaced
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
-from rcac_numeric.plants._problems import sample_time_of, standard_plant
+from rcac_numeric.plants._problems import exact_realisation, sample_time_of, standard_plant
 from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plants._zero_order_hold import zero_order_hold
 
@@ -85,16 +85,17 @@ def plant_of(
         return replaced(own, sample_time=float(sample_time)) if unknown else own  # type: ignore
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
-    found = _realisation(system, variable)
+    found = exact_realisation(system, variable)
     if str(found.variable) == "s":
         sampled = _sampled(system, found, sample_time, method)
         return _verified(sampled, system, found, method)
     period = agreed_times([system, found], sample_time)
-    if not is_foreign(system) and found.is_siso:
-        return replaced(standard_plant(found), sample_time=period)
-    A, B, C, D = rounded_once(found)
-    plant = _matched(A, B, C, D, period)
-    return _verified(plant, system, found, "") if is_foreign(system) else plant
+    if is_foreign(system):
+        return _verified(_matched(*rounded_once(found), period), system, found, "")
+    if found.is_siso:
+        plant = standard_plant(found)
+        return plant if plant.sample_time == period else replaced(plant, sample_time=period)
+    return _matched(*rounded_once(found), period)
 
 
 def as_plant(system: Any) -> Any:
@@ -139,16 +140,6 @@ def linear_plant(system: Any, name: str = "plant") -> Plant:
 def _is_own(system: Any) -> bool:
     """Whether it says of itself what a plant says; the engine decides whether it can run it."""
     return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
-
-
-def _realisation(system: Any, variable: str | None) -> exact.Realisation:
-    """The exact realisation, in the system's own basis where it has one."""
-    if has_states(system, variable):
-        return exact.realisation(system, variable)
-    matrix = exact.transfer_matrix(system, variable)
-    if matrix.shape == (1, 1):
-        return exact.realisation(matrix.scalar())
-    return exact.minimal_realisation(matrix).realisation
 
 
 def rounded_once(found: exact.Realisation) -> tuple[Array, Array, Array, Array]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from sympy import Symbol
+
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.systems._descriptions import has_states, shape_of
@@ -14,6 +16,19 @@ from compensator_theory.systems._sample_times import shared_sample_time
 from rcac_numeric.arrays._validation import rounded
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.plants._linear import MATRICES, Plant
+
+
+def exact_realisation(system: Any, variable: str | None = None) -> exact.Realisation:
+    """The exact realisation, in the system's own basis where it has one, else a minimal one.
+
+    A scalar transfer function is realised with its common factors.
+    """
+    if has_states(system, variable):
+        return exact.realisation(system, variable)
+    matrix = exact.transfer_matrix(system, variable)
+    if matrix.shape == (1, 1):
+        return exact.realisation(matrix.scalar())
+    return exact.minimal_realisation(matrix).realisation
 
 
 def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | None = None) -> Plant:
@@ -89,10 +104,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     variable = matrices.get("variable")
     if G is not None and shape_of(G, variable) != (1, 1):
         # Inputs and disturbances are matched, in the system's own basis or a minimal one.
-        if has_states(G, variable):
-            found = exact.realisation(G, variable)
-        else:
-            found = exact.minimal_realisation(exact.transfer_matrix(G, variable)).realisation
+        found = exact_realisation(G, variable)
         own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
         own |= {"variable": found.variable, "sample_time": found.sample_time}
         matrices, G = {**own, **matrices}, None
@@ -159,4 +171,4 @@ def _discrete(problem: exact.StandardProblem, call: str) -> exact.StandardProble
             f"Sample it first: {call.format('plant_of(system, sample_time=0.01)')}, or write it in "
             "q."
         )
-    return replaced(problem, variable="q")
+    return problem if problem.variable == Symbol("q") else replaced(problem, variable="q")
