@@ -126,3 +126,11 @@ def test_what_needs_a_linear_plant_says_so(door):
     )
     with pytest.raises(InputError, match=r"nonlinear.*control\.linearize"):
         door(system)
+
+
+def test_a_sample_time_beside_matrices_is_that_of_the_servo_plant():
+    """The shape of (A, B, C, D, dt) was once asked in s, which has no sample time."""
+    A, B, C, D = [[0, 1], [-0.5, 0]], [[0], [1]], [[2, 1]], [[0]]
+    plant, same = servo_plant((A, B, C, D, 0.1)), servo_plant((A, B, C, D), variable="z")
+    assert plant.sample_time == 0.1 and same.sample_time is None
+    assert all(np.array_equal(getattr(plant, name), getattr(same, name)) for name in "ABC")
