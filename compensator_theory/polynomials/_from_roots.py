@@ -18,7 +18,7 @@ from compensator_theory.polynomials._budget import ask, is_collection, listed, q
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import WORDS
 from compensator_theory.polynomials._functions import functions_in
-from compensator_theory.polynomials._numbers import NumberLike, exact_number
+from compensator_theory.polynomials._numbers import NumberLike, exact_number, exact_numbers
 from compensator_theory.polynomials._poly import canonical, from_coefficients, from_expression
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._variables import as_symbol
@@ -61,7 +61,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
     elif not is_collection(roots):
         raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
     given = listed(roots, "degree", "the list of roots")
-    return tuple(sympy.expand(exact_number(root)) for root in given)
+    return tuple(map(sympy.expand, exact_numbers(given)))
 
 
 @carrying()

@@ -103,11 +103,16 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     given = listed(values, "degree", "the list of coefficients", more=1)
     if not given:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
-    if (rational := plain_rationals(given)) is not None:
-        return [Rational(int(value.p), int(value.q)) for value in rational]
-    found = [sympy.sympify(exact_number(v)) for v in given]
+    found = exact_numbers(given)
     require_decidable(found)
     return found
+
+
+def exact_numbers(values: Sequence[Any]) -> list[Expr]:
+    """Read numbers one by one as :func:`exact_number` does, plain ones at once."""
+    if (rational := plain_rationals(values)) is not None:
+        return [Rational(int(value.p), int(value.q)) for value in rational]
+    return [sympy.sympify(exact_number(value)) for value in values]
 
 
 def plain_rationals(values: Sequence[Any]) -> list[flint.fmpq] | None:

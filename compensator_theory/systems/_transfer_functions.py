@@ -118,10 +118,10 @@ class TransferFunction(System):
     sample_time: Rational | None = None
 
     def __post_init__(self) -> None:
-        numerator, denominator = (
-            canonical(side) if isinstance(side, Poly) else polynomial(side)
-            for side in (self.numerator, self.denominator)
-        )
+        numerator, denominator = self.numerator, self.denominator
+        if not (isinstance(numerator, Poly) and isinstance(denominator, Poly)):
+            numerator, denominator = polynomial(numerator), polynomial(denominator)
+        numerator, denominator = canonical(numerator), canonical(denominator)
         if numerator.gen != denominator.gen:
             raise InputError(
                 f"the numerator is a polynomial in {numerator.gen} and the denominator in "
