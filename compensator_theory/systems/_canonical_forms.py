@@ -18,7 +18,7 @@ from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._variables import as_symbol, time_of
 from compensator_theory.systems._conversions import TransferFunctionLike, scalar_of
 from compensator_theory.systems._descriptions import (
-    Kind,
+    Description,
     described,
     read_system,
     realised,
@@ -118,7 +118,7 @@ def timed_realisation(
     return read
 
 
-def _canonical(found: Kind, variable: str | Symbol | None, form: str) -> Realisation:
+def _canonical(found: Description, variable: str | Symbol | None, form: str) -> Realisation:
     if (shape := shape_of(found, variable)) != (1, 1):
         raise InputError(
             f"a transfer matrix of {shape[0]} outputs and {shape[1]} inputs has no canonical form "

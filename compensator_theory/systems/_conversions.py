@@ -26,7 +26,7 @@ from compensator_theory.polynomials._variables import (
     evident_variable,
     require_no_other_operator,
 )
-from compensator_theory.systems._descriptions import Kind, read_system, realised
+from compensator_theory.systems._descriptions import Description, read_system, realised
 from compensator_theory.systems._descriptor_systems import DescriptorSystem
 from compensator_theory.systems._foreign import ForeignSystem
 from compensator_theory.systems._kinds import Pair, Roots, Rows, States
@@ -121,7 +121,7 @@ def transfer_function(
     return found if sample_time is None else sampled_every(found, sample_time)
 
 
-def scalar_of(found: Kind, variable: str | Symbol | None) -> TransferFunction:
+def scalar_of(found: Description, variable: str | Symbol | None) -> TransferFunction:
     """Make the transfer function of what was read."""
     match found:
         case TransferFunction():

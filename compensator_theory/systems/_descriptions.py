@@ -1,6 +1,6 @@
 """The door of every function that takes a system: what was given, asked here and nowhere else.
 
-What is given comes down to a :data:`Kind`, which `_conversions` makes a transfer function of,
+What is given comes down to a :data:`Description`, which `_conversions` makes a transfer function of,
 `_matrix_conversions` a transfer matrix, and `_canonical_forms` a realisation.
 """
 
@@ -25,7 +25,7 @@ from compensator_theory.systems._kinds import Pair, Roots, Rows, States
 from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._sample_times import System
 
-Kind: TypeAlias = Pair | Roots | Rows | States | System | Poly | Quotient
+Description: TypeAlias = Pair | Roots | Rows | States | System | Poly | Quotient
 """All that a description comes down to."""
 
 FORMS = (
@@ -45,7 +45,7 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
         held = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
         return held if isinstance(held, Realisation) else obj
-    if isinstance(obj, Kind | str):
+    if isinstance(obj, Description | str):
         return obj
     if isinstance(obj, MatrixBase):
         return _rows(obj.tolist())
@@ -64,12 +64,12 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     return Pair(read, 1) if isinstance(read, list) else read
 
 
-def read_system(obj: Any, variable: str | Symbol | None = None) -> Kind:
+def read_system(obj: Any, variable: str | Symbol | None = None) -> Description:
     """Return what a system is written as; a text or an expression is read in the same pass."""
     if obj is None:
         return Roots()
     found = opened(described(obj, variable), variable)
-    return found if isinstance(found, Kind) else read_quotient(found)
+    return found if isinstance(found, Description) else read_quotient(found)
 
 
 def opened(obj: Any, variable: str | Symbol | None = None) -> Any:
