@@ -1,6 +1,6 @@
 """The door of every function that takes a system: what was given, asked here and nowhere else.
 
-What is given comes down to a :data:`Description`, which `_conversions` makes a transfer function of,
+It comes down to a :data:`Description`, which `_conversions` makes a transfer function of,
 `_matrix_conversions` a transfer matrix, and `_canonical_forms` a realisation.
 """
 
