@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Self
 
 from compensator_theory._wording import printable
@@ -11,10 +12,56 @@ from compensator_theory._wording import printable
 _LONG_NUMBER = re.compile(r"\d{80,}")
 
 
+@dataclass(frozen=True)
+class Advice:
+    """The next step that an error advises, as data: the call that takes it.
+
+    Its text is what a reader of Python is told; another program, such as the command line, says
+    the same in its own words, from the names and the values.
+
+    Attributes
+    ----------
+    function : str
+        The name of a public function or class; of a method with its class.
+    arguments : tuple of (str, str)
+        Names of arguments and their values as text.
+    words : str
+        The clause of the message, in which {function} stands for the name and names of
+        arguments for their values.
+
+    Examples
+    --------
+    >>> from compensator_theory.errors import Advice
+    >>> advice = Advice("place_poles", (("n_c", "2"),), "from {function}(..., n_c={n_c}) on")
+    >>> str(advice)
+    'from place_poles(..., n_c=2) on'
+    >>> f"from --order {advice.values['n_c']} on"
+    'from --order 2 on'
+    """
+
+    function: str
+    arguments: tuple[tuple[str, str], ...]
+    words: str
+
+    @property
+    def values(self) -> dict[str, str]:
+        """Values of the arguments by their names."""
+        return dict(self.arguments)
+
+    def __str__(self) -> str:
+        return self.words.format(function=self.function, **self.values)
+
+
 class CompensatorError(ValueError):
     """Base of every error that this project raises on purpose.
 
     Catch it to catch them all; each message names the offending input and the next step.
+
+    Parameters
+    ----------
+    *parts : str or Advice
+        The message in parts, which are put together. ``raise InputError("G: ", *error.args)`` says
+        the same of another place and keeps the advice.
 
     Examples
     --------
@@ -28,24 +75,44 @@ class CompensatorError(ValueError):
 
     Attributes
     ----------
+    advice : tuple of Advice
+        The next steps that the message names, as data.
+    source : str
+        The file whose name is the first part of the message; empty where it begins with none.
     unless : tuple or None
         With symbols: polynomials that are all zero where the refusal falls; None: not known.
     exceptional : tuple
         With symbols: polynomials that are not zero where `unless` decides.
     """
 
+    source: str = ""
     unless: tuple[object, ...] | None = None
     exceptional: tuple[object, ...] = ()
+
+    def of(self, source: str) -> Self:
+        """Return the error, whose message begins with the name of a file."""
+        self.source = source
+        return self
 
     def holding(self, unless: Iterable[object], exceptional: Iterable[object] = ()) -> Self:
         """Return the error, which says now for which values of the symbols it holds."""
         self.unless, self.exceptional = tuple(unless), tuple(exceptional)
         return self
 
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """The parts of the message that are advice."""
+        return tuple(part for part in self.args if isinstance(part, Advice))
+
+    def told(self, reader: Callable[[Advice], str]) -> str:
+        """Return the message for a reader to whom each advice is said in words of his own."""
+        parts = (reader(part) if isinstance(part, Advice) else str(part) for part in self.args)
+        text = _LONG_NUMBER.sub(lambda m: f"{m[0][:20]}...", "".join(parts))
+        return printable(text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}")
+
     def __str__(self) -> str:
         """Return the message, shortened to a page; control characters in it are written out."""
-        text = _LONG_NUMBER.sub(lambda m: f"{m[0][:20]}...", super().__str__())
-        return printable(text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}")
+        return self.told(str)
 
 
 class InputError(CompensatorError):
@@ -99,8 +166,8 @@ class PrecisionError(CompensatorError):
 class FunctionFailedError(CompensatorError):
     """A function that was passed in failed; `run` holds what was computed before."""
 
-    def __init__(self, message: str, run: object = None) -> None:
-        super().__init__(message)
+    def __init__(self, *parts: str | Advice, run: object = None) -> None:
+        super().__init__(*parts)
         self.run = run
 
 

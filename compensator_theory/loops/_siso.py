@@ -7,7 +7,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from sympy import Poly, Symbol
 
-from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.errors import Advice, ImproperError, InputError, NotCoprimeError
 from compensator_theory.polynomials._budget import shown
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, over_one_field
@@ -121,7 +121,8 @@ def siso_loop(
     if factor.degree() > 0:
         raise NotCoprimeError(
             f"the plant {G} has the hidden modes {format_polynomial(factor)}, and what they admit "
-            "depends on its realisation; reduce it, or use realisation_is_observer_based"
+            "depends on its realisation; ",
+            Advice("realisation_is_observer_based", (), "reduce it, or use {function}"),
         )
     return G, G_c
 

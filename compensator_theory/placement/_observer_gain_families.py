@@ -17,7 +17,9 @@ from compensator_theory.placement._gain_families import (
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
+from compensator_theory.polynomials._letters import variable_beside
 from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.systems._controllability import uncontrollable_polynomial
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,9 @@ def observer_gain_family(
             state_feedback_family(a.T, c.T, poles, variable=variable, Lambda=Lambda)
         )
     except NotControllableError as error:
-        text = str(error).replace("A + BK", "A - FC").replace("change B", "measure more")
-        text = text.replace("(A, B) is not controllable", "(A, C) is not observable")
-        raise NotObservableError(text) from error
+        symbol = variable_beside(variable, a, c)
+        fixed = format_polynomial(uncontrollable_polynomial(a.T, c.T, variable=symbol))
+        raise NotObservableError(
+            f"(A, C) is not observable: every A - FC keeps the roots of {fixed}. Remove these "
+            "modes from the plant, or measure more"
+        ) from error

@@ -11,7 +11,13 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.bezout._coprime_equations import solve_coprime_equation
 from compensator_theory.bezout._sylvester import sylvester_m
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
+from compensator_theory.errors import (
+    Advice,
+    ImproperError,
+    InputError,
+    NoSolutionError,
+    NotCoprimeError,
+)
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     denominators,
@@ -256,8 +262,8 @@ def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
     if factor.degree() > 0 and not (rest := canonical(goal.rem(factor))).is_zero:
         raise NotCoprimeError(
             f"numerator and denominator of {G} share the factor {format_polynomial(factor)}; its "
-            "roots stay closed-loop poles whatever the compensator. Include them in the target "
-            "or reduce the plant with .reduced()"
+            "roots stay closed-loop poles whatever the compensator. Include them in the target ",
+            Advice("TransferFunction.reduced", (), "or reduce the plant with .reduced()"),
         ).holding(rest.all_coeffs(), denominators(PolynomialMatrix(((factor, rest),))))
 
 
@@ -288,8 +294,13 @@ def _solve(
         n = G.order
         raise NoSolutionError(
             f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: "
-            f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
-            "target is reached"
+            f"{_obstruction(M, goal)}. ",
+            Advice(
+                "place_poles",
+                (("n_c", f"{n - 1}"), ("numerator_degree", f"{n - 1}")),
+                "From n_c = {n_c} and numerator_degree = {numerator_degree} on",
+            ),
+            ", every target is reached",
         ).holding(contradictions(M, ImmutableMatrix(goal.all_coeffs()))) from error
     homogeneous = tuple(_pair(vector, G, n_c) for vector in found.nullspace)
     return _pair(found.particular, G, n_c), homogeneous

@@ -24,7 +24,7 @@ from typing import TypeGuard, TypeVar
 from sympy import MatrixBase, Poly, Tuple
 
 from compensator_theory._printing import text
-from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.errors import Advice, BudgetError, InputError
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,8 @@ def ask(name: str, amount: int, what: str) -> None:
         wanted = str(amount) if amount < 10**15 else _order_of(amount)
         raise BudgetError(
             f"{what} needs {wanted} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
-            f"raise it: with compensator_theory.budget({name}=...)"
+            "raise it: with ",
+            Advice("compensator_theory.budget", ((name, "..."),), f"{{function}}({name}=...)"),
         )
 
 

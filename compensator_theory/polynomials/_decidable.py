@@ -7,12 +7,18 @@ from collections.abc import Iterable
 import sympy
 from sympy import Expr
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from compensator_theory.polynomials._budget import shown
 
 _FACTORED = 2**30  # SymPy writes roots of smaller numbers in one form: its trial division ends
 _PAIRS = (sympy.sin, sympy.cos, sympy.tan)
 _TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
+DEAD_TIME = Advice(
+    "design",
+    (("dead_time", ""),),
+    "a dead time is given apart: as dead_time= to {function}, sampled as 1/q**d, or as a list of "
+    "polynomials to stability_delays",
+)
 _ALGEBRAIC_NAMES = (sympy.GoldenRatio, sympy.TribonacciConstant)
 
 
@@ -40,7 +46,7 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
         elif isinstance(part, sympy.Pow) and part.exp.is_Integer:
             waiting.append(part.base)
         elif part.free_symbols:
-            raise InputError(_of_symbols(part))
+            raise InputError(*_of_symbols(part))
         elif isinstance(part, sympy.NumberSymbol) and part not in _ALGEBRAIC_NAMES:
             unknowns.add(part)
         elif isinstance(part, sympy.exp) and part.exp.is_Integer:
@@ -64,7 +70,7 @@ def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
     """Refuse entries of a matrix that are no rational functions of symbols over the rationals."""
     for part in sorted(irrational_constants(entries), key=str):
         if part.free_symbols:
-            raise InputError(f"in {name}, {_of_symbols(part)}")
+            raise InputError(f"in {name}, ", *_of_symbols(part))
         raise InputError(
             f"{name} contains the irrational number {shown(part)}; write a rational number close "
             "to it, or, where the function takes symbols, a symbol in its place"
@@ -112,35 +118,33 @@ def is_algebraic(part: Expr) -> bool:
     return False
 
 
-def _of_symbols(part: Expr) -> str:
+def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
+    """Why a function of symbols is refused, in parts of a message."""
     what = f"{shown(part)} is no rational function of its symbols, and"
     if isinstance(part, _TRIGONOMETRIC):
         angle = shown(part.args[0])
         return (
             f"{what} relations between sines and cosines are not decided; write two symbols for "
             f"cos({angle}) and sin({angle}), whose squares add to 1, or one for tan({angle}/2), of "
-            "which both are rational functions"
+            "which both are rational functions",
         )
     if isinstance(part, sympy.Pow) and part.exp.is_Rational:
         base, index = shown(part.base), int(part.exp.q)
         root = f"sqrt({base})" if index == 2 else f"({base})**(1/{index})"
         power = "square" if index == 2 else f"power {index}"
         rest = f", and its {power} for {base}" if part.base.is_Symbol else ""
-        return f"{what} relations between roots are not decided; write a symbol for {root}{rest}"
-    if hint := dead_time(part):
-        return f"{shown(part)} is no rational function of its symbols; {hint}"
-    return f"{what} relations between such functions are not decided; write a symbol in its place"
-
-
-def dead_time(expression: Expr) -> str:
-    """Say where a dead time is written, if the expression holds one; else nothing."""
-    if not any(
-        {"s", "z", "q"} & {x.name for x in e.free_symbols} for e in expression.atoms(sympy.exp)
-    ):
-        return ""
+        return (f"{what} relations between roots are not decided; write a symbol for {root}{rest}",)
+    if _holds_a_dead_time(part):
+        return f"{shown(part)} is no rational function of its symbols; ", DEAD_TIME
     return (
-        "a dead time is given apart: as dead_time= to design, sampled as 1/q**d, or as a "
-        "list of polynomials to stability_delays"
+        f"{what} relations between such functions are not decided; write a symbol in its place",
+    )
+
+
+def _holds_a_dead_time(expression: Expr) -> bool:
+    """Whether it has an exponential of a variable of transfer functions."""
+    return any(
+        {"s", "z", "q"} & {x.name for x in e.free_symbols} for e in expression.atoms(sympy.exp)
     )
 
 

@@ -14,9 +14,10 @@ from sympy import Expr, Integer, Rational, Symbol
 from sympy.printing.str import StrPrinter
 
 from compensator_theory._printing import SHORT, fraction_of
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials._budget import ask, ask_for_number, limit_of, shown
+from compensator_theory.polynomials._decidable import DEAD_TIME
 from compensator_theory.polynomials._quotients import (
     Leaf,
     Power,
@@ -27,7 +28,6 @@ from compensator_theory.polynomials._quotients import (
     multiplied_out,
 )
 from compensator_theory.polynomials._sympy_trees import (
-    DEAD_TIME,
     indexed_root,
     real_power,
     square_root,
@@ -312,14 +312,14 @@ class _Reader:
         found = self.next
         before = self.tokens[self.place - 1] if self.place else None
         where = "its end" if found.kind == "end" else repr(found.text)
-        hint = "spell products out as in 2*s"
+        hint: str | Advice = "spell products out as in 2*s"
         if before and before.kind == found.kind == "number":
             hint = "put commas between several numbers"
         elif before and before.text == "exp" and found.text == "(":
             hint = DEAD_TIME
         elif before and before.kind == "name" and found.text == "(":
             hint = f"{before.text} is no function that is known here; {hint}"
-        raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; {hint}")
+        raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; ", hint)
 
 
 def _number(token: _Token) -> Tree:

@@ -10,16 +10,15 @@ from sympy.polys.constructor import construct_domain
 from sympy.polys.polyclasses import DMP
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from compensator_theory.polynomials._algebraic import rationalised
 from compensator_theory.polynomials._budget import ask, quoted, shown, unlimited
-from compensator_theory.polynomials._decidable import require_decidable
+from compensator_theory.polynomials._decidable import DEAD_TIME, require_decidable
 from compensator_theory.polynomials._formatting import in_least_domain, require_real
 from compensator_theory.polynomials._multivariate import common_divisor_by_flint
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._sympy_trees import (
-    DEAD_TIME,
     by_powers,
     irrational_parts,
     require_small_field,
@@ -217,15 +216,15 @@ def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
             return canonical(exact)
     raise InputError(
         f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one; of a "
-        "rational function give the numerator or the denominator"
-        f"{_dead_time_in(reduced.value(), variable)}"
+        "rational function give the numerator or the denominator",
+        *_dead_time_in(reduced.value(), variable),
     )
 
 
-def _dead_time_in(value: Expr, variable: Symbol) -> str:
+def _dead_time_in(value: Expr, variable: Symbol) -> tuple[str | Advice, ...]:
     """The way on where an exponential of the variable stands for a dead time; else nothing."""
     delays = [one for one in value.atoms(sympy.exp) if variable in one.free_symbols]
-    return f"; {DEAD_TIME}" if delays else ""
+    return ("; ", DEAD_TIME) if delays else ()
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:

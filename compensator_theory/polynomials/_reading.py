@@ -26,6 +26,7 @@ from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._quotients import Quotient, multiplied_out
 from compensator_theory.polynomials._sympy_trees import tree_of
 from compensator_theory.polynomials._variables import (
+    NAME_THE_VARIABLE,
     Readable,
     Time,
     agreed_time,
@@ -91,8 +92,8 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     coefficients = read_coefficients(cast(Iterable[NumberLike], read))
     if variable is None:
         raise InputError(
-            f"the variable of a list of {len(coefficients)} coefficients is not evident; name it, "
-            "as in polynomial(..., 's') or transfer_function(..., 's')"
+            f"the variable of a list of {len(coefficients)} coefficients is not evident; ",
+            *NAME_THE_VARIABLE,
         )
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):

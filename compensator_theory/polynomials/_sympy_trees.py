@@ -24,10 +24,6 @@ _IRRATIONAL = (
     sympy.exp, sympy.log, sympy.functions.elementary.trigonometric.TrigonometricFunction, sympy.Abs,
     sympy.re, sympy.im, sympy.conjugate, sympy.sign,
 )  # fmt: skip
-DEAD_TIME = (
-    "a dead time is given apart: as dead_time= to design, sampled as 1/q**d, or as a list of "
-    "polynomials to stability_delays"
-)
 _ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
 _RADICAND_DIGITS = 300  # SymPy looks for powers in it, and has their size in floats
 _SMALL_PRIMES = 1000  # to which bases of roots are factored, to see what they share

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias, cast
 
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from compensator_theory.polynomials._budget import quoted, shown
 from compensator_theory.polynomials._expressions import POSITIVE, UNKNOWN, parse_expression
 from compensator_theory.polynomials._quotients import Quotient
@@ -16,6 +16,11 @@ from compensator_theory.polynomials._quotients import Quotient
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
 OPERATORS = (*CONTINUOUS, *DISCRETE)
 """Names that are taken for the variable when none is given."""
+
+NAME_THE_VARIABLE = (
+    Advice("polynomial", (("variable", "s"),), "name it, as in {function}(..., '{variable}')"),
+    Advice("transfer_function", (("variable", "s"),), " or {function}(..., '{variable}')"),
+)
 
 Time: TypeAlias = Literal["continuous", "discrete"]
 """The time domain: what is stable is the left half plane, or the inside of the unit circle."""
@@ -135,8 +140,12 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
         if part.free_symbols and found not in part.free_symbols:
             raise InputError(
                 f"the variable of {what} is not evident: {_written(part)} does not contain "
-                f"{found}, so that it may be a constant or a polynomial in another variable; name "
-                f"the variable, as in polynomial(..., '{found}')"
+                f"{found}, so that it may be a constant or a polynomial in another variable; ",
+                Advice(
+                    "polynomial",
+                    (("variable", found.name),),
+                    "name the variable, as in {function}(..., '{variable}')",
+                ),
             )
     return found
 
@@ -150,8 +159,8 @@ def evident_variable(
     if len(candidates) != 1:
         names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
         raise InputError(
-            f"the variable of {what} is not evident (symbols: {names}); name it, as in "
-            "polynomial(..., 's') or transfer_function(..., 's')"
+            f"the variable of {what} is not evident (symbols: {names}); ",
+            *NAME_THE_VARIABLE,
         )
     (found,) = candidates
     if found.name.endswith((UNKNOWN, POSITIVE)):

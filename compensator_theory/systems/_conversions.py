@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 from sympy import Poly, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.matrices._exact_matrices import MatrixLike
 from compensator_theory.polynomials._carrying import carrying
@@ -153,7 +153,12 @@ def _only_entry(rows: Rows) -> Any:
         outputs, inputs = rows.shape
         raise InputError(
             f"a transfer matrix of {outputs} outputs and {inputs} inputs is not scalar; give one "
-            "entry of it, and lists of coefficients as a tuple, ([1], [1, 2])"
+            "entry of it, ",
+            Advice(
+                "transfer_function",
+                (("obj", "([1], [1, 2])"),),
+                "and lists of coefficients as a tuple, {obj}",
+            ),
         )
     return rows.entries[0][0]
 

@@ -12,7 +12,7 @@ from typing import Any, NoReturn, TypeAlias
 
 from sympy import Expr, MatrixBase, Poly, Rational, Symbol, Tuple
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import Advice, CompensatorError, InputError
 from compensator_theory.polynomials._budget import ask, is_array, shown
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._polynomial_objects import in_our_order
@@ -28,9 +28,11 @@ from compensator_theory.systems._sample_times import System
 Description: TypeAlias = Pair | Roots | Rows | States | System | Poly | Quotient
 """All that a description comes down to."""
 
-FORMS = (
+FORMS = Advice(
+    "transfer_matrix",
+    (("rows", ""),),
     "give a text, a pair (num, den), matrices (A, B, C, D), rows of transfer functions such as "
-    "[['1/s', 0]], or a system"
+    "[['1/s', 0]], or a system",
 )
 
 
@@ -318,4 +320,4 @@ def _refuse_rows_of_numerators() -> NoReturn:
 
 
 def _refuse(parts: object) -> NoReturn:
-    raise InputError(f"{shown(parts)} describes no system in a form that is read here; {FORMS}")
+    raise InputError(f"{shown(parts)} describes no system in a form that is read here; ", FORMS)

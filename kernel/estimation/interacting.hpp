@@ -174,10 +174,8 @@ private:
         try {
             step();
         } catch (const EstimationError& error) {
-            const std::string words = error.what();
-            const std::size_t colon = words.find(": ");
-            throw EstimationError{words.substr(0, colon).c_str(),
-                                  "in mode " + std::to_string(j) + ", " + words.substr(colon + 2)};
+            throw EstimationError{error.kind,
+                                  "in mode " + std::to_string(j) + ", " + error.what()};
         }
     }
     void keep(Mixture& into) const {

@@ -12,11 +12,12 @@
 
 namespace rcac {
 
-// Why a step of an estimator could not be made, as "kind: words"; the kinds are model, singular,
-// indefinite and range.
+// Why a step of an estimator could not be made; the kinds are model, singular, indefinite and range.
 struct EstimationError : std::runtime_error {
     EstimationError(const char* kind, const std::string& words)
-        : std::runtime_error(std::string(kind) + ": " + words) {}
+        : std::runtime_error(words), kind(kind) {}
+
+    const char* kind;  // a literal
 };
 
 inline void require_finite(const double* values, std::size_t count, const char* name) {

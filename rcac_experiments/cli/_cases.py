@@ -73,7 +73,7 @@ def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
             changed = with_value(changed, key.strip(), typed)
         except InputError as error:
             hint = _full_key(key.strip(), value, changed)
-            raise InputError(f"--set {text}: {error}{hint}") from None
+            raise InputError(f"--set {text}: ", *error.args, hint) from None
     if "claims" in changed and isinstance(changed["claims"], list):
         changed["claims"] = [
             {k: v for k, v in claim.items() if k != "verdict"} if isinstance(claim, dict) else claim

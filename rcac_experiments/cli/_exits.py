@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import io
 import os
-import re
 import sys
 import traceback
 from collections.abc import Callable
@@ -13,7 +12,7 @@ from typing import Any, TypeVar
 
 import click
 
-from compensator_theory.errors import CompensatorError
+from compensator_theory.errors import Advice, CompensatorError
 from rcac_numeric.arrays._wording import printable, shortened
 
 DONE = 0  # what was asked is answered
@@ -33,29 +32,32 @@ is worse than u = 0); 2 bad input, or what cannot be read or written; 3 a loop d
 unexpectedly; 4 a defect of rcac; of rcac check 5 the loop is unstable, 6 poles were missed, 7
 undecided; 130 interrupted; 141 the output was closed.
 """
-# What errors tell a reader of Python to do, and what does the same at the shell.
+# What an option does that is an argument in Python, by function and first argument; a function
+# without an argument stands for every argument of it.
 AT_THE_SHELL = {
-    r"with (?:compensator_theory\.budget|Budget)\((\w+)=([^()]*)\)": r"with --budget \1=\2",
-    r"Sample it first: .*?, or write it in q": (
+    ("compensator_theory.budget", ""): "--budget {argument}={value}",
+    ("Budget", ""): "--budget {argument}={value}",
+    ("plant_of", "sample_time"): (
         "Sample it first, by the c2d of MATLAB, Octave or python-control, and write it in q"
     ),
-    r"name (it|the variable), as in polynomial\(\.\.\., '(\w+)'\)"
-    r"(?: or transfer_function\(\.\.\., '\w+'\))?": (
-        r"name \1 by --variable \2 (rcac place, rcac observer); a plant of RCAC is written in q"
+    ("polynomial", "variable"): (
+        "name it by --variable {value} (rcac place, rcac observer); a plant of RCAC is written in q"
     ),
-    r" or reduce the plant with \.reduced\(\)": ", or cancel the factor in the plant",
-    r"; reduce it, or use realisation_is_observer_based": "; cancel the common factor",
-    r"From n_c = (\d+) and numerator_degree = \d+ on": r"From --order \1 on",
-    r"give a text, a pair \(num, den\), .*, or a system": (
+    ("transfer_function", "variable"): "",
+    ("TransferFunction.reduced", ""): "or cancel the factor in the plant",
+    ("realisation_is_observer_based", ""): "cancel the common factor",
+    ("place_poles", "n_c"): "From --order {value} on",
+    ("transfer_matrix", "rows"): (
         'write a transfer function such as "1/(q - 0.5)", or rows of them, "1/q, 0; 0, 2/q" '
         '(in a file [["1/q", 0], [0, "2/q"]])'
     ),
-    r", and lists of coefficients as a tuple, \(\[1\], \[1, 2\]\)": ', such as "1/(q + 2)"',
-    r", or as a list of polynomials to stability_delays": "",
-    r"check_controller\(log, \*\*check_arguments\(file\)\)": "rcac check LOG --plant FILE",
-    r"Use Decentralized\(\.\.\., shared_u=True\)": "Write shared_u = true in [[controllers]]",
-    r"dead_time= to design": "--dead-time to rcac design",
-    r"Use ClosedLoop\(\.\.\.\)\.poles\(\) instead": "The poles are in the report",
+    ("transfer_function", "obj"): 'such as "1/(q + 2)"',
+    ("design", "dead_time"): (
+        "a dead time is given apart: as --dead-time to rcac design, sampled as 1/q**d"
+    ),
+    ("check_controller", ""): "rcac check LOG --plant FILE",
+    ("Decentralized", "shared_u"): "Write shared_u = true in [[controllers]]",
+    ("ClosedLoop.poles", ""): "The poles are in the report",
 }
 LONGEST = 2000  # characters of a message
 
@@ -102,7 +104,7 @@ def _after(error: BaseException) -> int:
         case click.ClickException():
             return _usage(error)
         case CompensatorError():
-            return _said(at_the_shell(str(error)), BAD_INPUT)
+            return _said(error.told(at_the_shell), BAD_INPUT)
         case MemoryError():
             return _said("there is not enough memory for this; ask for less.", BAD_INPUT)
         case OSError() if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
@@ -113,11 +115,13 @@ def _after(error: BaseException) -> int:
     return _said("this is a defect of rcac itself; please report it.", DEFECT)
 
 
-def at_the_shell(message: str) -> str:
-    """A message of the packages with the advice that a shell can follow."""
-    for of_python, of_shell in AT_THE_SHELL.items():
-        message = re.sub(of_python, of_shell, message)
-    return message
+def at_the_shell(advice: Advice) -> str:
+    """The same next step for who writes commands."""
+    argument, value = (*advice.arguments, ("", ""))[0]
+    words = AT_THE_SHELL.get((advice.function, argument))
+    if words is None:
+        words = AT_THE_SHELL.get((advice.function, ""))
+    return str(advice) if words is None else words.format(argument=argument, value=value)
 
 
 def _usage(error: click.ClickException) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
@@ -63,7 +63,9 @@ class Budget(Value):
                 f"the run {name!r} of {steps} steps with l_theta = {sum(sizes)} coefficients and "
                 f"{repetitions} repetition{'s' * (repetitions > 1)} would keep {needed:.3g} bytes; "
                 f"{self.memory:.3g} are allowed. Use a smaller n_c, fewer steps, a larger stride "
-                f"or fewer repetitions; or allow more with Budget(memory={_above(needed)})."
+                f"or fewer repetitions; or allow more with ",
+                _more("memory", needed),
+                ".",
             )
 
     def operations_of(
@@ -80,10 +82,13 @@ class Budget(Value):
             raise InputError(
                 f"the runs would take about {needed:.3g} operations, steps x repetitions x "
                 f"l_theta^2 added up; {self.operations:.3g} are allowed. Use fewer steps or "
-                f"repetitions; or allow more with Budget(operations={_above(needed)})."
+                f"repetitions; or allow more with ",
+                _more("operations", needed),
+                ".",
             )
 
 
-def _above(value: float) -> str:
-    """The value with two digits, rounded up."""
-    return f"{1.05 * value:.1e}"
+def _more(limit: str, value: float) -> Advice:
+    """A limit above the value, which is rounded up to two digits."""
+    wanted = f"{1.05 * value:.1e}"
+    return Advice("Budget", ((limit, wanted),), f"{{function}}({limit}={wanted})")

@@ -398,7 +398,7 @@ class ExactCheck(Value):
         try:
             found = STATEMENTS[self.statement](self.system, **self.arguments)
         except CompensatorError as error:
-            raise type(error)(f"the statement {self.statement!r}: {error}") from None
+            raise type(error)(f"the statement {self.statement!r}: ", *error.args) from None
         return ExactResult(self, found.holds, found.words)
 
 

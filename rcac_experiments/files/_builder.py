@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import attrs
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import Advice, CompensatorError, InputError
 from rcac_experiments.experiments._budgets import Budget
 from rcac_experiments.experiments._experiment import Experiment, RunSpecification
 from rcac_experiments.experiments._figure_requests import FIGURE, FigureRequest, require_drawable
@@ -85,7 +85,9 @@ class File(Heading):
 FILE = Table(File)
 NO_RUN = (
     "there is no table [run], which needs the key 'steps'. For a log that ran elsewhere no run is "
-    "needed: check_controller(log, **check_arguments(file))."
+    "needed: ",
+    Advice("check_controller", (), "{function}(log, **check_arguments(file))"),
+    ".",
 )
 
 
@@ -195,7 +197,7 @@ def _read(table: Raw, file: str) -> tuple[File, list[RunTables]]:
         if "runs" in wrong or not FILE.all_keys().keys() >= table.keys():
             raise  # a table that seems to be missing may be the one whose name is misspelt
     if "run" not in table and not any("run" in override for override in _overrides(table)):
-        errors.add(InputError(NO_RUN))
+        errors.add(InputError(*NO_RUN))
         errors.raise_any()
     for override in _overrides(table):
         with errors:
@@ -225,9 +227,8 @@ def _made(
     try:
         return run.build(plant)
     except CompensatorError as error:
-        raise type(error)(
-            f"run {run.name!r}: {error}" if is_one_of_several else str(error)
-        ) from None
+        before = (f"run {run.name!r}: ",) if is_one_of_several else ()
+        raise type(error)(*before, *error.args) from None
 
 
 def _description(table: Raw) -> dict[str, str]:

@@ -12,7 +12,7 @@ from rcac_experiments.files._documents import Raw, named, read_file
 from rcac_experiments.files._plants import read_plant
 from rcac_experiments.files._structures import STRUCTURE
 from rcac_experiments.files._targets import TARGET
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._places import MissingKeyError, Place
 from rcac_experiments.format._tables import require_table
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
@@ -120,8 +120,8 @@ def read_structure(
         part = STRUCTURE.read(given, Place("the options", "controller"))
         made: Structure = part.of(sizes)
         return made
-    except InputError as error:
-        if "needs the key 'n_c'" in str(error) and kind is not None:
+    except MissingKeyError as error:
+        if error.key == "n_c" and kind is not None:
             raise InputError(f"--structure {kind} needs its order n_c: give --n-c.") from None
         raise
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypedDict
 import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.format._places import DEEPEST, Refused, brief, shortened
+from rcac_experiments.format._places import DEEPEST, FileError, brief, shortened
 from rcac_numeric.arrays._files import require_readable
 
 Raw = dict[str, Any]
@@ -118,10 +118,12 @@ def require_plain(table: Raw, file: str) -> None:
 
 def named(error: CompensatorError, file: str) -> CompensatorError:
     """The same error with the file's name in front, and of bearable length."""
-    if isinstance(error, Refused):
-        return InputError(error.named(file))
-    text = str(error)
-    return type(error)(shortened(text if text.startswith(file) else f"{file}: {text}"))
+    if isinstance(error, FileError):
+        return error.named(file)
+    whole = error if error.source == file else type(error)(f"{file}: ", *error.args)
+    text = str(whole)
+    short = shortened(text)
+    return (whole if short == text else type(error)(short)).of(file)
 
 
 def _require_printable(text: str, file: str) -> None:

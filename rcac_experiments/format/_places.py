@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from types import TracebackType
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import Advice, CompensatorError, InputError
 
 DEEPEST = 30
 LONGEST_MESSAGE = 1500
@@ -52,30 +52,37 @@ def shortened(text: str) -> str:
     return f"{text[: LONGEST_MESSAGE - 60]} ... ({len(text)} characters in all)"
 
 
-class Refused(InputError):
+class MissingKeyError(InputError):
+    """A table needs a key that it has not."""
+
+    key: str = ""
+
+
+class FileError(InputError):
     """Everything that is wrong with a file, each error with its place."""
 
     def __init__(self, text: str, errors: Sequence[CompensatorError] = ()) -> None:
         super().__init__(text)
         self.errors = tuple(errors)
 
-    def named(self, file: str) -> str:
+    def named(self, file: str) -> InputError:
         """What is wrong, one after another, as far as a reader can bear."""
-        texts = [_of_several(error, file) for error in self.errors]
-        text = f"{file}: {len(texts)} errors."
-        for number, one in enumerate(texts, 1):
-            line = f"\n{number}. {one}"
-            if len(text) + len(line) > LONGEST_MESSAGE - 60:
-                return f"{text}\n... and {len(texts) - number + 1} more."
-            text += line
-        return text
+        parts: list[str | Advice] = [f"{file}: ", f"{len(self.errors)} errors."]
+        length = sum(map(len, map(str, parts)))
+        for number, error in enumerate(self.errors, 1):
+            line = (f"\n{number}. ", *_of_several(error, file))
+            length += sum(map(len, map(str, line)))
+            if length > LONGEST_MESSAGE - 60:
+                parts.append(f"\n... and {len(self.errors) - number + 1} more.")
+                break
+            parts += line
+        return InputError(*parts).of(file)
 
 
-def _of_several(error: CompensatorError, file: str) -> str:
-    text = str(error).removeprefix(f"{file}: ")
-    if len(text) > LONGEST_OF_SEVERAL:
-        return f"{text[: LONGEST_OF_SEVERAL - 4]} ..."
-    return text
+def _of_several(error: CompensatorError, file: str) -> tuple[str | Advice, ...]:
+    parts = error.args[1:] if error.source == file else error.args
+    text = str(InputError(*parts))
+    return parts if len(text) <= LONGEST_OF_SEVERAL else (f"{text[: LONGEST_OF_SEVERAL - 4]} ...",)
 
 
 class Errors:
@@ -110,16 +117,16 @@ class Errors:
 
     def add(self, error: CompensatorError) -> None:
         """One more, or those that it consists of; what was said already is not said again."""
-        known = {str(one) for one in self.errors}
-        parts = error.errors if isinstance(error, Refused) else (error,)
-        self.errors += [one for one in parts if str(one) not in known]
+        known = {one.args for one in self.errors}
+        parts = error.errors if isinstance(error, FileError) else (error,)
+        self.errors += [one for one in parts if one.args not in known]
 
     def raise_any(self) -> None:
         """Raise what was collected, if anything was."""
         if len(self.errors) == 1:
             raise self.errors[0] from None
         if self.errors:
-            raise Refused("\n".join(map(str, self.errors)), self.errors) from None
+            raise FileError("\n".join(map(str, self.errors)), self.errors) from None
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
@@ -175,9 +182,15 @@ class Place:
         """An entry of the list under this key; `note` tells it from the others."""
         return replace(self._deeper(), notes=(note, *self.notes) if note else self.notes)
 
-    def error(self, message: str) -> InputError:
+    def error(self, *parts: str | Advice) -> InputError:
         """An error that names the file."""
-        return InputError(f"{self.file}: {message}")
+        return InputError(f"{self.file}: ", *parts).of(self.file)
+
+    def missing(self, key: str) -> MissingKeyError:
+        """That the table needs a key."""
+        error = MissingKeyError(f"{self.file}: ", f"{self.where} needs the key {key!r}.")
+        error.key = key
+        return error.of(self.file)
 
     def refuse(self, value: object, needed: str) -> InputError:
         """That a value is not what is needed."""

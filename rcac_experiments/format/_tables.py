@@ -247,7 +247,7 @@ class Table(Form, Generic[T]):
                 elif key.name in table:
                     values[key.parameter] = key.form.read(table[key.name], here.at(key.name))
                 elif key.is_required and is_known and not isinstance(key.form, Kinds):
-                    raise here.error(f"{here.where} needs the key {key.name!r}.")
+                    raise here.missing(key.name)
         errors.raise_any()
         return self._made(values, here)
 
@@ -258,9 +258,8 @@ class Table(Form, Generic[T]):
             made: Any = self.make(**values)
             return made.made() if isinstance(made, Shorthand) else made
         except CompensatorError as error:
-            text = str(error)
-            said = text if here.where in text or not here.table else f"{here.where}: {text}"
-            raise type(error)(f"{here.file}: {said}") from None
+            where = (f"{here.where}: ",) if here.table else ()
+            raise type(error)(f"{here.file}: ", *where, *error.args).of(here.file) from None
 
     def require_known(self, table: Raw, here: Place) -> None:
         """Refuse keys that neither this table nor a kind that is spread over it has."""
@@ -395,7 +394,7 @@ class Kinds(Form, Generic[T]):
         """The kind that a table names."""
         name = table.get(selector, self.default)
         if name is None:
-            raise here.error(f"{here.where} needs the key {selector!r}.")
+            raise here.missing(selector)
         return self.kinds[self.read(name, here.at(selector))]
 
     def read(self, value: object, place: Place) -> str:

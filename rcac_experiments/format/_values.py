@@ -88,7 +88,7 @@ class Real(Form):
             try:
                 expression = exact.parse_expression(value)
             except CompensatorError as error:
-                raise place.error(f"{place} = {brief(value)}: {error}") from None
+                raise place.error(f"{place} = {brief(value)}: ", *error.args) from None
             if not (expression.is_number and expression.is_real):
                 raise place.error(f"{place} = {brief(value)} is not a real number.")
             value = float(expression)

@@ -223,7 +223,7 @@ def _base(
         try:
             with_value(document, axis.sets, axis.values[0])
         except InputError as error:
-            raise InputError(f"the axis {axis.name!r}: {error}") from None
+            raise InputError(f"the axis {axis.name!r}: ", *error.args) from None
     assert isinstance(document, dict)
     return document
 

@@ -332,9 +332,8 @@ def tried(study: Study) -> Cell:
         try:
             cells.cell(coordinates).case(0)
         except CompensatorError as error:
-            raise type(error)(
-                f"the axis {name!r} at {coordinates[name]!r}: {error}" if name else str(error)
-            ) from None
+            where = (f"the axis {name!r} at {coordinates[name]!r}: ",) if name else ()
+            raise type(error)(*where, *error.args) from None
     cell = cells.cell(first)
     canonical_json(study.resolved)
     return cell

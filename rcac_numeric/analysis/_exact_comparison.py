@@ -11,7 +11,7 @@ from sympy import Poly
 
 import compensator_theory as exact
 from compensator_theory import figures
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import Advice, CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._pairing import pairing
 from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
@@ -269,7 +269,9 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         raise InputError(
             f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
-            "comparison is for scalar signals. Use ClosedLoop(...).poles() instead."
+            "comparison is for scalar signals. ",
+            Advice("ClosedLoop.poles", (), "Use ClosedLoop(...).poles() instead"),
+            ".",
         )
     problem = plant.problem
     N_c, D_c = exact_polynomials(compensator)

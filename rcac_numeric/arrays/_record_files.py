@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import replacing, require_readable
 from rcac_numeric.arrays._records import Records
@@ -92,18 +92,17 @@ def read_record(
         signed = parsed_json(_text(arrays.pop(KEY)))
         text, checksum = signed["record"], signed["checksum"]
         if checksum != _checksum(text, arrays):
-            raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
+            raise _of(path, " is damaged: its checksum is not that of its contents.")
         whole = parsed_json(text)
         if (whole["kind"], whole["version"]) != (kind, VERSION):
             held = f"{whole['kind']!r:.60}, version {whole['version']!r:.20}"
-            raise InputError(f"{path} holds {held}; a {kind}, version {VERSION}, is needed.")
+            raise _of(path, f" holds {held}; a {kind}, version {VERSION}, is needed.")
         parts: dict[str, Any] = {
             name: _part(path, name, tree, records, arrays, given)
             for name, tree in whole["parts"].items()
         }
     except InputError as error:
-        words = str(error)
-        raise InputError(words if str(path) in words else f"{path}: {words}") from None
+        raise (error if error.source else _of(path, ": ", *error.args)) from None
     except KeyError as error:
         raise InputError(f"{path} holds no saved {kind}: it has no {error}.") from None
     # The constructors are those of the packages, and what is handed to them is anything at all.
@@ -127,14 +126,20 @@ def _part(
     if set(tree) != {"left out", "words"}:
         raise ValueError(f"its {name!r:.60} is nothing that can be read")
     if given.get(name) is None:
-        raise InputError(
-            f"{path}: its {name} is made of functions, which a file cannot hold: "
-            f"{str(tree['words'])[:200]}. "
-            f"Give it with {name}=."
-        )
+        words = f"{tree['words']!s:.200}"
+        give_it = Advice("load_run", ((name, ""),), f"Give it with {name}=")
+        raise _of(
+            path, f": its {name} is made of functions, which a file cannot hold: {words}. ",
+            give_it, "."
+        )  # fmt: skip
     if fingerprint(given[name]) != tree["left out"]:
-        raise InputError(f"{path} was saved with another {name} than the one given.")
+        raise _of(path, f" was saved with another {name} than the one given.")
     return given[name]
+
+
+def _of(path: str | Path, *parts: str | Advice) -> InputError:
+    """An error whose message begins with the name of the file."""
+    return InputError(str(path), *parts).of(str(path))
 
 
 def _text(array: Array) -> str:

@@ -53,5 +53,5 @@ def estimation_failure(error: Exception, k: int) -> CompensatorError:
         return FunctionFailedError(
             f"a function of the model failed at step {k}: {type(error).__name__}: {error}"
         )
-    kind, _, words = str(error).partition(": ")
+    kind, words = error.args
     return ERRORS[kind](f"step {k}: {words}; {NEXT[kind]}.")

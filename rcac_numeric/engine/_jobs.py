@@ -239,7 +239,7 @@ class PreparedRun:
                 "a function of the plant or of a weight failed at step "
                 f"{self.first_step + run.steps}: {run.failure} The steps before are in the "
                 "attribute run of this error.",
-                run,
+                run=run,
             ) from self._failures.error
 
     @property

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import instance_of
 from rcac_numeric.arrays._values import fingerprint
@@ -137,7 +137,11 @@ class PreparedLoop:
         if saturation is not None and not shared and len(self.controllers) > 1:
             raise InputError(
                 "with saturation, controllers that hold their own u cannot know which part of it "
-                "was applied. Use Decentralized(..., shared_u=True)."
+                "was applied. ",
+                Advice(
+                    "Decentralized", (("shared_u", "True"),), "Use {function}(..., shared_u=True)"
+                ),
+                ".",
             )
         updates = [o.update for o in self.controllers if isinstance(o, ControllerSettings)]
         stops = [u.stop_where_unsupported for u in updates if isinstance(u, RecursiveLeastSquares)]

@@ -211,8 +211,8 @@ def _ask(prepared: PreparedRun, on_step: Hook, k: int) -> None:
     except KeyboardInterrupt:
         raise RunInterrupted([prepared.result(interrupted=True)]) from None
     except CompensatorError as error:
-        raise FunctionFailedError(f"on_step at step {k}: {error}", so_far) from error
+        raise FunctionFailedError(f"on_step at step {k}: ", *error.args, run=so_far) from error
     except Exception as error:
         raise FunctionFailedError(
-            f"on_step failed at step {k}: {type(error).__name__}: {error}", so_far
+            f"on_step failed at step {k}: {type(error).__name__}: {error}", run=so_far
         ) from error

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, IllConditionedError, InputError
+from compensator_theory.errors import DivergedError, IllConditionedError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
 from rcac_numeric.arrays._validation import integer, matrix
@@ -144,14 +144,14 @@ class ForwardEstimator(Standing):
     def __init__(
         self, n: int, l_y: int, V_1: ArrayLike, V_2: ArrayLike, Q_0: ArrayLike = 0.0
     ) -> None:
-        try:
-            self._dual = ForwardRegulator(n, l_y, V_1, V_2, Q_0)
-        except InputError as error:
-            words = {"R_1": "V_1", "R_2": "V_2", "P_0": "Q_0", "l_u": "l_y"}
-            text = str(error)
-            for old, new in words.items():
-                text = text.replace(old, new)
-            raise InputError(text) from None
+        states, measured = integer(n, "n", at_least=1), integer(l_y, "l_y", at_least=1)
+        self._dual = ForwardRegulator(
+            states,
+            measured,
+            constant_weight(V_1, "V_1", states, definite=False),
+            constant_weight(V_2, "V_2", measured, definite=True),
+            constant_weight(Q_0, "Q_0", states, definite=False),
+        )
 
     @property
     def Q(self) -> Array:

@@ -18,7 +18,6 @@ from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import (
     EstimationError,
     Refinement,
-    estimation_failure,
     make_refinement,
 )
 from rcac_numeric.estimation._local_observability import UnidentifiableWarning
@@ -217,10 +216,10 @@ class ModelRefinement(Resumable[RCMR]):
             self._at_work.release()
 
     def _failed(self, error: Exception) -> CompensatorError:
-        why = str(estimation_failure(error, self.k)).partition(";")[0]
+        _, words = error.args
         self._broken = (
-            f"{why}: the free-running model diverged. Give step a measured x, use a smaller beta "
-            "or more delays; this object is no longer usable."
+            f"step {self.k}: {words}: the free-running model diverged. Give step a measured x, use "
+            "a smaller beta or more delays; this object is no longer usable."
         )
         return DivergedError(self._broken)
 

@@ -8,7 +8,7 @@ from typing import Any
 from sympy import Symbol
 
 import compensator_theory as exact
-from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.errors import Advice, ImproperError, InputError, NotCoprimeError
 from compensator_theory.systems._descriptions import has_states, shape_of
 from compensator_theory.systems._foreign import is_foreign
 from compensator_theory.systems._foreign import sample_time_of as exact_sample_time
@@ -167,8 +167,13 @@ def _discrete(problem: exact.StandardProblem, call: str) -> exact.StandardProble
     """The problem in q, as compensators and target models are; `call` makes it of a plant."""
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
-            f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. "
-            f"Sample it first: {call.format('plant_of(system, sample_time=0.01)')}, or write it in "
-            "q."
+            f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. ",
+            Advice(
+                "plant_of",
+                (("sample_time", "0.01"),),
+                f"Sample it first: {call.format('{function}(system, sample_time={sample_time})')}, "
+                "or write it in q",
+            ),
+            ".",
         )
     return problem if problem.variable == Symbol("q") else replaced(problem, variable="q")

@@ -47,6 +47,12 @@ def wrong_advice(message, door, table):
     return wrong
 
 
+def has_argument(table, function, name):
+    """Whether a function is public and takes an argument of this name; any, for an empty name."""
+    one = _function(function, table) or _function(f".{function.rpartition('.')[2]}", table)
+    return one is not None and (not name or _takes(one, name))
+
+
 def _closing(text, start):
     """Where the bracket that is open at `start` closes; the end of a shortened text."""
     depth = 1

@@ -267,7 +267,18 @@ nb::object sensitivity_of(nb::handle model, const Array& x, const Array& u, cons
 }  // namespace
 
 void bind_filters(nb::module_& m) {
-    nb::exception<EstimationError>(m, "EstimationError");
+    // In Python its arguments are the kind and the words.
+    const nb::object raised = nb::exception<EstimationError>(m, "EstimationError");
+    nb::register_exception_translator(
+        [](const std::exception_ptr& thrown, void* type) {
+            try {
+                std::rethrow_exception(thrown);
+            } catch (const EstimationError& error) {
+                const nb::tuple arguments = nb::make_tuple(error.kind, error.what());
+                PyErr_SetObject(static_cast<PyObject*>(type), arguments.ptr());
+            }
+        },
+        raised.ptr());
     nb::class_<EstimationModel>(m, "EstimationModel")
         .def("set_angles",
              [](EstimationModel& self, const std::vector<bool>& is_angle) {
