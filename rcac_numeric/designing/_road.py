@@ -11,7 +11,6 @@ import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 from rcac_numeric.analysis._closed_loop import ClosedLoop
-from rcac_numeric.analysis._gramians import stein_solution
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import rounded
@@ -27,6 +26,7 @@ from rcac_numeric.controllers._weights import SignalWeight
 from rcac_numeric.designing._expected import Expected
 from rcac_numeric.designing._plants import DesignPlant
 from rcac_numeric.designing._reference import Reference
+from rcac_numeric.designing._truncation import Balanced
 from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel, from_transfer_function
@@ -158,7 +158,7 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
     found = []
     for share in LEFT_OUT:
         try:
-            one = _over_one_denominator(truncated(A, B, C, share), delay)
+            one = _over_one_denominator(advanced(A, B, C, share), delay)
         except CompensatorError:  # rounded to float64 it is unstable
             continue
         found.append((miss(one.frequency_response(omega), wanted, u), one))
@@ -189,27 +189,16 @@ def miss(found: ComplexArray, wanted: ComplexArray, u: Array) -> float:
     return float(np.sqrt(worst))
 
 
-def truncated(A: Array, B: Array, C: Array, share: float) -> StateSpace:
+def advanced(A: Array, B: Array, C: Array, share: float) -> StateSpace:
     """C(qI - A)^-1 B q, with no more than a share of its largest Hankel singular value left out.
 
     In balanced coordinates: the states that are reached and seen least are left out, and what is
     left is stable.
     """
-    left = _root(stein_solution(A, B @ B.T))
-    D, C = C @ B, C @ A  # of q times the map
-    seen = _root(stein_solution(A.T, C.T @ C))
-    U, sigma, V = np.linalg.svd(seen.T @ left)
-    kept = max(int((sigma > share * sigma[0]).sum()), 1)
-    scale = np.sqrt(sigma[:kept])
-    into = left @ V[:kept].T / scale
-    out = (seen @ U[:, :kept] / scale).T
-    return out @ A @ into, out @ B, C @ into, D
-
-
-def _root(M: Array) -> Array:
-    """F with F F' the semidefinite matrix."""
-    values, vectors = np.linalg.eigh((M + M.T) / 2)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+    balanced = Balanced(A, B, C @ A)
+    hankel = balanced.hankel
+    kept = max(int((hankel > share * hankel[0]).sum()), 1)
+    return *balanced.truncated(kept), C @ B
 
 
 def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:

@@ -1,4 +1,4 @@
-"""A stable plant of many states as one of few: balanced truncation, as near as it is asked."""
+"""Balanced truncation: a stable system of many states as one of few, as near as it is asked."""
 
 from __future__ import annotations
 
@@ -19,6 +19,27 @@ MOST_STATES = 40  # beyond it each of the ladder's Riccati equations and peaks t
 OF_PEAK, AT_REST = 0.01, 0.05  # the error that is allowed, over the largest and the low gain
 GRID = 600  # frequencies at which responses are compared, and those of the slow modes
 RINGS = 0.9  # modulus of a pole that may show between two of them
+
+
+class Balanced:
+    """A stable system in coordinates in which each state is reached as much as it is seen.
+
+    Source: B. C. Moore, IEEE Transactions on Automatic Control 26 (1981) 17-32; by square roots:
+    M. S. Tombs and I. Postlethwaite, International Journal of Control 46 (1987) 1319-1330.
+    """
+
+    def __init__(self, A: Array, B: Array, C: Array) -> None:
+        self.A, self.B, self.C = A, B, C
+        self._reach = _root(stein_solution(A, B @ B.T))
+        self._seen = _root(stein_solution(A.T, C.T @ C))
+        self._left, self.hankel, self._right = np.linalg.svd(self._seen.T @ self._reach)
+
+    def truncated(self, order: int) -> tuple[Array, Array, Array]:
+        """A, B, C of the states of the largest Hankel singular values."""
+        scale = np.sqrt(self.hankel[:order])
+        into = self._reach @ self._right[:order].T / scale
+        onto = (self._seen @ self._left[:, :order] / scale).T
+        return onto @ self.A @ into, onto @ self.B, self.C @ into
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,23 +97,19 @@ def truncated(plant: DesignPlant) -> Truncation | None:
     while late < longest and np.abs(C @ B).max() <= 1e-14 * size:
         late, C = late + 1, C @ A
     try:
-        reach, seen = _root(stein_solution(A, B @ B.T)), _root(stein_solution(A.T, C.T @ C))
+        balanced = Balanced(A, B, C)
     except IllConditionedError:  # no truncation can be had: the plant stays whole
         return None
-    left, hankel, right = np.linalg.svd(seen.T @ reach)
     omega, response = _response(plant)
     peak = float(np.linalg.norm(response, 2, axis=(1, 2)).max())
     allowed = min(OF_PEAK * peak, AT_REST * plant.low_gain)
     for order in range(1, len(A)):
-        if hankel[order] > allowed:  # the error is no less
+        if balanced.hankel[order] > allowed:  # the error is no less
             continue
-        scale = np.sqrt(hankel[:order])
-        into = (reach @ right[:order].T) / scale
-        onto = (left[:, :order] / scale).T @ seen.T
+        a, b, c = balanced.truncated(order)
         made = replace(
-            plant, A=onto @ A @ into, B=onto @ B, C=C @ into, delay=plant.delay + late,
-            continuous=None, fraction=0.0,
-        )  # fmt: skip
+            plant, A=a, B=b, C=c, delay=plant.delay + late, continuous=None, fraction=0.0
+        )
         left_out = np.linalg.norm(response - made.response(omega), 2, axis=(1, 2))
         if made.is_stable and left_out.max() <= allowed:
             return Truncation(plant, made, omega, left_out, float(left_out.max()) / peak)
@@ -112,5 +129,5 @@ def _response(plant: DesignPlant) -> tuple[Array, ComplexArray]:
 
 def _root(gramian: Array) -> Array:
     """L with L L' = the positive semidefinite matrix, which Cholesky's method may refuse."""
-    values, vectors = np.linalg.eigh(gramian)
-    return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))
+    values, vectors = np.linalg.eigh((gramian + gramian.T) / 2)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

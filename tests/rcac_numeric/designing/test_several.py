@@ -19,7 +19,7 @@ from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant
 from rcac_numeric.designing._reference import MOST, reference_loop
-from rcac_numeric.designing._road import miss, settings_of, truncated
+from rcac_numeric.designing._road import advanced, miss, settings_of
 from rcac_numeric.designing._trials import FIXED, PID, RCAC
 
 TWO = [["2/(10*s + 1)", "0.5/(6*s + 1)"], ["-0.4/(5*s + 1)", "1/(8*s + 1)"]]
@@ -126,7 +126,7 @@ def test_what_truncation_leaves_out_is_bounded(seed, n, share):
     A = rng.standard_normal((n, n))
     A *= 0.9 / np.abs(np.linalg.eigvals(A)).max()
     B, C = rng.standard_normal((n, 2)), rng.standard_normal((2, n))
-    parts = truncated(A, B, C, share)
+    parts = advanced(A, B, C, share)
     whole = control.ss(A, B, C @ A, C @ B, True)
     gap = whole(np.exp(1j * np.linspace(0, np.pi, 60))) - control.ss(*parts, True)(
         np.exp(1j * np.linspace(0, np.pi, 60))
