@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
-from compensator_theory.forms._equivalence import certificate_of_products
+from compensator_theory.forms._equivalence import differences
 from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     denominators,
@@ -15,21 +15,19 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.matrices._certificates import Certificate
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
-from compensator_theory.matrices._rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.matrices._rings import Grid, Ring, identity, multiply
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._poly import monic
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
-IDENTITY = "[[X_r, Y_r], [-N_l, D_l]] [[D_r, -Y_l], [N_r, X_l]] = I, G D_r = N_r, D_l G = N_l"
-
 
 @dataclass(frozen=True)
-class CoprimeFractions(ExactValue):
+class CoprimeFractions(Certified, ExactValue):
     r"""A transfer matrix as fractions of polynomial matrices without common factors.
 
     .. math:: G = N_r D_r^{-1} = D_l^{-1} N_l, \qquad
@@ -51,9 +49,9 @@ class CoprimeFractions(ExactValue):
         p x p and m x p, N_l Y_l + D_l X_l = I.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; everything holds where none of them is zero.
-    certificate : Certificate
-        All identities, multiplied out anew: they prove coprimeness.
     """
+
+    identity = "[[X_r, Y_r], [-N_l, D_l]] [[D_r, -Y_l], [N_r, X_l]] = I, G D_r = N_r, D_l G = N_l"
 
     source: TransferMatrix
     D_r: PolynomialMatrix
@@ -65,7 +63,27 @@ class CoprimeFractions(ExactValue):
     X_l: PolynomialMatrix
     Y_l: PolynomialMatrix
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        given = PolynomialMatrix(self.source.numerators)
+        below = PolynomialMatrix(((self.source.denominator,),))
+        right, left = (
+            (self.D_r, self.N_r, self.X_l, self.Y_l),
+            (self.D_l, self.N_l, self.X_r, self.Y_r),
+        )
+        ring = joint_ring(given, below, *right, *left)
+        N, d = read_into(ring, given), read_into(ring, below)[0][0]
+        D_r, N_r, X_l, Y_l = (read_into(ring, part) for part in right)
+        D_l, N_l, X_r, Y_r = (read_into(ring, part) for part in left)
+        first = _beside(X_r, Y_r) + _beside(_negated(N_l), D_l)
+        second = _beside(D_r, _negated(Y_l)) + _beside(N_r, X_l)
+        scaled = [[[d * entry for entry in row] for row in grid] for grid in (N_r, N_l)]
+        pairs = [
+            (multiply(ring, first, second), identity(ring, len(first))),
+            (multiply(ring, N, D_r), scaled[0]),
+            (multiply(ring, D_l, N), scaled[1]),
+        ]
+        return differences(ring, pairs)
 
     @property
     def pole_polynomial(self) -> Poly:
@@ -158,10 +176,15 @@ def coprime_fractions(
     )
     blocks = (D_r, N_r, D_l, _negated(minus_N_l), X_r, Y_r, X_l, _negated(minus_Y_l))
     results = [written(ring, block) for block in blocks]
-    certificate = _certificate(ring, N, d, blocks)
     exceptional = exceptional_factors(denominators(*results))
     a, b, c, e, f, g, h, i = results
-    return CoprimeFractions(source, a, b, c, e, f, g, h, i, exceptional, certificate)
+    found = CoprimeFractions(source, a, b, c, e, f, g, h, i, exceptional)
+    proven(found.certificate, "fraction")
+    return found
+
+
+def _beside(a: Grid, b: Grid) -> Grid:
+    return [x + y for x, y in zip(a, b, strict=True)]
 
 
 def _columns(rows: Grid, at: int) -> tuple[Grid, Grid]:
@@ -190,18 +213,3 @@ def _quotient(ring: Ring, Y: Grid, D: Grid) -> Grid:
             K[i][j] = factor
             row[j:] = [x + factor * y for x, y in zip(row[j:], D[j][j:], strict=True)]
     return K
-
-
-def _certificate(ring: Ring, N: Grid, d: Element, blocks: tuple[Grid, ...]) -> Certificate:
-    D_r, N_r, D_l, N_l, X_r, Y_r, X_l, Y_l = blocks
-    left = [x + y for x, y in zip(X_r, Y_r, strict=True)]
-    left += [x + y for x, y in zip(_negated(N_l), D_l, strict=True)]
-    right = [x + y for x, y in zip(D_r, _negated(Y_l), strict=True)]
-    right += [x + y for x, y in zip(N_r, X_l, strict=True)]
-    scaled = [[[d * entry for entry in row] for row in grid] for grid in (N_r, N_l)]
-    pairs = [
-        (multiply(ring, left, right), identity(ring, len(left))),
-        (multiply(ring, N, D_r), scaled[0]),
-        (multiply(ring, D_l, N), scaled[1]),
-    ]
-    return certificate_of_products(ring, IDENTITY, pairs)

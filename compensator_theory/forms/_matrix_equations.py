@@ -18,7 +18,13 @@ from compensator_theory.forms._polynomial_matrices import (
     read_into,
     written,
 )
-from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._certificates import (
+    Certificate,
+    Certified,
+    Residuals,
+    evaluated,
+    proven,
+)
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, Ring, multiply
@@ -28,11 +34,11 @@ from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._values import ExactValue
 
-IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}
+IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}  # by the side of the unknowns
 
 
 @dataclass(frozen=True)
-class MatrixDiophantineSolution(ExactValue):
+class MatrixDiophantineSolution(Certified, ExactValue):
     r"""Every solution of A X + B Y = C, or of X A + Y B = C.
 
     .. math:: \begin{bmatrix} X \\ Y \end{bmatrix} + M T, \qquad
@@ -51,8 +57,6 @@ class MatrixDiophantineSolution(ExactValue):
         Of [A B], or of the transpose of [A; B] for the unknowns on the left.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; the identity holds where none of them is zero.
-    certificate : Certificate
-        The equation, multiplied out anew.
     """
 
     _CARRIES = True
@@ -65,7 +69,16 @@ class MatrixDiophantineSolution(ExactValue):
     Y: PolynomialMatrix
     kernel: MinimalBasis
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    @property
+    def certificate(self) -> Certificate:
+        """The equation, evaluated anew from the fields of this result."""
+        return evaluated(IDENTITY[self.side], self._left_over())
+
+    def _left_over(self) -> Residuals:
+        A, B, X, Y = self.A, self.B, self.X, self.Y
+        total = A @ X + B @ Y if self.side == "right" else X @ A + Y @ B
+        return [(total - self.C).as_matrix()]
 
     @property
     def is_unique(self) -> bool:
@@ -200,10 +213,11 @@ def solve_matrix_diophantine(
     x = PolynomialMatrix(tuple(row[:size] for row in found.rows))
     y = PolynomialMatrix(tuple(row[size:] for row in found.rows))
     X, Y = (x.T, y.T) if side == "right" else (x, y)
-    certificate = _certificate(given, X, Y, side)
     exceptional = exceptional_factors([*denominators(X, Y), *kernel.exceptional])
     one, two, right = given
-    return MatrixDiophantineSolution(one, two, right, side, X, Y, kernel, exceptional, certificate)
+    result = MatrixDiophantineSolution(one, two, right, side, X, Y, kernel, exceptional)
+    proven(result.certificate, "solution")
+    return result
 
 
 def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
@@ -256,11 +270,3 @@ def _least(ring: Ring, row: list[Element], basis: Grid, indices: tuple[int, ...]
 
 def _columns(matrix: PolynomialMatrix, side: str) -> tuple[tuple[Poly, ...], ...]:
     return matrix.T.rows if side == "right" else matrix.rows
-
-
-def _certificate(
-    given: list[PolynomialMatrix], X: PolynomialMatrix, Y: PolynomialMatrix, side: str
-) -> Certificate:
-    A, B, C = given
-    total = A @ X + B @ Y if side == "right" else X @ A + Y @ B
-    return certificate_of(IDENTITY[side], [(total - C).as_matrix()], "solution")

@@ -18,7 +18,7 @@ from compensator_theory.forms._polynomial_matrices import (
     polynomial_matrix,
 )
 from compensator_theory.forms._row_forms import row_reduced_form
-from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._flint_polynomials import (
@@ -30,13 +30,12 @@ from compensator_theory.polynomials._budget import ask, decimal_digits, unlimite
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._values import ExactValue
 
-IDENTITY = "P M = 0, W M = I"
 CHAINS = 5
 """The degree up to which a pencil is made; above, row operations are as fast, or faster."""
 
 
 @dataclass(frozen=True)
-class MinimalBasis(ExactValue):
+class MinimalBasis(Certified, ExactValue):
     r"""Polynomial vectors that span a null space, of the least degrees that there are.
 
     .. math:: P M = 0, \qquad W M = I
@@ -55,16 +54,23 @@ class MinimalBasis(ExactValue):
         Degrees of the columns, ascending: Forney's minimal indices. They are unique, M is not.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; everything holds where none of them is zero.
-    certificate : Certificate
-        Both products, multiplied out anew.
     """
+
+    identity = "P M = 0, W M = I"
 
     matrix: PolynomialMatrix
     basis: PolynomialMatrix | None
     left_inverse: PolynomialMatrix | None
     indices: tuple[int, ...]
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        if self.basis is None or self.left_inverse is None:
+            return [zero_matrix(1, 1)]
+        with unlimited():  # P has passed the doors, and products of rows take no elimination
+            zero = (self.matrix @ self.basis).as_matrix()
+            unit = (self.left_inverse @ self.basis).as_matrix()
+        return [zero, unit - ImmutableMatrix.eye(unit.rows)]
 
     def __str__(self) -> str:
         return "0" if self.basis is None else str(self.basis)
@@ -130,7 +136,7 @@ def minimal_basis(
     W = PolynomialMatrix(tuple(tuple(row[i] for i in order) for row in inverse.rows)).T
     exceptional = exceptional_factors([*first.exceptional, *second.exceptional])
     indices = tuple(second.row_degrees[i] for i in order)
-    return MinimalBasis(P, M, W, indices, exceptional, _certificate(P, M, W))
+    return _proven(MinimalBasis(P, M, W, indices, exceptional))
 
 
 def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
@@ -164,8 +170,7 @@ def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
     M = [[poly(column[j] for column in vector) for vector in vectors] for j in range(m)]
     w, basis = (PolynomialMatrix(tuple(map(tuple, grid))) for grid in (W, M))
     indices = tuple(len(vector) - d for vector in vectors)
-    with unlimited():  # P has passed the doors, and products of rows take no elimination
-        return MinimalBasis(P, basis, w, indices, (), _certificate(P, basis, w))
+    return _proven(MinimalBasis(P, basis, w, indices, ()))
 
 
 def _pencil(P: PolynomialMatrix) -> Pencil:
@@ -188,11 +193,9 @@ def _pencil(P: PolynomialMatrix) -> Pencil:
 
 
 def _none(P: PolynomialMatrix, exceptional: tuple[Expr, ...]) -> MinimalBasis:
-    nothing = Certificate(IDENTITY, zero_matrix(1, 1))
-    return MinimalBasis(P, None, None, (), exceptional, nothing)
+    return MinimalBasis(P, None, None, (), exceptional)
 
 
-def _certificate(P: PolynomialMatrix, M: PolynomialMatrix, W: PolynomialMatrix) -> Certificate:
-    size = M.shape[1]
-    product = (W @ M).as_matrix() - ImmutableMatrix.eye(size)
-    return certificate_of(IDENTITY, [(P @ M).as_matrix(), product], "basis")
+def _proven(result: MinimalBasis) -> MinimalBasis:
+    proven(result.certificate, "basis")
+    return result

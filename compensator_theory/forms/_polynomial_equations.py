@@ -15,7 +15,7 @@ from compensator_theory.forms._polynomial_matrices import (
     PolynomialMatrix,
     denominators,
 )
-from compensator_theory.matrices._certificates import Certificate, proven
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._linear_algebra import solve
 from compensator_theory.polynomials._budget import ask, shown
@@ -40,11 +40,9 @@ from compensator_theory.polynomials._reading import (
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import require_no_other_operator
 
-IDENTITY = "a x + b y = c, a dx + b dy = 0"
-
 
 @dataclass(frozen=True)
-class DiophantineSolution(ExactValue):
+class DiophantineSolution(Certified, ExactValue):
     r"""Every solution of a x + b y = c.
 
     .. math:: x + t\,\delta x, \quad y + t\,\delta y, \qquad
@@ -61,11 +59,11 @@ class DiophantineSolution(ExactValue):
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; where none of them is zero the identities hold and
         there are no other solutions. :func:`exceptional_cases` says what holds elsewhere.
-    certificate : Certificate
-        Both identities, multiplied out anew.
     """
 
     _CARRIES = True
+
+    identity = "a x + b y = c, a dx + b dy = 0"
 
     a: Poly
     b: Poly
@@ -75,7 +73,13 @@ class DiophantineSolution(ExactValue):
     dx: Poly
     dy: Poly
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        a, b = self.a, self.b
+        return [
+            total(product(a, self.x), product(b, self.y), -self.c),
+            total(product(a, self.dx), product(b, self.dy)),
+        ]
 
     def member(self, t: PolynomialLike) -> tuple[Poly, Poly]:
         """Return the solution (x + t dx, y + t dy) for any polynomial t."""
@@ -167,19 +171,13 @@ def solve_diophantine(
     p, q, r = (canonical(side.quo(divisor)) for side in over)
     u, v = _least(p, q, r)
     x, y, dx, dy = (u, v, q, -p) if least == "y" else (v, u, p, -q)
-    residual = [
-        total(product(first, x), product(second, y), -right),
-        total(product(first, dx), product(second, dy)),
-    ]
-    certificate = proven(
-        Certificate(IDENTITY, ImmutableMatrix([[rest.as_expr() for rest in residual]])),
-        "solution",
-    )
     divisors = denominators(PolynomialMatrix(((g, x, y, dx, dy),)))
     if any(side.free_symbols_in_domain for side in (p, q)):
         divisors.append(resultant(p, q, variable=first.gen))
     exceptional = exceptional_factors(divisors)
-    return DiophantineSolution(first, second, right, x, y, dx, dy, exceptional, certificate)
+    result = DiophantineSolution(first, second, right, x, y, dx, dy, exceptional)
+    proven(result.certificate, "solution")
+    return result
 
 
 def _field(*polys: Poly) -> Domain:

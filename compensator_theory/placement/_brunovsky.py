@@ -10,7 +10,7 @@ from sympy import Expr, ImmutableMatrix
 
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.errors import NotControllableError
-from compensator_theory.matrices._certificates import Certificate, certificate_of
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
@@ -25,11 +25,9 @@ from compensator_theory.systems._controllability import (
     uncontrollable_polynomial,
 )
 
-IDENTITY = "(A + B F) T = T A_c, B W = T B_c"
-
 
 @dataclass(frozen=True)
-class BrunovskyForm(ExactValue):
+class BrunovskyForm(Certified, ExactValue):
     r"""A controllable pair as chains of integrators, by feedback and changes of basis.
 
     .. math:: (A + B F) T = T A_c, \qquad B W = T B_c, \qquad
@@ -46,9 +44,9 @@ class BrunovskyForm(ExactValue):
         Basis of the states, x = T z, feedback and basis of the inputs, u = F x + W v.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; the form holds where none of them is zero.
-    certificate : Certificate
-        The identities, evaluated.
     """
+
+    identity = "(A + B F) T = T A_c, B W = T B_c"
 
     A: ImmutableMatrix
     B: ImmutableMatrix
@@ -57,7 +55,12 @@ class BrunovskyForm(ExactValue):
     F: ImmutableMatrix
     W: ImmutableMatrix
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        A_c, B_c = chains(self.indices)
+        T, F = self.T, self.F
+        moved = multiplied(self.A.row_join(self.B), T.col_join(multiplied(F, T)))  # (A + B F) T
+        return [moved - multiplied(T, A_c), multiplied(self.B, self.W) - multiplied(T, B_c)]
 
     @property
     def A_c(self) -> ImmutableMatrix:
@@ -168,23 +171,10 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
         T_columns += reversed(chain)
     T = ImmutableMatrix.hstack(*T_columns)
     divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
-    certificate = _certificate(a, b, indices, T, F, W)
-    return BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors), certificate)
+    result = BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors))
+    proven(result.certificate, "form")
+    return result
 
 
 def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:
     return fresh(names_in_all(a, b), "s", "z", "q", "lambda_")
-
-
-def _certificate(
-    a: ImmutableMatrix,
-    b: ImmutableMatrix,
-    indices: tuple[int, ...],
-    T: ImmutableMatrix,
-    F: ImmutableMatrix,
-    W: ImmutableMatrix,
-) -> Certificate:
-    A_c, B_c = chains(indices)
-    moved = multiplied(a.row_join(b), T.col_join(multiplied(F, T)))  # (A + B F) T
-    left = [moved - multiplied(T, A_c), multiplied(b, W) - multiplied(T, B_c)]
-    return certificate_of(IDENTITY, left, "form")

@@ -10,7 +10,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.errors import InputError
 from compensator_theory.forms._minimal_realisations import minimal_realisation
-from compensator_theory.matrices._certificates import Certificate, proven
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices._linear_algebra import (
@@ -32,11 +32,9 @@ from compensator_theory.systems._realisations import Realisation
 from compensator_theory.systems._state_space import transfer_matrix_of_realisation
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
-IDENTITY = "[[V_l, -U_l], [-N_l, M_l]] [[M_r, U_r], [N_r, V_r]] = I"
-
 
 @dataclass(frozen=True)
-class DoublyCoprimeFractions(ExactValue):
+class DoublyCoprimeFractions(Certified, ExactValue):
     r"""A plant as fractions of stable proper transfer matrices, with the identity of both.
 
     .. math:: G = N_r M_r^{-1} = M_l^{-1} N_l, \qquad
@@ -55,9 +53,9 @@ class DoublyCoprimeFractions(ExactValue):
         Over det(sI - A + FC).
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; everything holds where none of them is zero.
-    certificate : Certificate
-        The identity, multiplied out anew.
     """
+
+    identity = "[[V_l, -U_l], [-N_l, M_l]] [[M_r, U_r], [N_r, V_r]] = I"
 
     plant: Realisation
     K: ImmutableMatrix
@@ -71,7 +69,16 @@ class DoublyCoprimeFractions(ExactValue):
     U_l: TransferMatrix
     V_l: TransferMatrix
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        m, p = self.M_r.shape[0], self.M_l.shape[0]
+        left = [
+            self.V_l @ self.M_r - self.U_l @ self.N_r - identity_matrix(m),
+            self.V_l @ self.U_r - self.U_l @ self.V_r,
+            self.M_l @ self.N_r - self.N_l @ self.M_r,
+            self.M_l @ self.V_r - self.N_l @ self.U_r - identity_matrix(p),
+        ]
+        return [[e.as_expr() for row in part.numerators for e in row] for part in left]
 
     def __str__(self) -> str:
         return f"G = ({self.N_r}) ({self.M_r})^-1 = ({self.M_l})^-1 ({self.N_l})"
@@ -164,17 +171,11 @@ def doubly_coprime_fractions(
     )
     M_r, U_r, N_r, V_r = _blocks(first, m)
     V_l, minus_U_l, minus_N_l, M_l = _blocks(second, m)
-    residual = [
-        entry.as_expr()
-        for row in (second @ first - identity_matrix(m + p)).numerators
-        for entry in row
-    ]
-    certificate = proven(
-        Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual)), "pair of fractions"
+    result = DoublyCoprimeFractions(
+        given, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional
     )
-    return DoublyCoprimeFractions(
-        given, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional, certificate
-    )
+    proven(result.certificate, "pair of fractions")
+    return result
 
 
 def read_plant(

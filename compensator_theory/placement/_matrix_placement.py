@@ -18,7 +18,7 @@ from compensator_theory.forms._polynomial_matrices import (
 )
 from compensator_theory.forms._row_forms import row_reduced_form
 from compensator_theory.loops._siso import require_sign
-from compensator_theory.matrices._certificates import Certificate, proven
+from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._echelon import contradictions
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix
@@ -34,11 +34,9 @@ from compensator_theory.polynomials._variables import require_no_other_operator
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
-IDENTITY = "D_l D_c - f N_l N_c = diag(targets)"
-
 
 @dataclass(frozen=True)
-class MatrixPlacement(ExactValue):
+class MatrixPlacement(Certified, ExactValue):
     r"""Every compensator that :func:`place_matrix_poles` found, :math:`G_c = N_c D_c^{-1}`.
 
     .. math:: D_l \Big(D_c + \sum_i \alpha_i\,\delta D_i\Big)
@@ -61,11 +59,11 @@ class MatrixPlacement(ExactValue):
         (delta N_i, delta D_i); empty if the compensator is unique within these degrees.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; the identity holds where none of them is zero.
-    certificate : Certificate
-        The identity, multiplied out anew.
     """
 
     _CARRIES = True
+
+    identity = "D_l D_c - f N_l N_c = diag(targets)"
 
     plant: TransferMatrix
     feedback: int
@@ -76,7 +74,10 @@ class MatrixPlacement(ExactValue):
     D_c: PolynomialMatrix
     homogeneous: tuple[tuple[PolynomialMatrix, PolynomialMatrix], ...]
     exceptional: tuple[Expr, ...]
-    certificate: Certificate
+
+    def _left_over(self) -> Residuals:
+        loop = (self.D_l @ self.D_c).as_matrix() - self.feedback * (self.N_l @ self.N_c).as_matrix()
+        return [loop - sympy.diag(*(target.as_expr() for target in self.targets))]
 
     @property
     def compensator(self) -> TransferMatrix:
@@ -223,15 +224,13 @@ def place_matrix_poles(
         for vector in found.nullspace:
             D, N = pair_of_columns(vector, (p, m), free, order, model)
             homogeneous.append((in_column(N, j, p), in_column(D, j, p)))
-    left = (D_l @ D_c + signed @ N_c).as_matrix() - sympy.diag(*(t.as_expr() for t in goals))
-    certificate = proven(
-        Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand))), "compensator"
-    )
     every = [D_l, N_l, N_c, D_c, *(part for pair in homogeneous for part in pair)]
     exceptional = exceptional_factors(denominators(*every))
-    return MatrixPlacement(
-        G, feedback, D_l, N_l, goals, N_c, D_c, tuple(homogeneous), exceptional, certificate
+    result = MatrixPlacement(
+        G, feedback, D_l, N_l, goals, N_c, D_c, tuple(homogeneous), exceptional
     )
+    proven(result.certificate, "compensator")
+    return result
 
 
 def _targets(
