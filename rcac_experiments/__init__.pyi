@@ -3,7 +3,7 @@ from . import dissertation as dissertation
 from . import plots as plots
 from . import results as results
 from . import sweeps as sweeps
-from .experiments._budgets import Budget as Budget
+from .experiments._budgets import ExperimentBudget as ExperimentBudget
 from .experiments._experiment import Experiment as Experiment
 from .experiments._experiment import verify as verify
 from .experiments._figure_requests import FigureRequest as FigureRequest

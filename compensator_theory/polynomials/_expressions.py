@@ -19,11 +19,11 @@ from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials._budget import ask, ask_for_number, limit_of, shown
 from compensator_theory.polynomials._decidable import DEAD_TIME
 from compensator_theory.polynomials._quotients import (
+    Addition,
     Leaf,
     Power,
     Product,
     Quotient,
-    Sum,
     Tree,
     multiplied_out,
 )
@@ -111,7 +111,7 @@ def leaves_of(tree: Tree) -> Iterator[Expr]:
     elif isinstance(tree, Power):
         yield from leaves_of(tree.base)
     else:
-        for part in tree.terms if isinstance(tree, Sum) else (*tree.factors, *tree.divisors):
+        for part in tree.terms if isinstance(tree, Addition) else (*tree.factors, *tree.divisors):
             yield from leaves_of(part)
 
 
@@ -121,7 +121,7 @@ def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
         return f"({_Readable({'order': None}).doprint(image(tree.value))})"
     if isinstance(tree, Power):
         return f"({written_tree(tree.base, image)})**({tree.exponent})"
-    if isinstance(tree, Sum):
+    if isinstance(tree, Addition):
         return f"({'+'.join(written_tree(term, image) for term in tree.terms)})"
     factors = [written_tree(factor, image) for factor in tree.factors]
     return "*".join(factors + [f"(1/{written_tree(d, image)})" for d in tree.divisors])
@@ -212,7 +212,7 @@ class _Reader:
             self.require_clear_sign()
             term = self.product()
             terms.append(term if sign == "+" else Product((Leaf(Integer(-1)), term)))
-        return terms[0] if len(terms) == 1 else Sum(terms)
+        return terms[0] if len(terms) == 1 else Addition(terms)
 
     def product(self) -> Tree:
         factors: list[Tree] = [self.signed()]

@@ -17,7 +17,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials._budget import ask, decimal_digits
 
-Tree: TypeAlias = "Leaf | Sum | Product | Power"
+Tree: TypeAlias = "Leaf | Addition | Product | Power"
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Leaf:
 
 
 @dataclass(frozen=True)
-class Sum:
+class Addition:
     """Of any number of terms; a difference has the term -1 times what is subtracted."""
 
     terms: Sequence[Tree]
@@ -167,7 +167,7 @@ class _Ring:
                     self._require_not_zero(up)
                     up, down = down, up
                 return _power(up, abs(exponent)), _power(down, abs(exponent))
-            case Sum(terms):
+            case Addition(terms):
                 pairs = [self._sides(term, least) for term in terms]
                 return _in_pairs(pairs, lambda a, b: _added(a, b, least))
             case Product(factors, divisors):
@@ -194,7 +194,7 @@ def _collect(tree: Tree, found: set[Expr]) -> None:
                 found.add(value)
         case Power(base, _):
             _collect(base, found)
-        case Sum(terms):
+        case Addition(terms):
             for term in terms:
                 _collect(term, found)
         case Product(factors, divisors):

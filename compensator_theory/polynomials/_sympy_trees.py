@@ -11,10 +11,10 @@ from sympy import Expr, Float, Poly, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials._budget import ask, decimal_digits, limit_of
 from compensator_theory.polynomials._quotients import (
+    Addition,
     Leaf,
     Power,
     Product,
-    Sum,
     Tree,
     multiplied_out,
 )
@@ -74,7 +74,7 @@ def require_scalar_symbol(symbol: Symbol) -> None:
 def tree_of(expression: Expr) -> Tree:
     """Take an expression without floats apart; what is no polynomial operation is kept whole."""
     if isinstance(expression, sympy.Add):
-        return Sum([tree_of(term) for term in expression.args])
+        return Addition([tree_of(term) for term in expression.args])
     if isinstance(expression, sympy.Mul):
         return Product([tree_of(factor) for factor in expression.args])
     if isinstance(expression, sympy.Pow) and expression.exp.is_Integer:

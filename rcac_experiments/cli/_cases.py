@@ -15,7 +15,7 @@ from click.shell_completion import CompletionItem
 from compensator_theory.errors import InputError
 from rcac_experiments.dissertation._examples import example_ids, example_titles, read_example
 from rcac_experiments.dissertation._load import load_example
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.files._builder import build, load_experiment
 from rcac_experiments.files._documents import Raw, read_file
@@ -46,7 +46,7 @@ def read_case_table(case: str) -> tuple[Raw, str]:
     return read_file(case) if is_file(case) else read_example(case)
 
 
-def case_experiment(case: str, values: Sequence[str], budget: Budget) -> Experiment:
+def case_experiment(case: str, values: Sequence[str], budget: ExperimentBudget) -> Experiment:
     """The experiment of a case, with other values where some are given."""
     if values:
         table, file = read_case_table(case)

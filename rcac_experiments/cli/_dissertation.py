@@ -28,7 +28,7 @@ from rcac_experiments.dissertation._reproduction import (
 from rcac_experiments.dissertation._sheet import errata_sheet
 from rcac_experiments.judging._claim import OURS, READING, TEXT, VERDICTS
 from rcac_experiments.reports._cases import Case
-from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, SheetTable, Text, cells
 
 LARGEST_JOBS = 256
 
@@ -109,7 +109,7 @@ def _sheet(found: Reproduction, archive: Path | None) -> Sheet:
         ],
     }
     blocks: tuple[Block, ...] = (
-        Table(("example", "title", "claims", "outcome"), rows),
+        SheetTable(("example", "title", "claims", "outcome"), rows),
         Fact("sentences of the text", _words(counts[TEXT])),
         Fact("sentences that leave room", _words(counts[READING])),
         Fact("page", str(found.page)),

@@ -36,7 +36,7 @@ undecided; 130 interrupted; 141 the output was closed.
 # without an argument stands for every argument of it.
 AT_THE_SHELL = {
     ("compensator_theory.budget", ""): "--budget {argument}={value}",
-    ("Budget", ""): "--budget {argument}={value}",
+    ("ExperimentBudget", ""): "--budget {argument}={value}",
     ("plant_of", "sample_time"): (
         "Sample it first, by the c2d of MATLAB, Octave or python-control, and write it in q"
     ),

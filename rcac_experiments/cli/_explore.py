@@ -9,7 +9,7 @@ import numpy as np
 
 from rcac_experiments.cli._cases import complete_case, read_case_table, values_option, with_values
 from rcac_experiments.cli._output import as_json_option, budget_option, show, writable_page
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.explorer._case import case_of
 from rcac_experiments.explorer._page import explorer_page
 from rcac_numeric.reports._rendering import write_page
@@ -32,7 +32,7 @@ def explore(
     name: str | None,
     values: tuple[str, ...],
     as_json: bool,
-    budget: Budget,
+    budget: ExperimentBudget,
 ) -> None:
     """Write a page on which a loop under RCAC runs live: drag poles, move dials.
 

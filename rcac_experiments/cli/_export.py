@@ -10,7 +10,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_experiments.cli._cases import case_experiment, complete_case, values_option
 from rcac_experiments.cli._output import as_json_option, budget_option, show
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._supervision import Supervision
@@ -60,7 +60,7 @@ def export(
     supervised: bool,
     values: tuple[str, ...],
     as_json: bool,
-    budget: Budget,
+    budget: ExperimentBudget,
 ) -> None:
     """Write the controller of CASE as C or as an FMU, and replay it where there is a compiler.
 
@@ -124,7 +124,9 @@ def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
     )
 
 
-def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, whole: bool) -> Run:
+def _run(
+    case: str, values: tuple[str, ...], budget: ExperimentBudget, name: str | None, whole: bool
+) -> Run:
     """The run that is exported; its first steps, where they are enough."""
     if case.endswith(".npz"):
         if values or name:

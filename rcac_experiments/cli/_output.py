@@ -13,7 +13,7 @@ import click
 import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_numeric.plots._formats import require_picture_format, save
 from rcac_numeric.reports._sheet import Sheet
 from rcac_numeric.reports._sheet import as_json as json_of
@@ -52,9 +52,9 @@ def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
     of the command.
     """
     exact_names = [field.name for field in fields(exact.Budget)]
-    run_names = [field.name for field in fields(Budget)] if of_runs else []
+    run_names = [field.name for field in fields(ExperimentBudget)] if of_runs else []
 
-    def checked(context: click.Context, option: click.Parameter, text: str) -> Budget:
+    def checked(context: click.Context, option: click.Parameter, text: str) -> ExperimentBudget:
         of_exact: dict[str, int] = {}
         of_run: dict[str, float] = {}
         for part in filter(None, (part.strip() for part in text.split(","))):
@@ -73,7 +73,7 @@ def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
             else:
                 of_run[name] = float(value)
         context.with_resource(exact.budget(**of_exact))
-        return Budget(**of_run)
+        return ExperimentBudget(**of_run)
 
     example = "operations=1e13,degree=2000" if of_runs else "degree=2000,field_degree=32"
     return click.option(

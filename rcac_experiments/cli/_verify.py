@@ -23,7 +23,7 @@ from rcac_experiments.cli._output import (
     writable_page,
 )
 from rcac_experiments.dissertation._pages import example_page
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Verification
 from rcac_experiments.experiments._experiment import verify as verified
 from rcac_experiments.reports._cases import case_of, case_page
@@ -81,7 +81,7 @@ def verify(
     completions: bool,
     group: int | None,
     as_json: bool,
-    budget: Budget,
+    budget: ExperimentBudget,
 ) -> int:
     """Run CASE and hold it against the exact prediction.
 

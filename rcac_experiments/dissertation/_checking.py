@@ -25,7 +25,7 @@ SHOWN_BY = {"misprint": (MISPRINT, REPRODUCED), "depends": (DEPENDS, UNDETERMINE
 
 
 @dataclass(frozen=True)
-class Fact(Value):
+class Finding(Value):
     """A sentence of a check, and whether it is so."""
 
     words: str
@@ -39,14 +39,14 @@ class Checked(Result):
     Attributes
     ----------
     erratum : Erratum
-    facts : tuple of Fact
+    facts : tuple of Finding
         That what is printed fails, and that what is said to be true holds.
     """
 
     _ANSWER = "holds"
 
     erratum: Erratum
-    facts: tuple[Fact, ...]
+    facts: tuple[Finding, ...]
 
     @property
     def holds(self) -> bool:
@@ -104,11 +104,11 @@ def _resolved(package: str, name: str, erratum: Erratum) -> Callable[[], Iterabl
     return checked
 
 
-def _facts(check: Callable[[], Iterable[tuple[str, Any]]]) -> tuple[Fact, ...]:
-    return tuple(Fact(words, _truth(words, holds)) for words, holds in check())
+def _facts(check: Callable[[], Iterable[tuple[str, Any]]]) -> tuple[Finding, ...]:
+    return tuple(Finding(words, _truth(words, holds)) for words, holds in check())
 
 
-def _fact_of_claim(erratum: Erratum) -> Fact:
+def _fact_of_claim(erratum: Erratum) -> Finding:
     """The claim that shows it has the verdict of record, and one that goes with the kind."""
     number = erratum.evidence.example
     experiment = build(example_table(number), number)
@@ -118,7 +118,7 @@ def _fact_of_claim(erratum: Erratum) -> Fact:
     verdict = verify(experiment.held_out().only(claims[:1]).reduced()).verdicts[0]
     agrees = verdict.verdict in SHOWN_BY.get(erratum.kind, (verdict.verdict,))
     words = f"Example {experiment.id}, {claims[0].text!r}: {verdict.words}"
-    return Fact(words, agrees and verdict.verdict == claims[0].recorded)
+    return Finding(words, agrees and verdict.verdict == claims[0].recorded)
 
 
 def _truth(words: str, holds: object) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from rcac_experiments.dissertation._examples import read_example
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.files._builder import build
 
 
-def load_example(number: str, budget: Budget | None = None) -> Experiment:
+def load_example(number: str, budget: ExperimentBudget | None = None) -> Experiment:
     """A numbered example of the dissertation.
 
     Examples

@@ -17,7 +17,7 @@ OVERHEAD = 100
 
 
 @dataclass(frozen=True, eq=False)
-class Budget(Value):
+class ExperimentBudget(Value):
     """What an experiment may take; more has to be asked for.
 
     Attributes
@@ -30,9 +30,9 @@ class Budget(Value):
 
     Examples
     --------
-    >>> from rcac_experiments import Budget, load_experiment
+    >>> from rcac_experiments import ExperimentBudget, load_experiment
     >>> case = load_experiment(
-    ...     "examples/boost_converter.toml", budget=Budget(memory=2 * Budget().memory))
+    ...     "examples/boost_converter.toml", budget=ExperimentBudget(memory=1e9))
     """
 
     memory: float = 5e8
@@ -91,4 +91,4 @@ class Budget(Value):
 def _more(limit: str, value: float) -> Advice:
     """A limit above the value, which is rounded up to two digits."""
     wanted = f"{1.05 * value:.1e}"
-    return Advice("Budget", ((limit, wanted),), f"{{function}}({limit}={wanted})")
+    return Advice("ExperimentBudget", ((limit, wanted),), f"{{function}}({limit}={wanted})")

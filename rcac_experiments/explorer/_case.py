@@ -13,7 +13,7 @@ from sympy import Poly, Rational
 
 from compensator_theory import TransferFunction
 from compensator_theory.errors import InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment, RunSpecification
 from rcac_experiments.explorer._modules import LARGEST_STEPS, LARGEST_TARGET
 from rcac_experiments.files._builder import build
@@ -32,7 +32,10 @@ SCENES = ("tame", "untold", "unstable", "unasked", "servo")
 
 
 def case_of(
-    table: Mapping[str, Any], file: str, run: str | None = None, budget: Budget | None = None
+    table: Mapping[str, Any],
+    file: str,
+    run: str | None = None,
+    budget: ExperimentBudget | None = None,
 ) -> dict[str, Any]:
     """The dials of one run of an experiment's tables."""
     experiment = build(dict(table), file, budget)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.explorer._case import case_of
 from rcac_experiments.explorer._page import explorer_page
 from rcac_experiments.files._documents import read_file
@@ -53,7 +53,7 @@ def explore(
     case: str | Path | Mapping[str, Any] | None = None,
     *,
     run: str | None = None,
-    budget: Budget | None = None,
+    budget: ExperimentBudget | None = None,
 ) -> ExplorerPage:
     """The explorer for a case of one's own: drag poles, move dials, and the loop runs again.
 
@@ -63,8 +63,8 @@ def explore(
         An experiment file, or its tables; by default the page has its own scenes alone.
     run : str, optional
         Which run of the case; the first by default.
-    budget : Budget, optional
-        What the case may take; `Budget()` by default.
+    budget : ExperimentBudget, optional
+        What the case may take; `ExperimentBudget()` by default.
 
     Returns
     -------

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import Advice, CompensatorError, InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment, RunSpecification
 from rcac_experiments.experiments._figure_requests import FIGURE, FigureRequest, require_drawable
 from rcac_experiments.files._claims import CLAIM, STANDARD_CLAIMS
@@ -91,15 +91,15 @@ NO_RUN = (
 )
 
 
-def load_experiment(path: str | Path, budget: Budget | None = None) -> Experiment:
+def load_experiment(path: str | Path, budget: ExperimentBudget | None = None) -> Experiment:
     """A user's own case from its TOML file; docs/experiment-files.md describes the format.
 
     Parameters
     ----------
     path : path
         Of a file of at most 10 MiB.
-    budget : Budget, optional
-        What the case may take; `Budget()` by default.
+    budget : ExperimentBudget, optional
+        What the case may take; `ExperimentBudget()` by default.
 
     Raises
     ------
@@ -114,16 +114,16 @@ def load_experiment(path: str | Path, budget: Budget | None = None) -> Experimen
     >>> verify(load_experiment("examples/boost_converter.toml")).exit_status
     0
     """
-    return _built(*read_file(path), budget or Budget())
+    return _built(*read_file(path), budget or ExperimentBudget())
 
 
-def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
+def build(table: Raw, file: str, budget: ExperimentBudget | None = None) -> Experiment:
     """The experiment that tables describe as a file would; `file` is named in errors."""
     require_plain(dict(table), file)
-    return _built(table, file, budget or Budget())
+    return _built(table, file, budget or ExperimentBudget())
 
 
-def _built(table: Raw, file: str, budget: Budget) -> Experiment:
+def _built(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     try:
         if "exact" in table:
             return exact_experiment(table, file)
@@ -136,7 +136,7 @@ def _built(table: Raw, file: str, budget: Budget) -> Experiment:
         raise InputError(f"{file}: the case needs more memory than there is.") from None
 
 
-def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
+def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     read, runs = _read(table, file)
     overrides = _overrides(table)
     names = [run.name for run in runs]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._estimation_studies import MEASURES, Estimation, EstimationStudy
 from rcac_experiments.experiments._estimators import (
     ExtendedFilter,
@@ -23,7 +23,7 @@ from rcac_experiments.files._documents import Heading
 from rcac_experiments.format._places import Errors, Place, brief
 from rcac_experiments.format._signatures import Composed
 from rcac_experiments.format._tables import Deferred, Kinds, Raw, Table
-from rcac_experiments.format._values import Choice, Integer, ListOf, Text
+from rcac_experiments.format._values import Choice, Integer, ListOf, String
 from rcac_experiments.judging._claim import Claim, OpenItem
 from rcac_experiments.judging._reading import (
     OpenItems,
@@ -80,7 +80,7 @@ FIGURE = Table(
     given=["channel", "noise", "direct", "designs"],
     forms={
         "kind": Choice(("estimates", "responses", "distribution")),
-        "runs": ListOf(Text()),
+        "runs": ListOf(String()),
         "signal": Choice(("z",)),
         "first": Integer(0),
         "last": Integer(1),
@@ -163,7 +163,7 @@ class EstimationFile(Heading):
 ESTIMATION_FILE = Table(EstimationFile)
 
 
-def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
+def estimation_experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     """The experiment of an estimation example: studies and claims."""
     read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
     raw: dict[str, dict[str, Any]] = {}
@@ -218,7 +218,7 @@ def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
     return EstimationStudy(name=name, correction=correction, **read)
 
 
-def _require_budget(studies: Mapping[str, EstimationStudy], budget: Budget) -> None:
+def _require_budget(studies: Mapping[str, EstimationStudy], budget: ExperimentBudget) -> None:
     needed = sum(study.steps * study.seeds for study in studies.values())
     if 8.0 * KEPT * needed > budget.memory:
         raise InputError(

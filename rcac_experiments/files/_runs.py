@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.experiments._budgets import Budget
+from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import RunSpecification
 from rcac_experiments.files._controllers import (
     CONTROLLER,
@@ -97,7 +97,7 @@ class RunTables(Value):
     course: Part[RunSpecification]
     correction: str = ""
 
-    def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
+    def cost(self, plant: Plant | PlantSchedule, budget: ExperimentBudget) -> float:
         """About how many multiplications it takes; raises where it takes too much memory."""
         of_run = self.course.argument
         repetitions = of_run("repetitions") * of_run("seeds")

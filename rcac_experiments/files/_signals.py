@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from compensator_theory.errors import InputError
 from rcac_experiments.format._places import Place, brief
 from rcac_experiments.format._tables import ByKey, Table
-from rcac_experiments.format._values import Form, Integer, ListOf, Numbers, Row, Schema, Text
+from rcac_experiments.format._values import Form, Integer, ListOf, Numbers, Row, Schema, String
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -32,7 +32,7 @@ class _Record(Form):
 
     def schema(self) -> Schema:
         """Either."""
-        return {"anyOf": [Text().schema(), Numbers().schema()]}
+        return {"anyOf": [String().schema(), Numbers().schema()]}
 
 
 class _Column(Form):
@@ -42,11 +42,11 @@ class _Column(Form):
 
     def read(self, value: object, place: Place) -> int | str:
         """By what it is."""
-        return (Text() if isinstance(value, str) else Integer()).read(value, place)
+        return (String() if isinstance(value, str) else Integer()).read(value, place)
 
     def schema(self) -> Schema:
         """Either."""
-        return {"anyOf": [Text().schema(), Integer().schema()]}
+        return {"anyOf": [String().schema(), Integer().schema()]}
 
 
 class _OneOrSeveral(Form):

@@ -9,14 +9,14 @@ from typing import Annotated, Any
 from compensator_theory.errors import InputError
 from rcac_experiments.format._signatures import Composed
 from rcac_experiments.format._tables import Kinds, Table
-from rcac_experiments.format._values import Choice, Form, Integer, ListOf, Row, Text
+from rcac_experiments.format._values import Choice, Form, Integer, ListOf, Row, String
 from rcac_numeric.controllers._kinds import feedforward, fir, fir_integrator, iir, pid, quasi_fir
 from rcac_numeric.controllers._structure import DerivedSignal, Structure, Tap
 from rcac_numeric.plants._any_plant import AnyPlant
 
 DOCS = {"n_c": "Order, at least 1.", "free_poles": "How many lags of u there are."}
 E_WEIGHTS = "A weight for each component of e; `before` is zero where it is left out."
-TAP = Row((Text(), Integer(), Integer()), '[signal, component, delay] such as ["y", 0, 1]')
+TAP = Row((String(), Integer(), Integer()), '[signal, component, delay] such as ["y", 0, 1]')
 
 
 def inputs(plant: AnyPlant) -> int:

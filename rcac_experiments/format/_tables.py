@@ -41,14 +41,14 @@ from rcac_experiments.format._values import (
     Numbers,
     Real,
     Schema,
-    Text,
+    String,
     is_number,
 )  # fmt: skip
 
 T = TypeVar("T")
 Raw = Mapping[str, Any]
 FORMS: dict[Any, Form] = {
-    int: Integer(), float: Real(), str: Text(), bool: Flag(), np.ndarray: Numbers(),
+    int: Integer(), float: Real(), str: String(), bool: Flag(), np.ndarray: Numbers(),
 }  # fmt: skip
 OF_ARRAYS = set(get_args(ArrayLike))
 

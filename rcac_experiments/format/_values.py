@@ -103,7 +103,7 @@ class Real(Form):
 
 
 @dataclass(frozen=True)
-class Text(Form):
+class String(Form):
     """A string."""
 
     words = "a string"

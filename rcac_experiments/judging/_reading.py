@@ -12,7 +12,7 @@ import attrs
 from compensator_theory.errors import InputError
 from rcac_experiments.format._places import Place, brief, did_you_mean
 from rcac_experiments.format._tables import Kinds, Table
-from rcac_experiments.format._values import Choice, Form, ListOf, MapOf, Text
+from rcac_experiments.format._values import Choice, Form, ListOf, MapOf, String
 from rcac_experiments.judging._claim import (
     OUTCOMES,
     RECORDS,
@@ -60,8 +60,8 @@ def claim_table(
         "checks": ListOf(check, 1),
         "recorded": verdict,
         "verdicts": MapOf(verdict),
-        "open": ListOf(Text()),
-        "over": Outcomes(ListOf(Text(), 1)),
+        "open": ListOf(String()),
+        "over": Outcomes(ListOf(String(), 1)),
     }
     if standards:
         forms["standard"] = Choice(tuple(standards))

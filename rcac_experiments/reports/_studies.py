@@ -14,7 +14,7 @@ from rcac_experiments.sweeps._statistics import SweepSummary, wilson_interval
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.reports._loop import health_lines, health_record
-from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
 # Groups that a reader looks through, and errors.
 LONGEST_TABLE, MOST_ERRORS = 40, 5
@@ -98,7 +98,7 @@ def _outcomes(overview: SweepOverview) -> Section:
         interval = f"{_percent(low)} to {_percent(high)}"
         share = _percent(count / len(overview.table))
         rows.append(cells(Text(outcome, level), str(count), share, interval))
-    table = Table(("outcome", "runs", "share", "95 % interval"), tuple(rows))
+    table = SheetTable(("outcome", "runs", "share", "95 % interval"), tuple(rows))
     return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
 
 
@@ -117,7 +117,7 @@ def _groups(overview: SweepOverview) -> Section:
         measured.insert(0, "failed")
     heads = [*summary.axes, "runs", "not completed", "share", *measured]
     rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
-    blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
+    blocks: list[Block] = [SheetTable(tuple(heads), tuple(rows))]
     if len(summary) > LONGEST_TABLE:
         words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
         blocks.append(Text(words, "quiet"))
@@ -189,7 +189,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
         for name in replayed.stored
     ]
     if rows:
-        facts.append(Table(("measure", "stored", "now"), tuple(rows)))
+        facts.append(SheetTable(("measure", "stored", "now"), tuple(rows)))
     record = {
         "run": replayed.number,
         "coordinates": replayed.coordinates,

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 
 from rcac_experiments.sweeps._tuning import RULE, Candidate, Tuned
 from rcac_numeric.reports._design import design_sheet
-from rcac_numeric.reports._sheet import Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Section, Sheet, SheetTable, Text, cells
 
 BEST = 8  # candidates in the table of a report
 
@@ -32,7 +32,7 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
     ]  # fmt: skip
     tried = Section(
         "What was tried",
-        (Table(head, rows), Text("On the plants at the corners of the uncertainty.")),
+        (SheetTable(head, rows), Text("On the plants at the corners of the uncertainty.")),
         {"candidates": record, "chosen": tuned.chosen.name},
     )
     verdict, *rest = sheet.health

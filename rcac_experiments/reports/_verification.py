@@ -29,7 +29,7 @@ from rcac_numeric.reports._loop import (
     missed_poles,
     poles_and_health,
 )
-from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}
 MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there are
@@ -116,7 +116,7 @@ def _claims(verification: Verification) -> Section:
         for v in verdicts
     )
     heads = ("the text's words" if quoted else "claim", "measured", "verdict")
-    table = (Table(heads, rows),)
+    table = (SheetTable(heads, rows),)
     opens = tuple(Fact(item.what, _open_words(item)) for item in verification.experiment.open)
     left = Section("What the text leaves open", opens) if opens else Section()
     record = {"claims": [claim_record(v) for v in verification.verdicts]}
@@ -226,7 +226,7 @@ def _runs(verification: Verification) -> Section:
     rows = tuple(_run(name, result) for name, result in results.items())
     if len(rows) == 1:
         return Section(record={"runs": record})
-    return Section("Runs", (Table(heads, rows),), {"runs": record})
+    return Section("Runs", (SheetTable(heads, rows),), {"runs": record})
 
 
 def _run(name: str, result: RunResult) -> Any:
@@ -298,7 +298,7 @@ def estimation_section(verification: Verification) -> Section:
         }
         for name, result in results.items()
     ]
-    return Section("Runs", (Table(heads, rows),), {"runs": record})
+    return Section("Runs", (SheetTable(heads, rows),), {"runs": record})
 
 
 def _last(result: StudyResult) -> tuple[float, ...]:

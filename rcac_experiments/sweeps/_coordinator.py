@@ -85,7 +85,7 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Part:
+class ChunkPart:
     """Some runs of a chunk; where one of them may end its worker, nothing goes beside them."""
 
     work: Work
@@ -97,9 +97,9 @@ class Part:
         """Whether it is one run."""
         return len(self.task.numbers) == 1
 
-    def only(self, numbers: Collection[int]) -> Part:
+    def only(self, numbers: Collection[int]) -> ChunkPart:
         """The same with some of its runs."""
-        return Part(self.work, self.task.only(numbers), self.by_itself)
+        return ChunkPart(self.work, self.task.only(numbers), self.by_itself)
 
 
 class Coordinator:
@@ -122,8 +122,8 @@ class Coordinator:
         self.folder, self.pool, self.task_of = folder, pool, task_of
         self.window, self.retries = window, retries
         self.meter, self.progress = meter, progress
-        self.in_flight: dict[Future[ChunkResult], tuple[Part, Executor]] = {}
-        self.waiting: deque[Part] = deque()  # what goes once more
+        self.in_flight: dict[Future[ChunkResult], tuple[ChunkPart, Executor]] = {}
+        self.waiting: deque[ChunkPart] = deque()  # what goes once more
         self.todo: list[int] = []
         self._absent: set[int] = set()
         self._ended = time.monotonic()  # when something ended last
@@ -167,7 +167,7 @@ class Coordinator:
                     self._require_answer()
             elif (number := self._next()) is not None:
                 task = self.task_of(number)
-                part = Part(Work(number, set(task.numbers)), task)
+                part = ChunkPart(Work(number, set(task.numbers)), task)
             else:
                 return
             self._submit(part)
@@ -187,7 +187,7 @@ class Coordinator:
                 return number
         return None
 
-    def _submit(self, part: Part) -> None:
+    def _submit(self, part: ChunkPart) -> None:
         for last in (not self.pool.renewable, True):
             executor = self.pool.executor
             try:
@@ -229,7 +229,7 @@ class Coordinator:
         else:
             self._keep(part, result.records)
 
-    def _lose(self, part: Part, outcome: str, words: str) -> None:
+    def _lose(self, part: ChunkPart, outcome: str, words: str) -> None:
         """Run it again, in halves if it was lost before; a run by itself is given up at last."""
         work, numbers, shared = part.work, part.task.numbers, self._shared
         surely = part.by_itself or not shared
@@ -248,7 +248,7 @@ class Coordinator:
         elif surely and (shared or work.lost[numbers[0]] > 1):  # once it may have been killed
             half = (half + 1) // 2
         self.waiting.extend(
-            Part(work, part.task.only(numbers[i : i + half]), shared)
+            ChunkPart(work, part.task.only(numbers[i : i + half]), shared)
             for i in range(0, len(numbers), half)
         )
 
@@ -278,7 +278,7 @@ class Coordinator:
             except Exception as error:
                 raise self._broken(error) from None
 
-    def _keep(self, part: Part, records: list[RunRecord]) -> None:
+    def _keep(self, part: ChunkPart, records: list[RunRecord]) -> None:
         work = part.work
         again: Collection[int] = {
             r.run for r in records if r.failed and work.failed[r.run] < self.retries

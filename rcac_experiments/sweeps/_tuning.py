@@ -31,7 +31,7 @@ from rcac_numeric.designing._design import (
     PEAK,
     Comparison,
     Design,
-    Verdict,
+    Recommendation,
     compared,
     reasons_of,
     verdict_of,
@@ -112,7 +112,7 @@ class Tuned(Result):
         return self.design.settings
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> Recommendation:
         """RCAC as chosen, or the fixed controller, held out."""
         return self.design.verdict
 

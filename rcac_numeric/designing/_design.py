@@ -151,7 +151,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Recommendation:
     """Which controller to use, and what the difference is worth.
 
     Attributes
@@ -202,7 +202,7 @@ class Design(Result):
         Of RCAC.
     fixed : FixedController
         The reference controller, LQG.
-    verdict : Verdict
+    verdict : Recommendation
     questions : tuple of Question
     reasons : tuple of Reason
     alternatives : mapping from names to FixedController or str
@@ -224,7 +224,7 @@ class Design(Result):
     plant: Plant
     settings: ControllerSettings
     fixed: FixedController
-    verdict: Verdict
+    verdict: Recommendation
     questions: tuple[Question, ...]
     reasons: tuple[Reason, ...]
     alternatives: Mapping[str, FixedController | str]
@@ -564,7 +564,7 @@ def _range(saturation: Saturation | None) -> float:
     return float((saturation.high - saturation.low).min()) / 2
 
 
-def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Verdict:
+def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Recommendation:
     """RCAC where it is better than the fixed controller with confidence, and at no price.
 
     At no price: stable on the nominal plant and not less often on the others, and peaks of at most
@@ -575,7 +575,7 @@ def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Ver
     nominal = next(t for t in evidence if t.controller == RCAC)
     use, why = _choice(nominal, found)
     over = None if trials is None else _over_none(trials, use)
-    return Verdict(use, why, found, float(np.median(nominal.Ms)), over)
+    return Recommendation(use, why, found, float(np.median(nominal.Ms)), over)
 
 
 def _over_none(trials: Trials, name: str) -> float | None:
@@ -775,7 +775,7 @@ def _control_at_rest(model: DesignPlant, last: Array, is_known: bool) -> float:
 
 
 def _what_is_left(
-    model: DesignPlant, expected: Expected, run: Run, verdict: Verdict
+    model: DesignPlant, expected: Expected, run: Run, verdict: Recommendation
 ) -> tuple[Question, ...]:
     """Where control cannot do its work: by the actuator, or at all."""
     found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)

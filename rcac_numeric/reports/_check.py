@@ -29,7 +29,7 @@ from rcac_numeric.reports._sheet import (
     Fact,
     Section,
     Sheet,
-    Table,
+    SheetTable,
     Text,
     cells,
     complex_list,
@@ -199,7 +199,7 @@ def _comparison(comparison: ExactComparison) -> Section:
         cells(complex_list([wanted]), complex_list([pole]), f"{abs(wanted - pole):.2e}")
         for wanted, pole in comparison.assigned
     )
-    blocks: list[Block] = [Table(("pole of G_f", "closed-loop pole", "distance"), rows)]
+    blocks: list[Block] = [SheetTable(("pole of G_f", "closed-loop pole", "distance"), rows)]
     if comparison.asked is None:
         blocks.append(Text(f"no exact prediction: {comparison.obstacle}", "warning"))
     else:
@@ -253,7 +253,7 @@ def margins_section(name: str, margins: Margins) -> Section:
     disk = margins.disk
     record["disk"] = disk_record(disk)
     if disk is None:
-        return Section("Margins", (Table(HEADS, tuple(rows)),), whole, remark)
+        return Section("Margins", (SheetTable(HEADS, tuple(rows)),), whole, remark)
     low, high = disk.gain
     rows.append(
         cells(
@@ -267,7 +267,7 @@ def margins_section(name: str, margins: Margins) -> Section:
         f"peaks: |S| {disk.S_peak:.4g} at {disk.S_omega:.4g}, |T| {disk.T_peak:.4g} at "
         f"{disk.T_omega:.4g} rad/sample"
     )
-    return Section("Margins", (Table(HEADS, tuple(rows)), Text(peaks)), whole, remark)
+    return Section("Margins", (SheetTable(HEADS, tuple(rows)), Text(peaks)), whole, remark)
 
 
 def margins_sheet(margins: Margins) -> Sheet:

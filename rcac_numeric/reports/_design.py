@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from rcac_numeric.designing._design import ADAPTED, Design, Verdict, compared
+from rcac_numeric.designing._design import ADAPTED, Design, Recommendation, compared
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
 from rcac_numeric.reports._loop import poles_reached
-from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
 
 def design_sheet(design: Design) -> Sheet:
@@ -54,7 +54,7 @@ def design_sheet(design: Design) -> Sheet:
     )
 
 
-def _level(verdict: Verdict) -> Level:
+def _level(verdict: Recommendation) -> Level:
     if verdict.is_worse_than_none:
         return "bad"
     return "good" if verdict.use == RCAC else "plain"
@@ -73,7 +73,7 @@ def _evidence(design: Design) -> Section:
     rows = tuple(
         cells(plant, *(_entry(by_name[name, plant]) for name in names)) for plant in plants
     )
-    table = Table(("plant", *(f"{name}: rms, peak, Ms" for name in names)), rows)
+    table = SheetTable(("plant", *(f"{name}: rms, peak, Ms" for name in names)), rows)
     record = [
         {"controller": t.controller, "plant": t.variation.name, "stable": list(t.stable),
          "rms": list(t.rms), "peak": list(t.peak), "Ms": list(t.Ms)}

@@ -23,7 +23,7 @@ from rcac_numeric.reports._sheet import (
     Level,
     Section,
     Sheet,
-    Table,
+    SheetTable,
     Text,
     cells,
     complex_list,
@@ -309,7 +309,7 @@ def comparison_section(c: ExactComparison) -> Section:
         cells(complex_text(wanted), complex_text(pole), f"{abs(wanted - pole):.2e}")
         for wanted, pole in c.assigned
     )
-    blocks.append(Table(("pole of G_f", "closed-loop pole", "distance"), pairs))
+    blocks.append(SheetTable(("pole of G_f", "closed-loop pole", "distance"), pairs))
     blocks.append(Fact("other closed-loop poles", complex_list(c.unassigned)))
     blocks += zeros_facts({channel: complex_list(zeros) for channel, zeros in c.zeros.items()})
     blocks.append(Fact("worst pole distance", f"{c.worst_distance:.3g}"))
@@ -394,7 +394,7 @@ def _guard(run: Run) -> Section:
     return Section(blocks=(Text(words, "warning"),))
 
 
-def _polynomial(c: ExactComparison) -> Table:
+def _polynomial(c: ExactComparison) -> SheetTable:
     rows = []
     for power in range(c.reached.degree(), -1, -1):
         reached = c.reached.nth(power)
@@ -403,7 +403,7 @@ def _polynomial(c: ExactComparison) -> Table:
             asked = c.asked.nth(power)
             row[1], row[3] = exact_text(asked), f"{rounded(reached - asked):.1e}"
         rows.append(cells(*row))
-    return Table(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
+    return SheetTable(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
 
 
 def poles_section(found: LoopAnalysis, obstacle: str) -> Section:

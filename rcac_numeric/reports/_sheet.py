@@ -39,14 +39,14 @@ Cell = tuple[Text, ...]
 
 
 @dataclass(frozen=True)
-class Table:
+class SheetTable:
     """Rows of entries under heads; a head names the unit of its column."""
 
     heads: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
 
-Block = Text | Fact | Table
+Block = Text | Fact | SheetTable
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Section:
     ----------
     title, remark : str
         The remark continues the title, and is said less loudly.
-    blocks : tuple of Text, Fact or Table
+    blocks : tuple of Text, Fact or SheetTable
     record : mapping
         Names and values: numbers, complex numbers, arrays, texts, None, lists and mappings of
         them. The records of all sections together are the record of the sheet.

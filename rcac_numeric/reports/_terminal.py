@@ -11,7 +11,7 @@ from rich.padding import Padding
 from rich.text import Text as Styled
 
 from rcac_numeric.arrays._wording import in_a_line, printable
-from rcac_numeric.reports._sheet import Fact, Level, Section, Sheet, Table, Text
+from rcac_numeric.reports._sheet import Fact, Level, Section, Sheet, SheetTable, Text
 
 STYLES: dict[Level, str] = {
     "plain": "",
@@ -89,7 +89,7 @@ def _print_text(out: Console, text: Text, wraps: bool) -> None:
         out.print(Styled("  ") + _styled(text), soft_wrap=True)
 
 
-def _table(block: Table) -> RenderableType:
+def _table(block: SheetTable) -> RenderableType:
     table = rich.table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for head in block.heads:
         table.add_column(Styled(in_a_line(head)), overflow="fold")

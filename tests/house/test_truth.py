@@ -13,7 +13,7 @@ import rcac_experiments
 import rcac_numeric
 from compensator_theory import InputError
 from compensator_theory._truth import Truth
-from rcac_experiments.dissertation._checking import Fact
+from rcac_experiments.dissertation._checking import Finding
 from rcac_numeric.arrays._values import replaced
 from tests.rcac_experiments.samples import SAMPLES as EXPERIMENTS
 from tests.rcac_numeric.samples import SAMPLES as NUMERIC
@@ -80,7 +80,7 @@ ANSWERS = {
         "DirectionCheck", lambda no: {"forms": ("kept",) * len(no.forms)}
     ),
     "LoopHealth": lambda: twice("LoopHealth", lambda no: {"warnings": ()}),
-    "Checked": lambda: twice("Checked", lambda no: {"facts": (Fact("1 = 1", True),)}),
+    "Checked": lambda: twice("Checked", lambda no: {"facts": (Finding("1 = 1", True),)}),
 }  # fmt: skip
 """Results whose sentence is a yes or a no. Every other one has no truth value."""
 

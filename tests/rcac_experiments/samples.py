@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from rcac_experiments import (
-    Budget,
     Experiment,
+    ExperimentBudget,
     FigureRequest,
     dissertation,
     results,
@@ -85,7 +85,7 @@ SAMPLES = {
     ),
     results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
     FigureRequest: lambda seed: FigureRequest("responses", "", first=seed),
-    Budget: lambda seed: Budget(memory=1e8 + seed),
+    ExperimentBudget: lambda seed: ExperimentBudget(memory=1e8 + seed),
     Experiment: experiment,
     results.Verification: lambda seed: verify(experiment(seed)),
 }

@@ -5,7 +5,7 @@ import copy
 import pytest
 
 from compensator_theory import InputError
-from rcac_experiments import Budget
+from rcac_experiments import ExperimentBudget
 from rcac_experiments.files._builder import build
 from tests.support.work import at_most, at_most_bytes
 
@@ -43,24 +43,27 @@ def case(controller=(), **run):
     ],
 )
 def test_what_would_take_too_much(table, what):
-    refused = pytest.raises(InputError, match=f"{what}.*Budget")
+    refused = pytest.raises(InputError, match=f"{what}.*ExperimentBudget")
     with at_most(CALLS), at_most_bytes(BYTES), refused:
         build(table, "case")
 
 
 def test_more_can_be_allowed():
     table = case(steps=2_000_000)
-    small = Budget(memory=1e7, operations=1e6)
-    with pytest.raises(InputError, match=r"Budget\(memory="):
+    small = ExperimentBudget(memory=1e7, operations=1e6)
+    with pytest.raises(InputError, match=r"ExperimentBudget\(memory="):
         build(table, "case", small)
-    with pytest.raises(InputError, match=r"Budget\(operations="):
-        build(table, "case", Budget(operations=1e6))
-    assert build(table, "case", Budget(memory=1e9, operations=1e9)).main_run.steps == 2_000_000
+    with pytest.raises(InputError, match=r"ExperimentBudget\(operations="):
+        build(table, "case", ExperimentBudget(operations=1e6))
+    assert (
+        build(table, "case", ExperimentBudget(memory=1e9, operations=1e9)).main_run.steps
+        == 2_000_000
+    )
 
 
 def test_the_budget_is_of_all_runs_together():
     table = case()
-    one = Budget(operations=2e4)
+    one = ExperimentBudget(operations=2e4)
     build(table, "case", one)
     table["runs"] = [{"name": str(i)} for i in range(5)]
     with pytest.raises(InputError, match="operations"):

@@ -5,7 +5,7 @@ import re
 from matplotlib.figure import Figure
 
 from rcac_numeric.reports._rendering import sheet_html
-from rcac_numeric.reports._sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports._sheet import Fact, Section, Sheet, SheetTable, Text, cells
 from rcac_numeric.reports._svg import COLOURS, svg_of
 from tests.support.pages import Page
 
@@ -20,7 +20,12 @@ def test_a_legend_of_a_figure_has_no_face_of_its_own():
 
 
 def test_a_sheet_keeps_the_order_of_its_blocks():
-    blocks = (Text("one"), Fact("two", "2"), Table(("three",), (cells("3"),)), Text("four", "bad"))
+    blocks = (
+        Text("one"),
+        Fact("two", "2"),
+        SheetTable(("three",), (cells("3"),)),
+        Text("four", "bad"),
+    )
     found = Page(
         sheet_html(Sheet("", sections=(Section("Title", blocks, remark=": r"),), notes="n"))
     )

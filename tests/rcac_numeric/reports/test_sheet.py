@@ -14,7 +14,7 @@ from rcac_numeric.reports._sheet import (
     Fact,
     Section,
     Sheet,
-    Table,
+    SheetTable,
     Text,
     as_dict,
     as_json,
@@ -75,7 +75,9 @@ def test_sections_add_to_one_record_and_never_contradict_each_other():
 @given(WORDS, WORDS, st.sampled_from(["plain", "quiet", "good", "warning", "bad"]))
 def test_every_word_is_written_and_none_commands_the_terminal(words, name, level):
     """Also markup of the library that writes, such as [bold], is a word."""
-    table = Table(("head", words), (cells(words, Text(name, level)), cells([Text("x")] * 2, "y")))
+    table = SheetTable(
+        ("head", words), (cells(words, Text(name, level)), cells([Text("x")] * 2, "y"))
+    )
     blocks = (Text(words, level), Fact(name, words, level), table)
     sheet = Sheet(words, name, (Text(words, level),), (Section(name, blocks),), words)
     stream = io.StringIO()
