@@ -75,6 +75,8 @@ from .stability._laurent import LaurentExpansion as LaurentExpansion
 from .stability._margins import GainCrossover as GainCrossover
 from .stability._margins import PhaseCrossover as PhaseCrossover
 from .stability._margins import StabilityMargins as StabilityMargins
+from .stability._nearest_margins import Margin as Margin
+from .stability._nearest_margins import SymmetricDiskMargin as SymmetricDiskMargin
 from .stability._norms import HInfinityNorm as HInfinityNorm
 from .stability._pade import PadeApproximant as PadeApproximant
 from .stability._partial_realisations import PartialRealisation as PartialRealisation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import flint
@@ -39,10 +39,20 @@ from compensator_theory.stability._critical_values import (
     real_roots,
     signs_at_real_roots,
 )
+from compensator_theory.stability._nearest_margins import (
+    Margin,
+    SymmetricDiskMargin,
+    half_circle,
+    nearest,
+    nearest_delay_in_steps,
+    nearest_gain,
+    nearest_phase,
+)
 from compensator_theory.stability._stabilising_gains import intervals_of_gains
 from compensator_theory.stability._stability_intervals import StabilityCell
 
 SQUARE = Symbol("x")
+ZERO = Enclosure(Rational(0), Rational(0))
 Balls = Callable[[Poly, int], list[flint.arb]]
 """`real_root_balls`, remembered as long as one loop is looked at."""
 
@@ -118,7 +128,11 @@ class PhaseCrossover(ExactValue):
 
 @dataclass(frozen=True)
 class StabilityMargins(ExactValue):
-    r"""All crossovers of a loop :math:`1 + L`, and whether it is stable as it is.
+    r"""All crossovers of a loop :math:`1 + L`, whether it is stable as it is, and its margins.
+
+    The margins `gain_up`, `gain_down` (factors), `phase_lag`, `phase_lead`, `phase` (degrees),
+    `delay` (s, in discrete time steps) and `disk` are computed when they are read. The result of
+    ``rcac_numeric.stability_margins`` has the same names.
 
     Attributes
     ----------
@@ -187,21 +201,91 @@ class StabilityMargins(ExactValue):
         return self.closed_loop.unstable - self.open_loop.unstable
 
     @property
-    def delay_margin(self) -> Enclosure | None:
-        r"""The least delay in s that makes the loop unstable, in continuous time.
+    def gain_up(self) -> Margin | None:
+        """The least factor above 1 of the gain that ends stability; None for an unstable loop."""
+        return self._gain(up=True)
 
-        None if none does, if the loop is unstable already, and in discrete time. Where
-        :math:`|L| \ge 1` at infinity every delay does.
+    @property
+    def gain_down(self) -> Margin | None:
+        """The largest factor in (0, 1) that does so, or 0; None for an unstable loop."""
+        return self._gain(up=False)
+
+    def _gain(self, *, up: bool) -> Margin | None:
+        if self.gains is None or not self.is_stable:
+            return None
+        crossings = [
+            (c.gain_enclosure, sympy.oo if c.frequency is None else c.frequency)
+            for c in self.phase_crossovers
+        ]
+        return nearest_gain(self.gains.upper if up else self.gains.lower, crossings, up=up)
+
+    @property
+    def phase_lag(self) -> Margin | None:
+        """The least lag in degrees, in (0, 360), that ends stability; None for an unstable loop."""
+        return self._phase(lead=False)
+
+    @property
+    def phase_lead(self) -> Margin | None:
+        """The least lead in degrees, in (0, 360), that does so; None for an unstable loop."""
+        return self._phase(lead=True)
+
+    @property
+    def phase(self) -> Margin | None:
+        """The lesser of lag and lead: the phase margin, at most 180 degrees."""
+        lag, lead = self.phase_lag, self.phase_lead
+        if lag is None or lead is None:
+            return None
+        return lead if bool(float(lead.value) < float(lag.value)) else lag
+
+    def _phase(self, *, lead: bool) -> Margin | None:
+        if not self.is_stable:
+            return None
+        N, D = self.numerator, self.denominator
+        if self.time == "discrete":
+            ends = [(N.eval(1), D.eval(1), ZERO), (N.eval(-1), D.eval(-1), half_circle())]
+        else:
+            size = int(D.degree())
+            ends = [
+                (N.eval(0), D.eval(0), ZERO),
+                (N.coeff_monomial(D.gen**size), D.LC(), sympy.oo),
+            ]
+        at_one = [place for top, bottom, place in ends if top == bottom]
+        crossings = [(c.phase_margin, c.frequency) for c in self.gain_crossovers]
+        return nearest_phase(crossings, at_one, lead=lead)
+
+    @cached_property
+    def delay(self) -> Margin | None:
+        r"""The least delay that makes the loop unstable, in s, in discrete time in steps.
+
+        None for an unstable loop. In continuous time every delay does where :math:`|L| \ge 1` at
+        infinity. In discrete time, where :math:`|L(-1)| > 1`, whole steps decide.
         """
-        if not self.is_stable or self.time == "discrete":
+        if not self.is_stable:
             return None
-        if self.numerator.degree() == self.denominator.degree() and abs(self.numerator.LC()) >= abs(
-            self.denominator.LC()
-        ):
-            return Enclosure(Rational(0), Rational(0))
-        if not self.gain_crossovers:
+        N, D = self.numerator, self.denominator
+        crossings = [(c.delay, c.frequency) for c in self.gain_crossovers]
+        if self.time == "discrete":
+            return nearest_delay_in_steps(N, D, crossings, self._outward())
+        if N.degree() == D.degree() and abs(N.LC()) >= abs(D.LC()):
+            return Margin(ZERO, sympy.oo)
+        return nearest(crossings)
+
+    def _outward(self) -> list[bool]:
+        """Whether a growing delay moves the root of each gain crossover outward, or it turns."""
+        N, D = self._in_half_plane()
+        top, bottom = squared(N, N)[0], squared(D, D)[0]
+        slope = (bottom - top).diff(SQUARE)
+        return [
+            signs_at_real_roots(slope, factor)[index] >= 0
+            for factor, index, _ in _frequencies_of_gain_1(top, bottom)
+        ]
+
+    @property
+    def disk(self) -> SymmetricDiskMargin | None:
+        """The symmetric disk margin, computed when it is read; None for an unstable loop."""
+        if not self.is_stable:
             return None
-        return min((c.delay for c in self.gain_crossovers), key=lambda delay: delay.centre)
+        return SymmetricDiskMargin(self.numerator, self.denominator)
 
     def plot(self, view: str = "all", **options: Any) -> figures.Figure:
         """Draw Nyquist's curve and Bode's plot of L, the margins marked.
@@ -303,6 +387,9 @@ def stability_margins(
 
     Notes
     -----
+    ``rcac_numeric.stability_margins`` answers the same in float64 for loops in z or q, those of a
+    run and of a plant with several channels too.
+
     A margin says how far a *stable* loop is from the boundary; the crossovers of an unstable one
     are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
     way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
@@ -321,8 +408,10 @@ def stability_margins(
     |L| = 1 at 1.22706: phase margin 25.39 degrees
     L < 0 at 2.23607: gain factor 3
     >>> found = stability_margins("1/(s*(s + 1))", feedback=-1)
-    >>> found.gain_crossovers[0].square, found.delay_margin
+    >>> found.gain_crossovers[0].square, found.delay.value
     (-1/2 + sqrt(5)/2, 1.15061414365604986842 ± 5.0e-21)
+    >>> print(found.phase)  # degrees, at rad/s
+    51.8273 at 0.786151
     """
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator

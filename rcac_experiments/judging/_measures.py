@@ -531,7 +531,7 @@ def margin(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
 @measure
 def margin_frequency(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
     """Frequency in rad/sample at which the loop loses stability at that margin."""
-    return _boundary(r, kind).omega
+    return _boundary(r, kind).frequency
 
 
 @measure

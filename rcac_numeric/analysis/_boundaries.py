@@ -231,8 +231,8 @@ class StabilityBoundary(Result):
     ----------
     value : float
         A factor, degrees, or steps; infinite, or 0 for a decreasing gain, where there is none.
-    omega : float
-        The frequency of that pole, rad/sample; NaN where there is none.
+    frequency : float
+        Of that pole, rad/sample; NaN where there is none.
     radius_before, radius_at, radius_after : float
         Pole radius a thousandth of the margin before it, at it, and after it: the spectral radius
         for gain and phase, for a delay the modulus of the one pole that crosses. A pole that
@@ -243,7 +243,7 @@ class StabilityBoundary(Result):
     """
 
     value: float
-    omega: float
+    frequency: float
     radius_before: float
     radius_at: float
     radius_after: float
@@ -252,7 +252,7 @@ class StabilityBoundary(Result):
     @property
     def is_reached(self) -> bool:
         """Whether there is a boundary at all."""
-        return bool(np.isfinite(self.omega))
+        return bool(np.isfinite(self.frequency))
 
 
 def nowhere(value: float) -> StabilityBoundary:

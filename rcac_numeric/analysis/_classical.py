@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from compensator_theory import figures
 from rcac_numeric.analysis._boundaries import (
     StabilityBoundary,
@@ -158,11 +156,13 @@ class Margins(Result):
 
 
 def stability_margins(
-    loop: Any,
+    plant: Any,
+    compensator: Any = None,
     *,
+    feedback: int | None = None,
+    variable: str | None = None,
     at: str = "u",
     channel: int = 0,
-    feedback: int | None = None,
     sample_time: float | None = None,
     disk: bool = True,
 ) -> Margins:
@@ -174,15 +174,20 @@ def stability_margins(
 
     Parameters
     ----------
-    loop : Run, ClosedLoop, pair of a plant and a Compensator, or transfer function
-        Of a run it is the loop of its last controller. A text, a system of python-control or SciPy,
-        or whatever else `compensator_theory.transfer_function` reads, is the scalar loop transfer
-        function L in discrete time. (`compensator_theory.stability_margins` has those of a loop in
-        s.)
-    at : {"u", "y"}, channel : int
-        Where a closed loop is opened; its other channels stay closed.
+    plant : Run, ClosedLoop, Plant, or transfer function
+        Of a run it is the loop of its last controller. A text, an expression of SymPy, a system of
+        python-control or SciPy, or whatever else `compensator_theory.transfer_function` reads, is
+        the scalar plant G in discrete time, alone the loop itself.
+        (`compensator_theory.stability_margins` has the margins of a loop in s.)
+    compensator : Compensator, or transfer function, optional
+        G_c, 1 by default; none beside a run or a closed loop, which has its own.
     feedback : {+1, -1}
-        For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
+        The sign f of the loop 1 - f G G_c; for the usual loop 1 + G G_c it is -1. It may be left
+        out beside a Compensator, which computes u = G_c y, and is left out of a closed loop.
+    variable : str, optional
+        Of the plant; default: evident.
+    at : {"u", "y"}, channel : int
+        Where the loop of a `Plant` is opened; its other channels stay closed.
     sample_time : float, optional
         In seconds; taken from the system, plant or compensator that has one.
     disk : bool
@@ -191,8 +196,9 @@ def stability_margins(
     Raises
     ------
     InputError
-        Where the loop is not scalar, not in discrete time, has abs(L) = 1 at every frequency, or
-        another sample time than the one that was given.
+        Where the loop is not scalar, not in discrete time, has abs(L) = 1 at every frequency, no
+        sign or one that its compensator was not designed for, or another sample time than the one
+        that was given.
     ImproperError
         Where the opened loop is not well posed.
 
@@ -210,10 +216,18 @@ def stability_margins(
     >>> margins = stability_margins(loop)     # q^2 - q - 2 + 2.5 gain: stable for 0.8 < gain < 1.2
     >>> round(margins.gain_down.value, 9), round(margins.gain_up.value, 9)
     (0.8, 1.2)
+    >>> margins = stability_margins("1/(q - 2)", "5/(2*(q + 1))", feedback=-1)  # the same loop
+    >>> round(margins.gain_up.value, 9)
+    1.2
     """
-    opened = broken_loop(loop, at=at, channel=channel, feedback=feedback)
-    parts = [loop.plant, loop.compensator] if isinstance(loop, ClosedLoop) else loop
-    sample_time = agreed_times(parts if isinstance(parts, list | tuple) else [parts], sample_time)
+    opened = broken_loop(
+        plant, compensator, at=at, channel=channel, feedback=feedback, variable=variable
+    )
+    parts = [plant.plant, plant.compensator] if isinstance(plant, ClosedLoop) else plant
+    parts = list(parts) if isinstance(parts, list | tuple) else [parts]
+    if compensator is not None:
+        parts.append(compensator)
+    sample_time = agreed_times(parts, sample_time)
     gains, phases = gain_crossovers(opened), phase_crossovers(opened)
     radius = opened.radius()
     stable = opened.is_stable
@@ -234,7 +248,7 @@ def stability_margins(
 
 
 def _at(boundary: StabilityBoundary) -> str:
-    return f" at {boundary.omega:.6g} rad/sample" if np.isfinite(boundary.omega) else ""
+    return f" at {boundary.frequency:.6g} rad/sample" if boundary.is_reached else ""
 
 
 def channel_margins(

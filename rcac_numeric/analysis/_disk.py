@@ -175,23 +175,24 @@ class DiskMargin(Result):
         channel, by its upper bound min over D of the largest singular value of D (S - T) D^{-1},
         D diagonal. So the margin is guaranteed; for up to three channels the bound is mu itself,
         and the margin exact. The units of the channels do not matter.
-    omega : float
+    frequency : float
         Where the maximum is, rad/sample.
     S_peak, T_peak : float
         The largest singular values of S = (1 + L)^{-1} and T = L S over frequency; for several
         channels in their units.
-    S_omega, T_omega : float
+    S_frequency, T_frequency : float
+        Where these are, rad/sample.
     radius_at : float
         For one channel: the spectral radius of the loop with the factor that ends the margin.
         1 verifies it. NaN for several channels.
     """
 
     alpha: float
-    omega: float
+    frequency: float
     S_peak: float
-    S_omega: float
+    S_frequency: float
     T_peak: float
-    T_omega: float
+    T_frequency: float
     radius_at: float
 
     @property
@@ -213,8 +214,9 @@ class DiskMargin(Result):
     def __str__(self) -> str:
         low, high = self.gain
         return (
-            f"alpha {self.alpha:.6g} at {self.omega:.6g} rad/sample: gain {low:.4g} to {high:.4g}, "
-            f"phase {self.phase:.4g} deg; peaks of S {self.S_peak:.4g}, of T {self.T_peak:.4g}"
+            f"alpha {self.alpha:.6g} at {self.frequency:.6g} rad/sample: "
+            f"gain {low:.4g} to {high:.4g}, phase {self.phase:.4g} deg; "
+            f"peaks of S {self.S_peak:.4g}, of T {self.T_peak:.4g}"
         )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.loops._siso import agreed_sign, read_loop
 from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
@@ -24,12 +25,14 @@ from rcac_numeric.analysis._resolvents import (
     responses,
 )
 from rcac_numeric.analysis._stability import decide_stability
+from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, one_of, real_array
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.engine._runs import Run
+from rcac_numeric.plants._linear import Plant
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,42 +143,101 @@ class OpenedLoop(Value):
 
 
 def broken_loop(
-    loop: Any, *, at: str = "u", channel: int = 0, feedback: int | None = None
+    plant: Any,
+    compensator: Any = None,
+    *,
+    at: str = "u",
+    channel: int = 0,
+    feedback: int | None = None,
+    variable: str | None = None,
 ) -> OpenedLoop:
     """Open a closed loop at one component of u or y, or read a loop transfer function."""
-    is_pair = isinstance(loop, tuple) and len(loop) == 2 and feedback is None
-    if is_pair or isinstance(loop, ClosedLoop | LoopAnalysis | Run):
+    one_of(at, "at", ("u", "y"))
+    is_pair = (
+        isinstance(plant, tuple) and len(plant) == 2 and feedback is None and compensator is None
+    )
+    if is_pair or isinstance(plant, ClosedLoop | LoopAnalysis | Run):
+        if compensator is not None:
+            raise InputError("a closed loop has its own compensator; leave compensator out.")
         if feedback is not None:
             raise InputError("a closed loop knows its sign of feedback; leave feedback out.")
-        return _opened(closed_loop(loop), one_of(at, "at", ("u", "y")), channel)
-    A, B, C, D = _matrices(loop)
+        return _opened(closed_loop(plant), at, channel)
+    if isinstance(compensator, Compensator) or (
+        isinstance(plant, Plant) and compensator is not None
+    ):
+        return _opened(_closed(plant, compensator, feedback), at, channel)
+    L = _matrices(plant, variable) if compensator is None else None
+    sign = _sign(feedback)
+    A, B, C, D = _in_series(plant, compensator, sign, variable) if L is None else L
+    return OpenedLoop(A, B, -sign * C, -sign * D)
+
+
+def _sign(feedback: int | None) -> int:
     if feedback not in (1, -1):
         raise InputError(
             f"feedback = {feedback!r}: a loop transfer function L does not say how it is closed; "
             "give -1 for 1 + L = 0 or +1 for 1 - L = 0."
         )
-    return OpenedLoop(A, B, -feedback * C, -feedback * D)
+    return int(feedback)
 
 
-def is_continuous(system: Any) -> bool:
+def _closed(plant: Any, compensator: Any, feedback: int | None) -> ClosedLoop:
+    """The loop of a plant whose compensator is one of ours, or the text of one with its sign."""
+    if not isinstance(compensator, Compensator):
+        sign = _sign(feedback)
+        if isinstance(compensator, exact.TransferFunction | exact.Realisation):
+            agreed_sign(compensator, sign)
+        read = compensator_of(compensator)
+        return ClosedLoop(plant, Compensator(read.past_u, sign * read.past_y))
+    if feedback not in (None, 1):
+        raise InputError(
+            f"feedback = {feedback!r}: a Compensator computes u = G_c y, which is feedback = +1; "
+            "leave feedback out, or change the sign of past_y."
+        )
+    return ClosedLoop(plant, compensator)
+
+
+def _in_series(plant: Any, compensator: Any, sign: int, variable: str | None) -> StateSpace:
+    """The product of a plant and a compensator, the modes of both kept."""
+    if not (is_foreign(plant) or is_foreign(compensator)):
+        plant, compensator = read_loop(plant, compensator, sign, variable=variable)
+    elif isinstance(compensator, exact.TransferFunction | exact.Realisation):
+        agreed_sign(compensator, sign)
+    A_1, B_1, C_1, D_1 = _matrices(plant, variable)
+    if not (is_foreign(compensator) or isinstance(compensator, exact.TransferFunction)):
+        compensator = _beside(compensator)
+    A_2, B_2, C_2, D_2 = _matrices(compensator)
+    A = np.block([[A_2, np.zeros((len(A_2), len(A_1)))], [B_1 @ C_2, A_1]])
+    return A, np.vstack([B_2, B_1 @ D_2]), np.hstack([D_1 @ C_2, C_1]), D_1 @ D_2
+
+
+def is_continuous(system: Any, variable: str | None = None) -> bool:
     """Whether it is a system of ours, or of another package, in continuous time."""
     if isinstance(system, str | exact.TransferFunction | exact.Realisation):
         with suppress(InputError):
-            return bool(exact.transfer_function(system).time == "continuous")
+            return bool(exact.transfer_function(system, variable).time == "continuous")
         return False
     if hasattr(system, "isctime"):  # of python-control
         return bool(system.isctime(strict=True))
     return hasattr(system, "dt") and system.dt is None and is_foreign(system)  # of SciPy
 
 
-def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
+def _beside(compensator: Any) -> exact.TransferFunction:
+    """A compensator beside a system of another package; a constant has no variable of its own."""
+    try:
+        return exact.transfer_function(compensator)
+    except InputError:
+        return exact.transfer_function(compensator, "z")
+
+
+def _matrices(system: Any, variable: str | None = None) -> StateSpace:
     kind = type(system).__name__
     if hasattr(system, "frdata"):
         raise InputError(
             f"the {kind} holds a response at some frequencies and no poles, by which margins are "
             "decided here: control.stability_margins interpolates it, or fit a StateSpace to it."
         )
-    if is_continuous(system):
+    if is_continuous(system, variable):
         is_control = hasattr(system, "isctime")
         of_control = "system" if is_control else "transfer_function(loop).to_control()"
         raise InputError(
@@ -188,7 +250,7 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
                 f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
                 "Compensator (whose sign of feedback is known), or a transfer function in q."
             )
-        return _matrices(_in_discrete_time(exact.transfer_function(system)))
+        return _matrices(_in_discrete_time(exact.transfer_function(system, variable)))
     if system.dt is None:
         raise InputError(
             f"the {kind} does not say its time; give dt=True where it is a function of q, or ask "

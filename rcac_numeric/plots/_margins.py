@@ -300,7 +300,7 @@ def loop_curve(margins: Margins) -> LoopCurve:
     phase = margins.phase
     turn = None
     if phase is not None and np.isfinite(phase.value):
-        turn = float(phase.omega), phase.value * (1 if phase is margins.phase_lag else -1)
+        turn = float(phase.frequency), phase.value * (1 if phase is margins.phase_lag else -1)
     return LoopCurve(
         response=margins.loop.response,
         lowest=low,
@@ -309,9 +309,9 @@ def loop_curve(margins: Margins) -> LoopCurve:
         gain_crossovers=tuple(map(float, margins.gain_crossovers)),
         phase_crossovers=tuple(map(float, margins.phase_crossovers)),
         gains=tuple(
-            (float(b.omega), float(b.value))
+            (float(b.frequency), float(b.value))
             for b in ends
-            if 0 < b.value < np.inf and 0 < b.omega < np.inf
+            if 0 < b.value < np.inf and 0 < b.frequency < np.inf
         ),
         phase=turn,
         disk=None if margins.disk is None else margins.disk.alpha,

@@ -241,14 +241,17 @@ def margins_section(name: str, margins: Margins) -> Section:
         return Section("Margins", (Text(str(margins), "bad"),), whole, remark)
     rows = []
     for label, found, unit in _boundaries(margins):
-        omega = f"{found.omega:.6g}" if found.is_reached else ""
+        omega = f"{found.frequency:.6g}" if found.is_reached else ""
         there = f"{found.radius_at:.12f}" if found.is_reached else ""
         rows.append(cells(label, f"{found.value:.6g}{unit}", omega, there))
         record[label.replace(" ", "_")] = {
-            part: getattr(found, part)
-            for part in ("value", "omega", "is_reached", "radius_before", "radius_at",
-                         "radius_after")
-        }  # fmt: skip
+            "value": found.value,
+            "omega": found.frequency,
+            "is_reached": found.is_reached,
+            "radius_before": found.radius_before,
+            "radius_at": found.radius_at,
+            "radius_after": found.radius_after,
+        }
     record["delay_time"] = margins.delay_time
     disk = margins.disk
     record["disk"] = disk_record(disk)
@@ -259,13 +262,13 @@ def margins_section(name: str, margins: Margins) -> Section:
         cells(
             "disk, S - T",
             f"{disk.alpha:.6g}: {low:.4g} to {high:.4g}, {disk.phase:.4g} deg",
-            f"{disk.omega:.6g}",
+            f"{disk.frequency:.6g}",
             "" if isnan(disk.radius_at) else f"{disk.radius_at:.12f}",
         )
     )
     peaks = (
-        f"peaks: |S| {disk.S_peak:.4g} at {disk.S_omega:.4g}, |T| {disk.T_peak:.4g} at "
-        f"{disk.T_omega:.4g} rad/sample"
+        f"peaks: |S| {disk.S_peak:.4g} at {disk.S_frequency:.4g}, |T| {disk.T_peak:.4g} at "
+        f"{disk.T_frequency:.4g} rad/sample"
     )
     return Section("Margins", (SheetTable(HEADS, tuple(rows)), Text(peaks)), whole, remark)
 
@@ -279,7 +282,9 @@ def disk_record(disk: DiskMargin | None) -> dict[str, Any] | None:
     """A disk margin as a record."""
     if disk is None:
         return None
-    return {part.name: getattr(disk, part.name) for part in fields(disk)}
+    return {
+        part.name.replace("frequency", "omega"): getattr(disk, part.name) for part in fields(disk)
+    }
 
 
 def _boundaries(margins: Margins) -> list[tuple[str, StabilityBoundary, str]]:

@@ -109,6 +109,7 @@ EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 MARGINS = st.sampled_from(["10", "100", "1"]).map(
     lambda gain: exact.stability_margins(f"{gain}/(s*(s + 1)*(s + 5))", feedback=-1)
 )
+STABLE_MARGINS = MARGINS.filter(lambda found: found.is_stable)
 LOCI = st.sampled_from(["1/(s*(s + 1)*(s + 2))", "(s + 2)/(s**2 + 2*s + 3)"]).map(
     lambda loop: exact.root_locus(loop, feedback=-1)
 )
@@ -320,6 +321,8 @@ SAMPLES = {
     exact.DescriptorSystem: DESCRIPTORS,
     results.WeierstrassForm: DESCRIPTORS.map(lambda system: system.weierstrass_form()),
     results.StabilityMargins: MARGINS,
+    results.Margin: STABLE_MARGINS.map(lambda found: found.phase),
+    results.SymmetricDiskMargin: STABLE_MARGINS.map(lambda found: found.disk),
     results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
     results.PhaseCrossover: MARGINS.map(lambda found: found.phase_crossovers[0]),
     results.RootLocus: LOCI,

@@ -118,10 +118,12 @@ def _delays(asked, require, N, D, closed, margins, is_stable, gains):
         require(begins == is_stable, "the first window")
         if is_stable and not refused(margins):
             end = delays.windows[0][1]
-            margin = margins.delay_margin
-            same = (end is None) == (margin is None)
+            margin = margins.delay
+            same = (end is not None) == margin.is_reached
             touches = any(c.tendency == 0 for c in delays.crossings)
-            near = same and (end is None or abs(float(end) - float(margin)) < CLOSE * float(end))
+            near = same and (
+                end is None or abs(float(end) - float(margin.value)) < CLOSE * float(end)
+            )
             require(near or touches, "the delay margin")
 
 

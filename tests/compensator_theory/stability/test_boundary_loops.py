@@ -64,7 +64,7 @@ def test_a_crossover_where_the_loop_is_one_or_minus_one():
 
 def test_an_ill_posed_loop_is_not_stable_and_says_so():
     found = stability_margins("-(s+1)/(s+2)", feedback=-1)
-    assert (found.is_stable, found.is_well_posed, found.delay_margin) == (False, False, None)
+    assert (found.is_stable, found.is_well_posed, found.delay) == (False, False, None)
     assert str(found).startswith("the loop is not well posed: 1 + L = 0 at infinity")
     assert 1 not in root_locus("-(s+1)/(s+2)", feedback=-1).stable
     assert 1 not in stabilising_gains("-(s+1)/(s+2)", feedback=-1)

@@ -135,8 +135,8 @@ def test_a_loop_with_the_margins_of_table_5_1(k, omega, phase, delay):
     """The delay margin, and the whole delays around it, of a loop made to have these numbers."""
     L = loop_with(omega, phase)
     margins = stability_margins(L, feedback=-1)
-    assert np.isclose(margins.delay.omega, omega, rtol=1e-9)
-    assert np.isclose(np.degrees(lag_at(margins.loop, margins.delay.omega)[0]), phase)
+    assert np.isclose(margins.delay.frequency, omega, rtol=1e-9)
+    assert np.isclose(np.degrees(lag_at(margins.loop, margins.delay.frequency)[0]), phase)
     assert abs(margins.delay.value - delay) < 1e-3
     steps = int(np.ceil(delay))
     assert radius(L, delay=steps - 1) < 1 < radius(L, delay=steps)
@@ -158,7 +158,7 @@ def loop_with(omega, phase):
         L = tf([g, h], np.concatenate([D, np.zeros(d)]))
         if radius(L) < 0.999 and abs((h - g) / np.polyval(D, -1)) < 1:
             found = stability_margins(L, feedback=-1).delay
-            decided_here = np.isclose(found.omega, omega, rtol=1e-9)
+            decided_here = np.isclose(found.frequency, omega, rtol=1e-9)
             if decided_here and radius(L, delay=int(np.ceil(found.value))) > 1:
                 return L
     raise AssertionError("no such loop found")
@@ -168,7 +168,7 @@ def test_a_conditionally_stable_loop_has_margins_on_both_sides():
     L = tf([1.5], [1, -2])  # q - 2 + 1.5 k: stable for 2/3 < k < 2
     margins = stability_margins(L, feedback=-1)
     assert np.isclose(margins.gain_down.value, 2 / 3) and np.isclose(margins.gain_up.value, 2)
-    assert margins.gain_down.omega == 0 and np.isclose(margins.gain_up.omega, np.pi)
+    assert margins.gain_down.frequency == 0 and np.isclose(margins.gain_up.frequency, np.pi)
     again = stability_margins(L, feedback=-1, sample_time=0.1)
     assert np.isclose(again.delay_time, 0.1 * margins.delay.value)
 
@@ -197,7 +197,7 @@ def test_without_crossovers():
     assert still.worst_gap == 0 and "inf" in str(still)
     assert not stability_margins(control.ss(2, 0, 1, 0, True), feedback=-1).is_stable
     small = stability_margins(tf([-0.1], [1, -0.5]), feedback=-1)
-    assert small.gain_up.omega == 0 and np.isclose(small.gain_up.value, 5)
+    assert small.gain_up.frequency == 0 and np.isclose(small.gain_up.value, 5)
     assert len(small.gain_crossovers) == 0 and small.delay.value == np.inf
 
 
@@ -333,7 +333,7 @@ def test_a_loop_that_is_sampled_fast_has_the_margins_of_the_continuous_one(h, or
     lag = np.pi - order * np.arctan(omega)
     L = control.c2d(control.ss(control.tf([k], np.poly([-1.0] * order))), h, "zoh")
     margins = stability_margins(L, feedback=-1)
-    assert np.isclose(margins.phase_lag.omega, omega * h, rtol=0.02 + h)
+    assert np.isclose(margins.phase_lag.frequency, omega * h, rtol=0.02 + h)
     assert np.isclose(np.radians(margins.phase_lag.value), lag - omega * h / 2, rtol=h)
     assert np.isclose(margins.delay_time, lag / omega - h / 2, rtol=h)
     if order > 2:
@@ -346,7 +346,7 @@ def test_a_slow_integrator_has_a_crossover_and_at_both_ends_of_the_circle(g):
     for pole, sign in ((1, 1.0), (-1, -1.0)):
         margins = stability_margins(tf([sign * g], [1, -pole]), feedback=-1)
         slow = 2 * np.arcsin(g / 2)  # abs(q - pole) = g
-        assert np.isclose(margins.phase_lag.omega, slow if pole == 1 else np.pi - slow)
+        assert np.isclose(margins.phase_lag.frequency, slow if pole == 1 else np.pi - slow)
         assert np.isclose(margins.phase.value, 90 - np.degrees(slow) / 2)
         assert margins.gain_down.value == 0 and margins.gain_down.radius_at != 1
 
@@ -387,7 +387,7 @@ def test_the_gain_margin_of_example_5_1(seed):
     w = 0.01 * np.random.default_rng(seed).standard_normal((5000, 1))
     loop = ClosedLoop(plant, simulate(plant, controller, w).compensator)
     margins = stability_margins(loop)
-    assert 1.6 < margins.gain_up.value < 1.9 and margins.gain_up.omega == 0
+    assert 1.6 < margins.gain_up.value < 1.9 and margins.gain_up.frequency == 0
     frozen = broken_loop(loop)
     assert frozen.radius(2.9) > 1 and frozen.radius(1.5) < 1
 

@@ -32,7 +32,7 @@ def test_the_peaks_are_not_below_any_grid_and_are_reached(seed):
     with np.errstate(all="ignore"):
         for values, peak in ((S, disk.S_peak), (T, disk.T_peak), (S - T, 2 / disk.alpha)):
             assert np.nanmax(np.abs(values)) <= peak * (1 + 1e-9)
-    reached = margins.loop.response([disk.S_omega])[0]
+    reached = margins.loop.response([disk.S_frequency])[0]
     assert not np.isfinite(reached) or np.isclose(abs(1 / (1 + reached)), disk.S_peak)
     assert abs(disk.radius_at - 1) < 1e-6
 
@@ -147,7 +147,7 @@ def test_up_to_three_channels_the_margin_is_reached(seed):
     rng = np.random.default_rng(seed)
     loop = random_channels(rng, int(rng.integers(2, 4)))
     disk = multivariable_disk_margin(loop)
-    M = S_minus_T(loop, disk.omega)
+    M = S_minus_T(loop, disk.frequency)
 
     def radius(phases):
         turned = M * np.exp(1j * np.concatenate([[0.0], phases]))
@@ -196,7 +196,7 @@ def test_the_spinning_satellite(unit):
         ).fun
     )
     disk = multivariable_disk_margin(spinning_satellite((1.0, unit)))
-    assert disk.alpha == pytest.approx(by_hand, rel=1e-6) and disk.omega < 1e-3
+    assert disk.alpha == pytest.approx(by_hand, rel=1e-6) and disk.frequency < 1e-3
     # python-control with slycot prints 0.3754, 3.3 dB and 21.26 degrees, at its first frequency
     assert disk.alpha == pytest.approx(0.3754, rel=5e-3) and disk.alpha >= 0.3754
     assert disk.phase == pytest.approx(21.26, abs=0.1)

@@ -117,7 +117,7 @@ def test_margins_of_long_dead_time(delay, monkeypatch):
 
         omega = mpmath.findroot(turned, (0.5 / delay, 3.0 / delay), solver="anderson")
         margin = abs(mpmath.expj(omega) - pole) / gain
-    assert found.is_stable and found.gain_up.omega == pytest.approx(float(omega), rel=1e-10)
+    assert found.is_stable and found.gain_up.frequency == pytest.approx(float(omega), rel=1e-10)
     assert found.gain_up.value == pytest.approx(float(margin), rel=1e-9)
     assert found.worst_gap < 1e-9
     assert len(found.phase_crossovers) == delay // 2 + 1

@@ -21,8 +21,8 @@ def margins():
 
 def test_the_marked_margins_are_the_margins(margins):
     curve = loop_curve(margins)
-    assert (margins.gain_up.omega, margins.gain_up.value) in curve.gains
-    assert curve.phase == (margins.phase.omega, margins.phase.value)
+    assert (margins.gain_up.frequency, margins.gain_up.value) in curve.gains
+    assert curve.phase == (margins.phase.frequency, margins.phase.value)
     assert curve.disk == margins.disk.alpha
 
 

@@ -1,0 +1,225 @@
+"""The margins of a stable loop: the nearest change of gain, phase and delay, and the disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import count
+from typing import TypeAlias
+
+import flint
+import sympy
+from sympy import Expr, Poly, Rational
+
+from compensator_theory._latex import displayed, latex
+from compensator_theory.polynomials._ball_precision import ball_precision
+from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._values import ExactValue
+from compensator_theory.roots._certified import root_balls
+from compensator_theory.roots._counts import count_roots
+from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
+from compensator_theory.stability._norms import HInfinityNorm, h_infinity_norm
+from compensator_theory.systems._transfer_functions import TransferFunction
+
+BITS = 160
+NOTHING = Enclosure(Rational(0), Rational(0))
+Frequency: TypeAlias = Enclosure | Expr | None
+Crossing: TypeAlias = tuple[Enclosure, Frequency]
+"""The value of a change that puts a root on the boundary, and the frequency of that root."""
+
+
+@dataclass(frozen=True)
+class Margin(ExactValue):
+    r"""How far a stable loop can be changed in one way before it is stable no more.
+
+    Attributes
+    ----------
+    value : sympy.Expr or Enclosure
+        A factor of the gain, exact; a turn of the phase in degrees, or a delay in s, in discrete
+        time in steps, as certified balls. Where nothing ends stability it is oo, or 0 for a gain
+        that falls. `float` reads each of them.
+    frequency : Enclosure, sympy.oo or None
+        Of the root that comes to the boundary: in rad/s, in discrete time in rad/sample; oo in
+        continuous time where it comes from infinity, None where there is none.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_margins
+    >>> margins = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1)
+    >>> print(margins.gain_up)
+    3 at 2.23607
+    """
+
+    value: Expr | Enclosure
+    frequency: Frequency
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether there is such a change at all."""
+        return self.frequency is not None
+
+    def __str__(self) -> str:
+        place = "" if self.frequency is None else f" at {float(self.frequency):.6g}"
+        return f"{float(self.value):.6g}{place}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(latex(self.value))
+
+
+@dataclass(frozen=True)
+class SymmetricDiskMargin(ExactValue):
+    r"""The symmetric disk margin of a stable loop, and the peaks of S and T.
+
+    .. math:: \alpha = \frac{2}{\|S - T\|_\infty}, \qquad S = \frac{1}{1 + L}, \quad
+              T = \frac{L}{1 + L}, \quad L = N/D
+
+    Every factor :math:`(1 + d/2)/(1 - d/2)` with complex :math:`|d| < \alpha` leaves the loop
+    stable. Source: P. Seiler, A. Packard and P. Gahinet, IEEE Control Systems 40(5) (2020) 78-95.
+
+    Attributes
+    ----------
+    numerator, denominator : sympy.Poly
+        N and D, without common factors.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_margins
+    >>> disk = stability_margins("1/(s + 1)", feedback=-1).disk
+    >>> disk.alpha, disk.gain, disk.S_peak
+    (2, (0, oo), 1)
+    """
+
+    numerator: Poly
+    denominator: Poly
+
+    @property
+    def alpha(self) -> Expr:
+        """Exact; oo where L is 1."""
+        return sympy.oo if self._norm is None else 2 / self._norm.value
+
+    @property
+    def gain(self) -> tuple[Expr, Expr]:
+        """The range of gains in the disk: (2 - alpha) / (2 + alpha) and its inverse."""
+        norm = self._norm
+        if norm is None or not _exceeds_one(norm):
+            return sympy.Integer(0), sympy.oo
+        low = (norm.value - 1) / (norm.value + 1)
+        return low, 1 / low
+
+    @property
+    def phase(self) -> Enclosure:
+        """The turn in degrees, in both directions: 2 arctan(alpha / 2)."""
+        if self._norm is None:
+            return Enclosure(Rational(180), Rational(0))
+        with ball_precision(BITS):
+            turn = 2 * (1 / ball_of_enclosure(self._norm.enclosure)).atan()
+            return enclosure_of_ball(turn * 180 / flint.arb.pi())
+
+    @cached_property
+    def S_peak(self) -> Expr:
+        """The largest abs(S) over all frequencies, exact."""
+        return self._of(self.denominator).value
+
+    @cached_property
+    def T_peak(self) -> Expr:
+        """The largest abs(T) over all frequencies, exact."""
+        if self.numerator.is_zero:
+            return sympy.Integer(0)
+        return self._of(self.numerator).value
+
+    @cached_property
+    def _norm(self) -> HInfinityNorm | None:
+        difference = self.denominator - self.numerator
+        return None if difference.is_zero else self._of(difference)
+
+    def _of(self, numerator: Poly) -> HInfinityNorm:
+        return h_infinity_norm(TransferFunction(numerator, self.denominator + self.numerator))
+
+    def __str__(self) -> str:
+        low, high = (f"{float(end):.4g}" for end in self.gain)
+        return f"alpha {float(self.alpha):.6g}: gain {low} to {high}, phase {float(self.phase):.4g}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(rf"\alpha = {latex(self.alpha)}")
+
+
+def _exceeds_one(norm: HInfinityNorm) -> bool:
+    if 1 not in norm.enclosure:
+        return bool(norm.enclosure.lower > 1)
+    return norm.square_polynomial.eval(1) != 0 and bool(norm.value > 1)
+
+
+def half_circle() -> Enclosure:
+    """The angle pi of z = -1."""
+    with ball_precision(BITS):
+        return enclosure_of_ball(flint.arb.pi())
+
+
+def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margin:
+    """An end of the interval of gains around 1, with the crossover that it is."""
+    if (end == sympy.oo) if up else bool(end <= 0):
+        return Margin(sympy.oo if up else sympy.Integer(0), None)
+    near = float(end)
+    distances = [(abs(float(gain) - near), frequency) for gain, frequency in crossings]
+    # An L that is constant has no crossover of its own.
+    found = min(distances, key=lambda pair: pair[0], default=(0.0, NOTHING))[1]
+    return Margin(end, found)
+
+
+def nearest_phase(
+    crossings: Sequence[Crossing], ends: Sequence[Frequency], *, lead: bool
+) -> Margin:
+    """The least turn, in degrees, of crossovers with their arg(-L), and of ends where L is 1."""
+    found: list[Crossing] = [(Enclosure(Rational(180), Rational(0)), end) for end in ends]
+    with ball_precision(BITS):
+        for margin, frequency in crossings:
+            degrees = ball_of_enclosure(margin) * 180 / flint.arb.pi()
+            lag = degrees if margin.centre > 0 else degrees + 360
+            found.append((enclosure_of_ball(360 - lag if lead else lag), frequency))
+    return nearest(found)
+
+
+def nearest(crossings: Sequence[Crossing]) -> Margin:
+    """The least of the changes; oo where there is none."""
+    if not crossings:
+        return Margin(sympy.oo, None)
+    return Margin(*min(crossings, key=lambda pair: pair[0].centre))
+
+
+def nearest_delay_in_steps(
+    N: Poly, D: Poly, crossings: Sequence[Crossing], outward: Sequence[bool]
+) -> Margin:
+    """The least delay of a discrete loop: of the crossovers where abs(L(-1)) <= 1.
+
+    Else a delay between two whole numbers of steps has no meaning of its own, whole steps decide,
+    and a crossover counts only where it lies in the step in which stability is lost.
+    """
+    top, bottom = N.eval(-1), D.eval(-1)
+    if bottom != 0 and abs(top) <= abs(bottom):
+        at_half = [(Enclosure(Rational(1), Rational(0)), half_circle())] if top == bottom else []
+        return nearest([*crossings, *at_half])
+    z = D.gen
+    for steps in count(1):
+        ask("degree", int(D.degree()) + steps, "the loop with that delay")
+        delayed = D * Poly(z**steps, z, domain=D.domain) + N
+        roots = count_roots(delayed, time="discrete")
+        if roots.stable < roots.total:
+            break
+    found = []
+    with ball_precision(BITS):
+        for (delay, frequency), leaves in zip(crossings, outward, strict=True):
+            if not leaves or not isinstance(frequency, Enclosure):
+                continue
+            turn = 2 * flint.arb.pi() / ball_of_enclosure(frequency)
+            for turns in range(steps + 1):
+                total = enclosure_of_ball(ball_of_enclosure(delay) + turn * turns)
+                if steps - 1 < total.upper and total.lower <= steps:
+                    found.append((total, frequency))
+        if not found:
+            largest = max(
+                (ball for ball, _ in root_balls(delayed, BITS) if ball.imag.mid() >= 0),
+                key=lambda ball: abs(ball).mid(),
+            )
+            found = [(Enclosure(Rational(steps), Rational(0)), enclosure_of_ball(largest.arg()))]
+    return nearest(found)
