@@ -119,14 +119,14 @@ def solve_care_heat_100() -> Call:
     """The heat flow of CAREX 18."""
     import numpy as np
 
-    from rcac_numeric import solve_care
+    from rcac_numeric import solve_riccati
 
     n = 100
     A = 0.01 * (n + 1) ** 2 * (np.eye(n, k=1) - 2 * np.eye(n) + np.eye(n, k=-1))
     x = np.arange(1, n + 1) / (n + 1)
     B = ((x >= 0.2) & (x <= 0.3)).astype(float)[:, None]
     C = ((x >= 0.5) & (x <= 0.6)).astype(float)[None] / n
-    return lambda: solve_care(A, B, C.T @ C, np.eye(1))
+    return lambda: solve_riccati(A, B, C.T @ C, np.eye(1), time="continuous")
 
 
 def _dead_time(steps: int) -> Call:

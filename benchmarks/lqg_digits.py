@@ -32,10 +32,8 @@ def compared(seed: int) -> tuple[str, float]:
     except CompensatorError as error:
         return f"{type(error).__name__}: {str(error)[:100]}", np.nan
     with mpmath.workdps(60):
-        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, design.regulator.gain)
-        _, Q = design_60_digits(
-            plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, design.estimator.gain
-        )
+        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, design.regulator.K)
+        _, Q = design_60_digits(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, design.estimator.K)
         D_1, E_2, B = (mpmath.matrix(M.tolist()) for M in (plant.D_1, plant.E_2, plant.B))
         S = E_2.T * E_2 + B.T * P * B
         J = _trace(D_1.T * P * D_1) + _trace(S * K * Q * K.T)

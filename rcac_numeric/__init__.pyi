@@ -7,11 +7,9 @@ from . import results as results
 from . import targets as targets
 from .analysis._classical import stability_margins as stability_margins
 from .analysis._closed_loop import ClosedLoop as ClosedLoop
-from .analysis._continuous_equations import solve_care as solve_care
 from .analysis._conversion import compensator_from_state_space as compensator_from_state_space
 from .analysis._costs import h2_cost as h2_cost
 from .analysis._disk import multivariable_disk_margin as multivariable_disk_margin
-from .analysis._equations import solve_dare as solve_dare
 from .analysis._loop_analysis import LoopAnalysis as LoopAnalysis
 from .analysis._loop_analysis import compare_exactly as compare_exactly
 from .analysis._lqg import LQG as LQG
@@ -21,6 +19,7 @@ from .analysis._match import split_residual as split_residual
 from .analysis._noise import with_bias as with_bias
 from .analysis._observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis._placement_conditioning import placement_conditioning as placement_conditioning
+from .analysis._riccati import solve_riccati as solve_riccati
 from .checks._check import check_controller as check_controller
 from .checks._diagnosis import loop_health as loop_health
 from .checks._health import HealthWarning as HealthWarning

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy import linalg
 
 from compensator_theory.errors import (
@@ -19,16 +18,13 @@ from compensator_theory.errors import (
 )
 from rcac_numeric.analysis._equations import (
     LARGEST_RESIDUAL,
-    factor_of,
     stabilising_solution,
-    symmetric,
 )
 from rcac_numeric.analysis._gramians import norm
 from rcac_numeric.analysis._obstacles import EPS, REGULATOR, balanced_pencil, words
 from rcac_numeric.analysis._square_roots import triangle
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._definite_matrices import square_root_columns
-from rcac_numeric.arrays._validation import matrix
 from rcac_numeric.arrays._values import Result
 
 # The residual that is good; and states from which SciPy's solution with Newton steps is taken where
@@ -45,10 +41,12 @@ class ContinuousSolution(Result):
     Attributes
     ----------
     A, B : arrays of shape (n, n), (n, m)
+    Q, R, N : arrays of shape (n, n), (m, m), (n, m)
+        The weights.
     P : array, shape (n, n)
-    gain : array, shape (m, n)
-        K = -R_2^{-1} (R_12' + B'P).
-    factor : array, shape (n, n), or None
+    K : array, shape (m, n)
+        The gain -R^{-1} (N' + B'P), for u = Kx.
+    P_root : array, shape (n, n), or None
         S with P = S'S; None where the weight is not positive semidefinite.
     residual : float
         Norm of what is left of the equation over the sum of the norms of its terms.
@@ -56,15 +54,18 @@ class ContinuousSolution(Result):
 
     A: Array
     B: Array
+    Q: Array
+    R: Array
+    N: Array
     P: Array
-    gain: Array
-    factor: Array | None
+    K: Array
     residual: float
+    P_root: Array | None = None
 
     @property
     def closed_loop(self) -> Array:
         """A + BK, shape (n, n)."""
-        return np.asarray(self.A + self.B @ self.gain)
+        return np.asarray(self.A + self.B @ self.K)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -83,64 +84,13 @@ class ContinuousSolution(Result):
         )
 
 
-def solve_care(
-    A: ArrayLike, B: ArrayLike, R_1: ArrayLike | None = None, R_2: ArrayLike | None = None,
-    R_12: ArrayLike | None = None, *, E_1: ArrayLike | None = None, E_2: ArrayLike | None = None,
-) -> ContinuousSolution:  # fmt: skip
-    """Solve A'P + PA + R_1 - (PB + R_12) R_2^{-1} (B'P + R_12') = 0 for the stabilising P.
-
-    The gain minimises the integral of x'R_1 x + 2 x'R_12 u + u'R_2 u over u = Kx, as `lqr` does.
-
-    Parameters
-    ----------
-    A, B : arrays of shape (n, n), (n, m)
-    R_1, R_2, R_12 : arrays of shape (n, n), (m, m), (n, m)
-        Weights; R_1 and R_2 symmetric, R_2 regular, R_12 zero by default. [R_1 R_12; R_12' R_2]
-        may be indefinite.
-    E_1, E_2 : arrays of shape (p, n), (p, m), instead of the weights
-        Their factors: R_1 = E_1'E_1, R_12 = E_1'E_2, R_2 = E_2'E_2. E_2 has full column rank. No
-        weight is squared then: an E_2 of 1e-10 costs no digit.
-
-    Returns
-    -------
-    ContinuousSolution
-
-    Raises
-    ------
-    NotControllableError
-        Where a mode of A on or right of the imaginary axis cannot be moved; it is named.
-    UnitCircleError
-        Where a zero is on the imaginary axis; it is named.
-    NoSolutionError
-        Where no stabilising solution was found with a small residual.
-    InputError
-        Where an argument has the wrong shape, a weight is not symmetric, or R_2 is singular.
-
-    Notes
-    -----
-    With factors P is also that of the discrete-time equation of ``(I - hA)^{-1} (I + hA),
-    sqrt(2h) (I - hA)^{-1} B, sqrt(2h) E_1 (I - hA)^{-1}, E_2 + h E_1 (I - hA)^{-1} B`` for every
-    h > 0 that leaves I - hA regular, and is found there, in square roots; else by
-    `scipy.linalg.solve_continuous_are`. Either is refined by Newton steps, one Lyapunov equation
-    each, and held against the equation itself. The Kalman-Bucy filter is the dual: A', C' and the
-    spectral densities of the noises. Source: P. Benner, A. J. Laub and V. Mehrmann, A collection
-    of benchmark examples for the numerical solution of algebraic Riccati equations I (1995).
-
-    Examples
-    --------
-    >>> from rcac_numeric import solve_care
-    >>> found = solve_care([[0, 1], [0, 0]], [[0], [1]], R_1=[[1, 0], [0, 0]], R_2=[[1]])
-    >>> found.gain.round(12), found.residual < 1e-14  # the double integrator: -1, -sqrt(2)
-    (array([[-1.        , -1.41421356]]), True)
-    >>> solve_care([[1]], [[1]], E_1=[[0], [0]], E_2=[[0], [1]]).P  # the least control: 1 -> -1
-    array([[2.]])
-    """
-    A = matrix(A, "A", (None, None))
-    n = len(A)
-    A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
+def continuous_solution(
+    A: Array, B: Array, weights: Weights, factor: tuple[Array, Array] | None, *, of_factors: bool
+) -> ContinuousSolution:
+    """The solution in continuous time from (Q, N, R) and their factor (E_1, E_2), if any."""
     if not A.size:
         raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
-    weights, factor = _weights(n, B.shape[1], R_1, R_2, R_12, E_1, E_2)
+    _require_regular(weights[2], factor if of_factors else None)
     with np.errstate(all="ignore"):  # what leaves float64 ends in a bad residual
         _require_stabilisable(A, B)
         if factor is not None:
@@ -166,47 +116,23 @@ def solve_care(
     return found
 
 
-def _weights(
-    n: int, m: int, R_1: ArrayLike | None, R_2: ArrayLike | None, R_12: ArrayLike | None,
-    E_1: ArrayLike | None, E_2: ArrayLike | None,
-) -> tuple[Weights, tuple[Array, Array] | None]:  # fmt: skip
-    """(R_1, R_12, R_2), and (E_1, E_2) where the full weight has a factor."""
-    if E_1 is not None and E_2 is not None:
-        if not (R_1 is None and R_2 is None and R_12 is None):
-            raise InputError("give R_1 and R_2, or their factors E_1 and E_2, not both.")
-        left = matrix(E_1, "E_1", (None, n))
-        right = matrix(E_2, "E_2", (len(left), m))
-        scaled = right / np.maximum(np.linalg.norm(right, axis=0), 1e-300)
-        if np.linalg.matrix_rank(scaled) < m:
-            raise InputError(
-                "E_2 has dependent columns: in continuous time every direction of u needs a "
-                "weight. Weight it, or sample the plant and use solve_dare."
-            )
-        return (left.T @ left, left.T @ right, right.T @ right), (left, right)
-    if R_1 is None or R_2 is None or not (E_1 is None and E_2 is None):
-        raise InputError(
-            "give R_1 and R_2, the weights of x and u, or both of their factors, E_1 and E_2."
-        )
-    shape = np.shape(R_1)
-    if len(shape) == 2 and shape[1] == n != shape[0]:
-        raise InputError(
-            f"R_1 has shape {shape}, and a weight of x is {n} x {n}. Factors have names of their "
-            "own: solve_care(A, B, E_1=E_1, E_2=E_2)."
-        )
-    weights = (
-        symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
-        np.zeros((n, m)) if R_12 is None else matrix(R_12, "R_12", (n, m)),
-        symmetric(matrix(R_2, "R_2", (m, m)), "R_2"),
+def _require_regular(R: Array, factor: tuple[Array, Array] | None) -> None:
+    """Refuse a direction of u without a weight; of factors that are given E_2 itself is asked."""
+    advice = (
+        "in continuous time every direction of u needs a weight. Weight it, or sample the plant "
+        'and use time="discrete".'
     )
-    sizes = np.sqrt(np.abs(np.diag(weights[2])))
-    scale = np.where(sizes > 0, sizes, np.sqrt(np.abs(weights[2]).max(initial=0.0)) or 1.0)
-    values = np.abs(np.linalg.eigvalsh(weights[2] / np.outer(scale, scale)))
+    m = len(R)
+    if factor is not None:
+        scaled = factor[1] / np.maximum(np.linalg.norm(factor[1], axis=0), 1e-300)
+        if np.linalg.matrix_rank(scaled) < m:
+            raise InputError(f"E_2 has dependent columns: {advice}")
+        return
+    sizes = np.sqrt(np.abs(np.diag(R)))
+    scale = np.where(sizes > 0, sizes, np.sqrt(np.abs(R).max(initial=0.0)) or 1.0)
+    values = np.abs(np.linalg.eigvalsh(R / np.outer(scale, scale)))
     if not values.min(initial=1.0) > 10 * m * EPS * values.max(initial=1.0):
-        raise InputError(
-            "R_2 is singular: in continuous time every direction of u needs a weight. Weight it, "
-            "or sample the plant and use solve_dare."
-        )
-    return weights, factor_of(weights)
+        raise InputError(f"R is singular: {advice}")
 
 
 def _until_good(found: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolution]:
@@ -237,18 +163,18 @@ def _candidates(
 
 def _evaluated(A: Array, B: Array, weights: Weights, P: Array) -> tuple[Array, Array, float]:
     """The gain of P, what P leaves of the equation, and the sum of the norms of its terms."""
-    _, R_12, R_2 = weights
+    _, N, R = weights
     if not np.isfinite(P).all():
         raise np.linalg.LinAlgError("not finite")
-    K = -np.asarray(np.linalg.solve(R_2, R_12.T + B.T @ P))
+    K = -np.asarray(np.linalg.solve(R, N.T + B.T @ P))
     left, size = _left_over(A, B, weights, P, K)
     return K, left, size
 
 
 def _left_over(A: Array, B: Array, weights: Weights, P: Array, K: Array) -> tuple[Array, float]:
-    R_1, R_12, R_2 = weights
-    closed, cross = A + B @ K, R_12 @ K
-    terms = (closed.T @ P, P @ closed, R_1, cross + cross.T, K.T @ R_2 @ K)
+    Q, N, R = weights
+    closed, cross = A + B @ K, N @ K
+    terms = (closed.T @ P, P @ closed, Q, cross + cross.T, K.T @ R @ K)
     return np.asarray(sum(terms[1:], terms[0])), sum(map(norm, terms))
 
 
@@ -256,7 +182,14 @@ def _solution(
     A: Array, B: Array, weights: Weights, P: Array, K: Array, S: Array | None
 ) -> ContinuousSolution:
     left, size = _left_over(A, B, weights, P, K)
-    return ContinuousSolution(A, B, P, K, S, norm(left) / size if size else 0.0)
+    return _answer(A, B, weights, P, K, norm(left) / size if size else 0.0, S)
+
+
+def _answer(
+    A: Array, B: Array, weights: Weights, P: Array, K: Array, residual: float, S: Array | None
+) -> ContinuousSolution:
+    Q, N, R = weights
+    return ContinuousSolution(A, B, Q, R, N, P, K, residual, S)
 
 
 def _refined(
@@ -275,7 +208,7 @@ def _refined(
             break
         P, K, left, size = found
     S = None if factor is None else triangle(square_root_columns(P).T)
-    return ContinuousSolution(A, B, P, K, S, norm(left) / size if size else 0.0)
+    return _answer(A, B, weights, P, K, norm(left) / size if size else 0.0, S)
 
 
 def _lyapunov(A: Array, Q: Array) -> Array:
@@ -318,12 +251,12 @@ def _by_sampling(
     )  # fmt: skip
     squares = moved[2].T @ moved[2], moved[2].T @ moved[3], moved[3].T @ moved[3]
     found = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
-    S = triangle(E_1) if found.factor is None else found.factor
-    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.gain.T).T
+    S = triangle(E_1) if found.P_root is None else found.P_root
+    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.K.T).T
     P, closed, seen = found.P, A + B @ K, E_1 + E_2 @ K
     terms = closed.T @ P, P @ closed, seen.T @ seen
     residual = norm(sum(terms[1:], terms[0])) / (sum(map(norm, terms)) or 1.0)
-    return ContinuousSolution(A, B, P, np.asarray(K), S, residual)
+    return _answer(A, B, weights, P, np.asarray(K), residual, S)
 
 
 def _require_stabilisable(A: Array, B: Array) -> None:
@@ -376,17 +309,17 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
                     f"zero on the imaginary axis at {words(at)} (a mode of A there that has no "
                     f"weight included; smallest singular value {least:.1e}). A closed-loop pole "
                     "would have to lie on it, so no solution is stabilising. Weight the states "
-                    "that it moves (R_1)."
+                    "that it moves (Q)."
                 )
 
 
 def _require_no_pole_on_axis(found: ContinuousSolution, weights: Weights) -> None:
     """Refuse an eigenvalue of the Hamiltonian matrix that rounding alone moved off the axis."""
-    (R_1, R_12, R_2), A, B = weights, found.A, found.B
+    (Q, N, R), A, B = weights, found.A, found.B
     n = len(A)
-    closing = np.linalg.solve(R_2, np.hstack([R_12.T, B.T]))
+    closing = np.linalg.solve(R, np.hstack([N.T, B.T]))
     inner = A - B @ closing[:, :n]
-    H = np.block([[inner, -B @ closing[:, n:]], [R_12 @ closing[:, :n] - R_1, -inner.T]])
+    H = np.block([[inner, -B @ closing[:, n:]], [N @ closing[:, :n] - Q, -inner.T]])
     size = norm(H)
     pole = found.poles[np.argmax(found.poles.real)]
     # A double eigenvalue on the axis is moved off it by the root of the rounding error.

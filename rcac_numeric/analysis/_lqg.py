@@ -44,9 +44,9 @@ class LQG(Value):
         As given.
     form : {"predictor", "filter"}
     regulator : StabilisingSolution
-        (A.6), (A.7): P, and the gain C_c.
+        (A.6), (A.7): P, and the gain K = C_c.
     estimator : StabilisingSolution
-        (A.5), (A.8) as the dual regulator: its P is Q, its gain -B_c'.
+        (A.5), (A.8) as the dual regulator: its P is Q, its K is -B_c'.
     state_space : (A_c, B_c, C_c, D_c)
         Of order n; D_c is zero for the predictor form.
     cost : H2Cost
@@ -218,7 +218,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     D_f = np.zeros((plant.l_u, plant.l_y))
     if form == "filter":
         D_f = filter_gain(plant, inputs, regulator, estimator)
-    parts = controller_matrices(plant, regulator.gain, -estimator.gain.T, D_f)
+    parts = controller_matrices(plant, regulator.K, -estimator.K.T, D_f)
     return _verified(
         LQG(
             plant=plant,
@@ -266,17 +266,17 @@ def filter_gain(
     estimator: StabilisingSolution,
 ) -> Array:  # fmt: skip
     """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
-    if regulator.factor is not None and estimator.factor is not None:  # nothing squared
-        S, T = regulator.factor, estimator.factor
+    if regulator.P_root is not None and estimator.P_root is not None:  # nothing squared
+        S, T = regulator.P_root, estimator.P_root
         from_w = least_squares(
             np.vstack([plant.E_2, S @ plant.B]), np.vstack([inputs.E_0, S @ inputs.D_1])
         )
         return -least_squares(
-            np.vstack([inputs.D_2.T, T @ plant.C.T]), np.vstack([from_w.T, T @ regulator.gain.T])
+            np.vstack([inputs.D_2.T, T @ plant.C.T]), np.vstack([from_w.T, T @ regulator.K.T])
         ).T
     known: Array = plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
     from_w = np.asarray(-np.linalg.solve(regulator.innovation, known), dtype=float)
-    correlation = regulator.gain @ estimator.P @ plant.C.T + from_w @ inputs.D_2.T
+    correlation = regulator.K @ estimator.P @ plant.C.T + from_w @ inputs.D_2.T
     return np.asarray(np.linalg.solve(estimator.innovation, correlation.T).T)
 
 
@@ -299,12 +299,12 @@ def cost_of_solutions(
     D_f: Array, E_2: Array,
 ) -> float:  # fmt: skip
     """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
-    K, Q = regulator.gain, estimator.P
-    if regulator.factor is not None and estimator.factor is not None:
+    K, Q = regulator.K, estimator.P
+    if regulator.P_root is not None and estimator.P_root is not None:
         # S and V are squares, in which much cancels with large gains: their roots are used.
-        of_u = np.vstack([E_2, regulator.factor @ regulator.B])
-        of_y = np.vstack([inputs.D_2.T, estimator.factor @ estimator.B])
-        spent = np.sum((of_u @ K @ estimator.factor.T) ** 2)
+        of_u = np.vstack([E_2, regulator.P_root @ regulator.B])
+        of_y = np.vstack([inputs.D_2.T, estimator.P_root @ estimator.B])
+        spent = np.sum((of_u @ K @ estimator.P_root.T) ** 2)
         saved = np.sum((of_u @ D_f @ of_y.T) ** 2)
     else:
         S, V = regulator.innovation, estimator.innovation

@@ -15,38 +15,39 @@ from rcac_numeric.arrays._values import Result
 
 @dataclass(frozen=True, eq=False)
 class StabilisingSolution(Result):
-    """The stabilising solution of a Riccati equation, with what says how good it is.
+    """The stabilising solution of a discrete-time Riccati equation, and how good it is.
 
     Attributes
     ----------
     A, B : arrays of shape (n, n), (n, m)
-    R_1, R_12, R_2 : arrays of shape (n, n), (n, m), (m, m)
+    Q, R, N : arrays of shape (n, n), (m, m), (n, m)
+        The weights, R_1, R_2 and R_12 of the text.
     P : array, shape (n, n)
-    gain : array, shape (m, n)
-        K = -(R_2 + B'PB)^{-1} (R_12' + B'PA).
+    K : array, shape (m, n)
+        The gain -(R + B'PB)^{-1} (N' + B'PA), for u = Kx.
     innovation : array, shape (m, m)
-        R_2 + B'PB.
+        R + B'PB.
     residual : float
         Norm of what is left of the equation over the sum of the norms of its terms.
-    factor : array, shape (n, n), or None
+    P_root : array, shape (n, n), or None
         S with P = S'S, where the solution was found in square roots.
     """
 
     A: Array
     B: Array
-    R_1: Array
-    R_12: Array
-    R_2: Array
+    Q: Array
+    R: Array
+    N: Array
     P: Array
-    gain: Array
+    K: Array
     innovation: Array
     residual: float
-    factor: Array | None = None
+    P_root: Array | None = None
 
     @property
     def closed_loop(self) -> Array:
         """A + BK, shape (n, n)."""
-        return np.asarray(self.A + self.B @ self.gain)
+        return np.asarray(self.A + self.B @ self.K)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -60,7 +61,7 @@ class StabilisingSolution(Result):
 
     @property
     def innovation_condition(self) -> float:
-        """Condition number of R_2 + B'PB with its diagonal scaled to one."""
+        """Condition number of R + B'PB with its diagonal scaled to one."""
         scale = np.sqrt(np.abs(np.diag(self.innovation)))
         scale = np.where(scale > 0, scale, 1.0)
         return float(np.linalg.cond(self.innovation / np.outer(scale, scale)))
@@ -69,9 +70,9 @@ class StabilisingSolution(Result):
     def condition(self) -> float:
         """Bound on the relative change of P for relative changes of A, B and the weights.
 
-        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I and R the full weight,
-        norm(X) norm([I; K]) (norm(R) norm([I; K]) + 2 norm((A+BK)'P) norm([A B])) over norm(P),
-        or over norm(R_1) where that is larger: cross terms can make P vanish.
+        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I and W = [Q N; N' R],
+        norm(X) norm([I; K]) (norm(W) norm([I; K]) + 2 norm((A+BK)'P) norm([A B])) over norm(P),
+        or over norm(Q) where that is larger: cross terms can make P vanish.
         """
         if not self.P.any():
             return 0.0
@@ -82,10 +83,10 @@ class StabilisingSolution(Result):
             X = stein_solution(closed.T, np.eye(len(closed)))
         except IllConditionedError:
             return np.inf
-        graph = norm(np.vstack([np.eye(len(closed)), self.gain]))
-        weight = norm(np.block([[self.R_1, self.R_12], [self.R_12.T, self.R_2]]))
+        graph = norm(np.vstack([np.eye(len(closed)), self.K]))
+        weight = norm(np.block([[self.Q, self.N], [self.N.T, self.R]]))
         data = 2 * norm(closed.T @ self.P) * norm(np.hstack([self.A, self.B]))
-        size = max(norm(self.P), norm(self.R_1))
+        size = max(norm(self.P), norm(self.Q))
         return norm(X) * graph * (weight * graph + data) / size
 
     def __repr__(self) -> str:

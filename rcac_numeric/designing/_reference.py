@@ -505,7 +505,7 @@ def _rungs(
     none = np.zeros((plant.l_u, plant.l_y))
     for V_2, estimator in estimators.items():
         for R_2, regulator in regulators.items():
-            gains = regulator.gain, -estimator.gain.T
+            gains = regulator.K, -estimator.K.T
             yield R_2, V_2, controller_matrices(made, *gains, none)
 
 

@@ -59,7 +59,11 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(CompensatorError):
         EXACT["is_controllable"]([[0, 1], [0, 0]], [0, 1, 2])
     with pytest.raises(CompensatorError):
-        rcac.solve_care([[0.0, 1.0], [0.0, 0.0]], [0.0, 1.0, 2.0], R_1=np.eye(2), R_2=[[1.0]])
+        rcac.solve_riccati(
+            [[0.0, 1.0], [0.0, 0.0]], [0.0, 1.0, 2.0], Q=np.eye(2), R=[[1.0]], time="continuous"
+        )
     a, b = [[0.0, 1.0], [0.0, 0.0]], [0.0, 1.0]
-    column = rcac.solve_care(a, np.reshape(b, (2, 1)), R_1=np.eye(2), R_2=[[1.0]])
-    assert np.array_equal(rcac.solve_care(a, b, R_1=np.eye(2), R_2=[[1.0]]).P, column.P)
+    column = rcac.solve_riccati(a, np.reshape(b, (2, 1)), Q=np.eye(2), R=[[1.0]], time="continuous")
+    assert np.array_equal(
+        rcac.solve_riccati(a, b, Q=np.eye(2), R=[[1.0]], time="continuous").P, column.P
+    )

@@ -358,11 +358,11 @@ SAMPLES = {
     results.ConversionCertificate: lambda seed: results.ConversionCertificate(
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
     ),
-    results.ContinuousSolution: lambda seed: rcac.solve_care(
-        [[1.0 + seed]], [[1.0]], E_1=[[1], [0]], E_2=[[0], [1]]
+    results.ContinuousSolution: lambda seed: rcac.solve_riccati(
+        [[1.0 + seed]], [[1.0]], E_1=[[1], [0]], E_2=[[0], [1]], time="continuous"
     ),
-    results.StabilisingSolution: lambda seed: rcac.solve_dare(
-        [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
+    results.StabilisingSolution: lambda seed: rcac.solve_riccati(
+        [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]], time="discrete"
     ),
     # from a plant to a controller
     rcac.Uncertainty: lambda seed: rcac.Uncertainty(gain=(0.5, 2.0 + seed), delay=0),

@@ -15,7 +15,7 @@ from rcac_numeric import (
     SupervisionWarning,
     TargetModel,
     iir,
-    solve_dare,
+    solve_riccati,
 )
 from rcac_numeric.estimation import EKF, UKF, LinearModel, NonlinearModel, estimate, smooth
 from tests.support.nile import NILE
@@ -100,7 +100,7 @@ def test_on_a_linear_model_all_filters_agree(alpha):
 def test_a_steady_filter_is_the_riccati_equation():
     """python-control #1173: its covariance after a measurement, from the DARE of the dual."""
     found = estimate(EKF(CV, Q=1e-3, R=1, P_0=1), np.zeros(3000))
-    P = solve_dare(CV.A.T, CV.C.T, 1e-3 * np.eye(2), 1).P
+    P = solve_riccati(CV.A.T, CV.C.T, 1e-3 * np.eye(2), 1, time="discrete").P
     after = P - P @ CV.C.T @ np.linalg.inv(CV.C @ P @ CV.C.T + 1) @ CV.C @ P
     assert found.deviation[-1] ** 2 == pytest.approx(np.diag(after), rel=1e-8)
 

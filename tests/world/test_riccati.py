@@ -6,6 +6,7 @@ import pytest
 import scipy.linalg
 import sympy as sp
 
+import rcac_numeric as rcac
 from compensator_theory import (
     CompensatorError,
     riccati_formula,
@@ -15,7 +16,6 @@ from compensator_theory import (
     solve_sylvester,
 )
 from compensator_theory.errors import NoSolutionError, NotControllableError, UnitCircleError
-from rcac_numeric import solve_care, solve_dare
 from tests.support.dare_cases import DAREX
 from tests.support.world import case
 
@@ -44,7 +44,7 @@ HAND = [
 
 @pytest.mark.parametrize(("A", "B", "Q", "W", "right"), HAND)
 def test_dare_by_hand(A, B, Q, W, right):
-    found = solve_dare(A, B, Q, W)
+    found = rcac.solve_riccati(A, B, Q, W, time="discrete")
     assert np.atleast_2d(found.P) == pytest.approx(np.atleast_2d(right), rel=1e-13, abs=1e-14)
 
 
@@ -114,9 +114,9 @@ DIGITS = [
 @pytest.mark.parametrize(("A", "B", "Q", "W", "S"), DIGITS)
 def test_dare_in_sixty_digits(A, B, Q, W, S):
     """Kleinman's iteration in mpmath, which ends at the stabilising solution alone."""
-    found = solve_dare(A, B, Q, W, S)
+    found = rcac.solve_riccati(A, B, Q, W, S, time="discrete")
     cross = np.zeros((np.atleast_2d(A).shape[0], np.atleast_2d(W).shape[0])) if S is None else S
-    right = kleinman(A, B, Q, W, cross, found.gain)
+    right = kleinman(A, B, Q, W, cross, found.K)
     assert np.abs(found.P - right).max() <= 1e-8 * np.abs(right).max()
     assert np.abs(found.poles).max() < 1
 
@@ -124,7 +124,9 @@ def test_dare_in_sixty_digits(A, B, Q, W, S):
 def test_a_zero_on_the_circle_is_named():
     """QuantEcon #360: singular weight and a zero at 1; no solution is stabilising."""
     with pytest.raises(UnitCircleError, match="at 1"):
-        solve_dare([[0, -1], [0, 2]], [[1, 0], [1, 1]], [[1, 0], [0, 0]], [[4, 2], [2, 1]])
+        rcac.solve_riccati(
+            [[0, -1], [0, 2]], [[1, 0], [1, 1]], [[1, 0], [0, 0]], [[4, 2], [2, 1]], time="discrete"
+        )
 
 
 CARE = [
@@ -166,7 +168,7 @@ CARE = [
 def test_care(A, B, right):
     """By hand where A is diagonal; else SciPy."""
     n, m = np.shape(B)
-    found = solve_care(A, B, np.eye(n), np.eye(m))
+    found = rcac.solve_riccati(A, B, np.eye(n), np.eye(m), time="continuous")
     want = (
         scipy.linalg.solve_continuous_are(
             np.array(A, float), np.array(B, float), np.eye(n), np.eye(m)
@@ -180,7 +182,7 @@ def test_care(A, B, right):
 def test_the_mode_that_is_named_is_one_of_the_plant():
     """diag(1, -1) with b = (0, 1)': the mode 1 cannot be moved; no other number is said."""
     with pytest.raises(NotControllableError, match=r"mode 1(?:\.0+)?(?![.\d])") as refused:
-        solve_care(np.diag([1.0, -1.0]), [[0], [1]], np.eye(2), [[1]])
+        rcac.solve_riccati(np.diag([1.0, -1.0]), [[0], [1]], np.eye(2), [[1]], time="continuous")
     assert "unit circle" not in str(refused.value)
 
 
@@ -308,10 +310,16 @@ REFUSED = [
             time="continuous",
         ),
     ),
-    case("SciPy-complex-0", lambda: solve_dare([[1j]], [[1]], [[1]], [[1]])),
-    case("unobservable-integrator", lambda: solve_dare([[1.0]], [[1]], [[0]], [[1]])),
     case(
-        "disturbance-integrator", lambda: solve_dare([[0.9, 0.1], [0, 1]], [[1], [0]], np.eye(2), 1)
+        "SciPy-complex-0", lambda: rcac.solve_riccati([[1j]], [[1]], [[1]], [[1]], time="discrete")
+    ),
+    case(
+        "unobservable-integrator",
+        lambda: rcac.solve_riccati([[1.0]], [[1]], [[0]], [[1]], time="discrete"),
+    ),
+    case(
+        "disturbance-integrator",
+        lambda: rcac.solve_riccati([[0.9, 0.1], [0, 1]], [[1], [0]], np.eye(2), 1, time="discrete"),
     ),
 ]
 

@@ -1,4 +1,4 @@
-"""`solve_care` speaks of its own equation: CAREX, stiff plants, indefinite weights, obstacles."""
+"""In continuous time `solve_riccati` speaks of its own equation: CAREX, stiff plants, obstacles."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from compensator_theory.errors import (
     NotControllableError,
     UnitCircleError,
 )
-from rcac_numeric import solve_care
+from rcac_numeric import solve_riccati
 
 I_2 = np.eye(2)
 # Benner, Laub and Mehrmann (1995), examples 3 and 4 have sums of squares; 11 is indefinite.
@@ -34,8 +34,8 @@ def left_over(A, B, Q, R, N, P):
 @pytest.mark.parametrize("name", INDEFINITE)
 def test_an_indefinite_weight_has_the_stabilising_solution(name):
     A, B, Q, R, N = (None if one is None else np.array(one) for one in INDEFINITE[name])
-    found = solve_care(A, B, Q, R, N)
-    assert found.factor is None and found.margin > 0
+    found = solve_riccati(A, B, Q, R, N, time="continuous")
+    assert found.P_root is None and found.margin > 0
     assert np.abs(left_over(A, B, Q, R, N, found.P)).max() < 1e-13 * (1 + np.abs(found.P).max())
     assert np.allclose(found.P, linalg.solve_continuous_are(A, B, Q, R, s=N), rtol=1e-9)
 
@@ -46,8 +46,8 @@ def test_weights_and_their_factors_have_one_solution(seed):
     n, m = int(rng.integers(1, 5)), int(rng.integers(1, 3))
     A, B = rng.standard_normal((n, n)), rng.standard_normal((n, m))
     E_1, E_2 = rng.standard_normal((n + m, n)), rng.standard_normal((n + m, m))
-    one = solve_care(A, B, E_1=E_1, E_2=E_2)
-    other = solve_care(A, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2)
+    one = solve_riccati(A, B, E_1=E_1, E_2=E_2, time="continuous")
+    other = solve_riccati(A, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2, time="continuous")
     weights = np.linalg.cond(E_2.T @ E_2) ** 2 * np.linalg.cond(one.P)
     assert np.allclose(one.P, other.P, rtol=0, atol=1e-11 * weights * np.abs(one.P).max())
 
@@ -58,7 +58,9 @@ def test_weights_and_their_factors_have_one_solution(seed):
 def test_a_stable_plant_is_never_called_unstabilisable(slow, fast, reached):
     """By hand: the slow mode is reached by nothing, the fast one by itself alone."""
     try:
-        found = solve_care(np.diag([-slow, -fast]), [[0.0], [reached]], I_2, [[1.0]])
+        found = solve_riccati(
+            np.diag([-slow, -fast]), [[0.0], [reached]], I_2, [[1.0]], time="continuous"
+        )
     except NoSolutionError as error:  # float64 cannot hold both modes in one Schur form
         assert slow / fast < 1e-15 and "found in float64" in str(error)
         return
@@ -68,10 +70,14 @@ def test_a_stable_plant_is_never_called_unstabilisable(slow, fast, reached):
 
 @pytest.mark.parametrize("slow", [1e-3, 1e-9])
 def test_a_slow_mode_that_z_does_not_show_is_no_zero_on_the_axis(slow):
-    found = solve_care(np.diag([-slow, -1e6]), [[0.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]])
+    found = solve_riccati(
+        np.diag([-slow, -1e6]), [[0.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]], time="continuous"
+    )
     assert np.diag(found.P) == pytest.approx([0.0, 1 / 2e6], rel=1e-9)
     with pytest.raises(UnitCircleError, match="zero on the imaginary axis at 0 "):
-        solve_care(np.diag([0.0, -1e6]), [[1.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]])
+        solve_riccati(
+            np.diag([0.0, -1e6]), [[1.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]], time="continuous"
+        )
 
 
 OBSTACLES = {
@@ -106,22 +112,22 @@ def test_an_obstacle_is_named_in_continuous_time(name):
     if name == "no real solution":
         B = I_2[:, :1]
     with pytest.raises(error, match=words) as caught:
-        solve_care(A, B, Q, [[1.0]])
+        solve_riccati(A, B, Q, [[1.0]], time="continuous")
     assert "circle" not in str(caught.value)
 
 
 def test_what_is_no_weight_is_refused_by_its_name():
-    with pytest.raises(InputError, match="R_2 is singular"):
-        solve_care([[1.0]], [[1.0]], [[1.0]], [[0.0]])
-    with pytest.raises(InputError, match="R_2 is singular"):
-        solve_care([[1.0]], [[1.0, 1.0]], [[1.0]], np.ones((2, 2)))
-    with pytest.raises(InputError, match="R_1 is not symmetric"):
-        solve_care(-I_2, I_2, [[1.0, 1.0], [0.0, 1.0]], I_2)
+    with pytest.raises(InputError, match="R is singular"):
+        solve_riccati([[1.0]], [[1.0]], [[1.0]], [[0.0]], time="continuous")
+    with pytest.raises(InputError, match="R is singular"):
+        solve_riccati([[1.0]], [[1.0, 1.0]], [[1.0]], np.ones((2, 2)), time="continuous")
+    with pytest.raises(InputError, match="Q is not symmetric"):
+        solve_riccati(-I_2, I_2, [[1.0, 1.0], [0.0, 1.0]], I_2, time="continuous")
     with pytest.raises(InputError, match=r"E_1=E_1, E_2=E_2"):
-        solve_care([[1.0]], [[1.0]], [[1.0], [0.0]], [[0.0], [1.0]])
-    with pytest.raises(InputError, match="not both"):
-        solve_care([[1.0]], [[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[1.0]])
-    with pytest.raises(InputError, match="give R_1 and R_2"):
-        solve_care([[1.0]], [[1.0]], [[1.0]])
+        solve_riccati([[1.0]], [[1.0]], [[1.0], [0.0]], [[0.0], [1.0]], time="continuous")
+    with pytest.raises(InputError, match="either as Q, R and N"):
+        solve_riccati([[1.0]], [[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[1.0]], time="continuous")
+    with pytest.raises(InputError, match="R is singular"):
+        solve_riccati([[1.0]], [[1.0]], [[1.0]], time="continuous")
     with pytest.raises(NoSolutionError, match="continuous-time Riccati equation"):
-        solve_care([[1e200]], [[1.0]], [[1.0]], [[1.0]])
+        solve_riccati([[1e200]], [[1.0]], [[1.0]], [[1.0]], time="continuous")

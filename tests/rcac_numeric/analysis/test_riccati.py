@@ -9,9 +9,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
+import rcac_numeric as rcac
 from compensator_theory import InputError, solve_riccati
 from compensator_theory.errors import NoSolutionError, NotControllableError, UnitCircleError
-from rcac_numeric import solve_dare
 from rcac_numeric.analysis._gramians import stein_solution
 from tests.support.dare_cases import DAREX, SCIPY
 from tests.support.strategies import seeds
@@ -46,23 +46,23 @@ def newton(case, gain, digits=50, steps=8):
 @pytest.mark.costly
 @pytest.mark.parametrize("case", CASES)
 def test_published_equations(case):
-    found = solve_dare(case.A, case.B, *case.weights)
+    found = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
     # The gain, and with it the residual of a rounded P, is solved for with the innovation.
     assert found.residual < 10 * len(found.P) * EPS * np.linalg.cond(found.innovation)
     assert 0 < found.margin == 1 - np.abs(found.poles).max()
     left = found.closed_loop.T @ found.P @ found.closed_loop - found.P
     left += (
-        np.vstack([np.eye(len(left)), found.gain]).T
-        @ np.block([[found.R_1, found.R_12], [found.R_12.T, found.R_2]])
-        @ np.vstack([np.eye(len(left)), found.gain])
+        np.vstack([np.eye(len(left)), found.K]).T
+        @ np.block([[found.Q, found.N], [found.N.T, found.R]])
+        @ np.vstack([np.eye(len(left)), found.K])
     )
     assert np.abs(left).max() < 1e-11 * np.abs(found.P).max()
-    size = max(np.linalg.norm(found.P, 2), np.linalg.norm(found.R_1, 2))
+    size = max(np.linalg.norm(found.P, 2), np.linalg.norm(found.Q, 2))
     accuracy = 10 * len(left) * EPS * max(found.condition, 1.0) * size
     if case.P is not None:
         assert np.linalg.norm(found.P - case.P, 2) <= accuracy
     if len(left) < 20:
-        oracle = newton(case, found.gain)
+        oracle = newton(case, found.K)
         assert np.linalg.norm(found.P - oracle, 2) <= accuracy
 
 
@@ -70,14 +70,14 @@ def test_the_accuracy_bound_is_a_bound_and_not_idle():
     """Perturb the data by delta: P moves by at most condition * delta, and near to it once."""
     rng = np.random.default_rng(3)
     case = DAREX[4]
-    found = solve_dare(case.A, case.B, *case.weights)
+    found = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
     moves = []
     for _ in range(60):
         delta = 1e-7
         A, B, R_1, R_2 = (
             _moved(np.array(x, float), delta, rng) for x in (case.A, case.B, case.R_1, case.R_2)
         )
-        other = solve_dare(A, B, R_1, R_2)
+        other = rcac.solve_riccati(A, B, R_1, R_2, time="discrete")
         moves.append(np.linalg.norm(other.P - found.P, 2) / np.linalg.norm(found.P, 2) / delta)
     assert 1e-3 * found.condition < max(moves) <= 2 * found.condition
 
@@ -117,7 +117,7 @@ def test_a_zero_on_the_unit_circle_is_named(numerator, last_row, zero):
     """For a zero at 1 SciPy returns a solution with a closed-loop pole there, and no warning."""
     A, B, E_1 = chain(numerator, last_row)
     with pytest.raises(UnitCircleError, match="G_zu has a zero on the unit circle at" + zero):
-        solve_dare(A, B, E_1.T @ E_1)
+        rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
 
 
 def test_scipy_is_silent_about_a_zero_at_1():
@@ -132,7 +132,7 @@ def test_a_zero_beside_the_circle_is_solved(distance):
     """The closed loop has a pole at the zero or at its reciprocal, and the margin says so."""
     zero = 1 + distance
     A, B, E_1 = chain([1, -zero])
-    found = solve_dare(A, B, E_1.T @ E_1)
+    found = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
     expected = min(zero, 1 / zero)
     assert found.margin == pytest.approx(1 - expected, abs=10 * EPS * found.condition)
     # R_2 + B'PB of (A.15)'s spectral factor: H^2 times the squared zeros outside
@@ -148,17 +148,19 @@ def test_a_square_map_with_zeros_inside_costs_nothing(seed, n, m, distance):
     zeros *= (1 - 10**distance) / np.abs(np.linalg.eigvals(zeros)).max()
     E_1, E_2 = rng.standard_normal((m, n)), np.eye(m) + rng.uniform(-0.3, 0.3, (m, m))
     gain = -np.linalg.solve(E_2, E_1)
-    found = solve_dare(zeros - B @ gain, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2)
+    found = rcac.solve_riccati(
+        zeros - B @ gain, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2, time="discrete"
+    )
     assert found.residual < 1e-13 and found.margin > 0
     accuracy = 1e3 * EPS * max(found.condition, 1.0)
-    assert np.abs(found.P).max() <= accuracy * np.linalg.norm(found.R_1, 2)
-    assert np.abs(found.gain - gain).max() <= accuracy * np.linalg.norm(gain, 2)
+    assert np.abs(found.P).max() <= accuracy * np.linalg.norm(found.Q, 2)
+    assert np.abs(found.K - gain).max() <= accuracy * np.linalg.norm(gain, 2)
 
 
 def test_an_unobservable_mode_on_the_circle_counts_as_a_zero():
     A = np.diag([1.0, 0.5])
     with pytest.raises(UnitCircleError, match="at 1 "):
-        solve_dare(A, np.ones((2, 1)), np.diag([0.0, 1.0]), [[1.0]])
+        rcac.solve_riccati(A, np.ones((2, 1)), np.diag([0.0, 1.0]), [[1.0]], time="discrete")
 
 
 @given(seeds, st.integers(2, 4), st.integers(1, 3), st.integers(2, 3))
@@ -169,7 +171,7 @@ def test_more_inputs_than_outputs_are_refused_by_rank(seed, n, l_z, l_u):
     A, B = rng.standard_normal((n, n)) / n, rng.standard_normal((n, l_u))
     E_1 = rng.standard_normal((l_z, n))
     with pytest.raises(NoSolutionError, match=f"rank {min(l_z, n)} .*{l_u} component"):
-        solve_dare(A, B, E_1.T @ E_1)
+        rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
 
 
 def test_scipy_is_silent_about_more_inputs_than_outputs():
@@ -195,18 +197,20 @@ def test_scipys_user_reported_case_with_cross_terms():
         pytest.skip("this SciPy comes without the data of its tests")
     with data.open("rb") as file:
         case = SimpleNamespace(**np.load(file))
-        found = solve_dare(case.A, case.B, case.Q, case.R, case.S)
+        found = rcac.solve_riccati(case.A, case.B, case.Q, case.R, case.S, time="discrete")
     assert found.residual < 1e-15 and found.margin > 0.02
 
 
 def test_indefinite_weights_without_a_solution():
     with pytest.raises(NoSolutionError, match="not positive semidefinite"):
-        solve_dare([[0.5]], [[1.0]], [[-1.0]], [[1.0]])
+        rcac.solve_riccati([[0.5]], [[1.0]], [[-1.0]], [[1.0]], time="discrete")
 
 
 def test_an_input_that_does_not_reach_z():
     with pytest.raises(NoSolutionError, match="rank 0"):
-        solve_dare([[0.2, 1.0], [0.0, 0.5]], [[1.0], [0.0]], np.diag([0.0, 1.0]))
+        rcac.solve_riccati(
+            [[0.2, 1.0], [0.0, 0.5]], [[1.0], [0.0]], np.diag([0.0, 1.0]), time="discrete"
+        )
 
 
 @pytest.mark.parametrize(
@@ -221,11 +225,13 @@ def test_an_input_that_does_not_reach_z():
 )
 def test_a_mode_that_no_gain_moves_is_named(A, B, mode):
     with pytest.raises(NotControllableError, match=rf"the mode -?{mode} of A"):
-        solve_dare(A, B, np.eye(len(A)), [[1.0]])
+        rcac.solve_riccati(A, B, np.eye(len(A)), [[1.0]], time="discrete")
 
 
 def test_stable_uncontrollable_modes_stay():
-    found = solve_dare(np.diag([1.5, 0.5, 0.99]), [[1.0], [0.0], [0.0]], np.eye(3), [[1.0]])
+    found = rcac.solve_riccati(
+        np.diag([1.5, 0.5, 0.99]), [[1.0], [0.0], [0.0]], np.eye(3), [[1.0]], time="discrete"
+    )
     assert {0.5, 0.99} <= set(found.poles.real.round(12))
 
 
@@ -241,12 +247,12 @@ def test_random_equations_agree_with_fifty_digits(seed, n, m, singular):
     if n < m and singular:
         return
     try:
-        found = solve_dare(A, B, R_1, R_2, R_12)
+        found = rcac.solve_riccati(A, B, R_1, R_2, R_12, time="discrete")
     except NoSolutionError:
         assert singular
         return
     case = SimpleNamespace(A=A, B=B, R_1=R_1, R_2=R_2, R_12=R_12)
-    oracle = newton(case, found.gain)
+    oracle = newton(case, found.K)
     gap = np.linalg.norm(found.P - oracle, 2) / max(
         np.linalg.norm(oracle, 2), np.linalg.norm(R_1, 2)
     )
@@ -264,9 +270,9 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
         exact = solve_riccati(A.tolist(), B.tolist(), E_1=E_1.tolist(), time="discrete")
     except UnitCircleError:
         with pytest.raises(UnitCircleError):
-            solve_dare(A, B, E_1.T @ E_1)
+            rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
         return
-    found = solve_dare(A, B, E_1.T @ E_1)
+    found = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
     P = np.array([[float(c.centre) for c in row] for row in exact.P_enclosure])
     assert np.abs(found.P - P).max() <= 1e-13 * max(found.condition, 1) * np.abs(P).max()
 
@@ -276,8 +282,8 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
     [
         (([[1.0, 2.0]], [[1.0]], [[1.0]]), "A has shape"),
         (([[1.0]], [[1.0], [1.0]], [[1.0]]), "B has shape"),
-        (([[1.0]], [[1.0]], [[1.0]], [[1.0, 2.0]]), "R_2 has shape"),
-        (([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 2.0], [0.0, 1.0]]), "R_1 is not symm"),
+        (([[1.0]], [[1.0]], [[1.0]], [[1.0, 2.0]]), "R has shape"),
+        (([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 2.0], [0.0, 1.0]]), "Q is not symm"),
         (([[np.nan]], [[1.0]], [[1.0]]), "A has the entry nan"),
         ((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((0, 0)), [[1.0]]), "A is 0 x 0"),
         (([[2, 1 - 2j], [0, -3j]], [[0], [1]], np.eye(2)), "A must be an array of real"),
@@ -285,7 +291,7 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
 )
 def test_bad_input(arguments, words):
     with pytest.raises(InputError, match=words):
-        solve_dare(*arguments)
+        rcac.solve_riccati(*arguments, time="discrete")
 
 
 @given(seeds, st.integers(1, 6), st.floats(0.1, 0.99))

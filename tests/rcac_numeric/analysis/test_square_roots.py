@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy import linalg
 
 from compensator_theory.errors import InputError
-from rcac_numeric import Plant, lqg, solve_care, solve_dare
+from rcac_numeric import Plant, lqg, solve_riccati
 from rcac_numeric.analysis._square_roots import (
     best_gain,
     is_stable,
@@ -36,10 +36,8 @@ def test_the_design_that_was_refused():
             D_2=size * D_2, E_1=[[1.0], [0]], E_2=[[0], [1.0]],
         )  # fmt: skip
         found = lqg(plant)
-        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, found.regulator.gain)
-        _, Q = design_60_digits(
-            plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, found.estimator.gain
-        )
+        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, found.regulator.K)
+        _, Q = design_60_digits(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, found.estimator.K)
         noise = mpmath.matrix(plant.D_1.tolist())
         J = sum((noise.T * P * noise)[i, i] for i in range(noise.cols))
         J += ((1 + P[0, 0]) * K * Q * K.T)[0, 0]
@@ -58,10 +56,10 @@ def test_hard_designs_against_sixty_digits(seed):
         (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
         (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
     ):
-        _, P = design_60_digits(*system, one.gain)
+        _, P = design_60_digits(*system, one.K)
         bound = 1e-13 * max(one.condition, 1.0) * len(plant.A)
         assert distance(one.P, P) < bound
-        E_K = system[2] + system[3] @ one.gain
+        E_K = system[2] + system[3] @ one.K
         S = stein_factor(one.closed_loop, E_K)  # the cost of this gain, beside the least
         assert np.trace(S.T @ S) == pytest.approx(
             float(sum(P[i, i] for i in range(P.rows))), rel=bound
@@ -102,7 +100,7 @@ def test_rows_and_columns_of_any_size_are_fitted(seed, power, units):
 def test_the_pencil_and_larger_weights_give_gains_to_start_from():
     A, B = np.array([[1.2, 1.0], [0.0, 0.7]]), np.array([[0.0], [1.0]])
     E_1, E_2 = np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[0.0], [1e-3]])
-    expected = solve_dare(A, B, E_1.T @ E_1, E_2.T @ E_2).gain
+    expected = solve_riccati(A, B, E_1.T @ E_1, E_2.T @ E_2, time="discrete").K
     for balanced in (True, False):
         assert pencil_gain(A, B, E_1, E_2, balanced=balanced) == pytest.approx(expected, rel=1e-9)
     for K in starting_gains(A, B, E_1, E_2):  # the later ones are for other weights
@@ -133,7 +131,7 @@ def test_continuous_time_agrees_with_scipy_and_leaves_no_residual(seed):
     A, B = rng.standard_normal((n, n)), rng.standard_normal((n, m))
     E_1 = np.vstack([np.eye(n), np.zeros((m, n))])
     E_2 = np.vstack([rng.standard_normal((n, m)) / 10, np.eye(m)])
-    found = solve_care(A, B, E_1=E_1, E_2=E_2)
+    found = solve_riccati(A, B, E_1=E_1, E_2=E_2, time="continuous")
     P = linalg.solve_continuous_are(A, B, E_1.T @ E_1, E_2.T @ E_2, s=E_1.T @ E_2)
     assert found.margin > 0 and found.residual < 1e-11
     assert np.allclose(found.P, P, rtol=1e-6, atol=1e-7 * np.abs(P).max())
@@ -142,10 +140,10 @@ def test_continuous_time_agrees_with_scipy_and_leaves_no_residual(seed):
 @pytest.mark.parametrize("size", [1.0, 1e-3, 1e-7])
 def test_cheap_control_of_a_double_integrator(size):
     """Textbook: u = -(x / rho + sqrt(2 / rho) v) for the weight rho^2 of u."""
-    found = solve_care(
+    found = solve_riccati(
         [[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]],
-        E_1=[[1.0, 0.0], [0.0, 0.0]], E_2=[[0.0], [size]],
+        E_1=[[1.0, 0.0], [0.0, 0.0]], E_2=[[0.0], [size]], time="continuous",
     )  # fmt: skip
-    assert found.gain == pytest.approx(-np.array([[1 / size, np.sqrt(2 / size)]]), rel=1e-7)
+    np.testing.assert_allclose(found.K, [[-1 / size, -np.sqrt(2 / size)]], rtol=1e-7)
     with pytest.raises(InputError, match="dependent columns"):
-        solve_care([[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[0.0]])
+        solve_riccati([[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[0.0]], time="continuous")

@@ -23,7 +23,7 @@ from rcac_numeric import (
     numeric_observer_forms,
     placement_conditioning,
     pole_placement_target,
-    solve_dare,
+    solve_riccati,
     split_residual,
     stability_margins,
     standard_plant,
@@ -62,7 +62,9 @@ MAKERS = {
     "DiskMargin": lambda: multivariable_disk_margin(LOOP),  # with a radius that is NaN
     "H2Cost": lambda: h2_cost(PLANT, COMPENSATOR),
     "LoopCosts": lambda: loop_costs(LOOP),
-    "StabilisingSolution": lambda: solve_dare([[2.0]], [[1.0]], [[1.0]], [[1.0]]),
+    "StabilisingSolution": lambda: solve_riccati(
+        [[2.0]], [[1.0]], [[1.0]], [[1.0]], time="discrete"
+    ),
     "NoiseInputs": lambda: noise_inputs(PLANT, {"w": 2.0}),
     "ClosedLoop": lambda: ClosedLoop(PLANT, COMPENSATOR),
     "ExactComparison": lambda: compare_exactly(
