@@ -22,7 +22,7 @@ from rcac_numeric import (
     fir_target,
     h2_cost,
     iir,
-    lqg,
+    lqg_controller,
     simulate,
     standard_plant,
 )
@@ -79,7 +79,7 @@ def main(plants=100, steps=20000, first=0):
     costs = {way: [] for way in WAYS}
     for seed in range(first, first + plants):
         plant, outside = random_plant(seed)
-        known, best = modelling_information(plant), lqg(plant).cost.value
+        known, best = modelling_information(plant), lqg_controller(plant).cost.value
         row = []
         for way in WAYS:
             settings = ControllerSettings(

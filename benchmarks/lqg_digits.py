@@ -20,7 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))  # tests/support makes the plants
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import lqg
+from rcac_numeric import lqg_controller
 from tests.support.riccati_digits import design_60_digits, hard_design
 
 
@@ -28,7 +28,7 @@ def compared(seed: int) -> tuple[str, float]:
     """What became of a design, and the relative error of its cost."""
     plant = hard_design(seed)
     try:
-        design = lqg(plant)
+        design = lqg_controller(plant)
     except CompensatorError as error:
         return f"{type(error).__name__}: {str(error)[:100]}", np.nan
     with mpmath.workdps(60):

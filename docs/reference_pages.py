@@ -161,7 +161,7 @@ def _stubbed(stub: Path, package: str) -> dict[str, str]:
 
 
 def page_of(package: str, name: str) -> str:
-    """The page of a public name; lqg and LQG differ on every file system."""
+    """The page of a public name; design and Design differ on every file system."""
     twins = [n for n in public_names(package) if n.lower() == name.lower()]
     suffix = "-class" if len(twins) > 1 and name[0].isupper() else ""
     return f"api/{public_path(package, name)}{suffix}"

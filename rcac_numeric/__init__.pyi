@@ -13,7 +13,7 @@ from .analysis._disk import multivariable_disk_margin as multivariable_disk_marg
 from .analysis._loop_analysis import LoopAnalysis as LoopAnalysis
 from .analysis._loop_analysis import compare_exactly as compare_exactly
 from .analysis._lqg import LQG as LQG
-from .analysis._lqg import lqg as lqg
+from .analysis._lqg import lqg_controller as lqg_controller
 from .analysis._match import intercalated_match as intercalated_match
 from .analysis._match import split_residual as split_residual
 from .analysis._noise import with_bias as with_bias

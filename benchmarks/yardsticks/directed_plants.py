@@ -3,7 +3,16 @@
 import numpy as np
 import scipy.linalg
 
-from rcac_numeric import UD, ControllerSettings, Plant, WhiteNoise, h2_cost, iir, lqg, simulate
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    Plant,
+    WhiteNoise,
+    h2_cost,
+    iir,
+    lqg_controller,
+    simulate,
+)
 
 
 def plant_of_fractions(poles, H, X):
@@ -48,4 +57,4 @@ def cost_ratio(plant, target, seed=0, steps=30000, R_theta=1e-3, n_c=8):
     run = simulate(plant, settings, w, stride=steps)
     if run.outcome != "completed":
         return np.nan
-    return float(h2_cost(plant, run.compensator).value / lqg(plant).cost.value)
+    return float(h2_cost(plant, run.compensator).value / lqg_controller(plant).cost.value)

@@ -320,6 +320,9 @@ def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController
 
     Notes
     -----
+    ``rcac_numeric.lqg_controller`` answers the same in float64 in discrete time, in milliseconds,
+    and has the filter form.
+
     Source: (A.4)-(A.17) and their counterpart in continuous time. With :math:`R_2 = 0` and
     :math:`V_2 = 0` in discrete time this is high-authority LQG,
 

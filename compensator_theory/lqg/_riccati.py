@@ -299,6 +299,8 @@ def solve_riccati(
 
     Notes
     -----
+    ``rcac_numeric.solve_riccati`` answers the same in float64.
+
     With H the Hamiltonian matrix and :math:`\chi` the Hurwitz factor of its characteristic
     polynomial, the columns of :math:`\chi(-H)` span the stable subspace, and P is read off them. In
     discrete time :math:`s = (z - 1)/(z + 1)` makes the equation a continuous one with solution P/2,

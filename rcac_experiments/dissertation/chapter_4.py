@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from rcac_experiments.dissertation._tables import example_table
-from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._problems import servo_plant, standard_plant
 
@@ -53,7 +53,7 @@ def cascade_scales() -> Facts:
         gain = float(1 / np.sqrt(n_s * (n_s + sum(n))))
         plant = _plant([*first, *others], gain)
         noise = {"d": 1.0} if example == "4.3" else None
-        cost = lqg(plant, noise=noise).cost.value
+        cost = lqg_controller(plant, noise=noise).cost.value
         words = f"LQG of {example} costs {printed} for {gain:.5f} G"
         yield words, abs(cost - printed) <= half
 

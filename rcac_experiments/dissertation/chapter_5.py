@@ -8,7 +8,7 @@ import numpy as np
 
 import compensator_theory as exact
 from rcac_numeric.analysis._closed_loop import ClosedLoop
-from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.plants._problems import standard_plant
 
 Facts = Iterator[tuple[str, bool]]
@@ -28,7 +28,7 @@ def frozen_lqg_of_5_4() -> Facts:
     denominator = "((q - 0.35)*(q - 0.6)*(q**2 - 0.8*q + 0.32))"
     nominal = standard_plant(f"(q - 0.5)*(q**2 - 1.92*q + 1.44)/{denominator}")
     moved = standard_plant(f"(q - 0.5)*(q**2 - 1.98*q + {0.99**2 + 1.38**2:.10g})/{denominator}")
-    radius = ClosedLoop(moved, lqg(nominal).compensator).spectral_radius
+    radius = ClosedLoop(moved, lqg_controller(nominal).compensator).spectral_radius
     yield "the loop stays stable, with spectral radius 0.9976", round(radius, 4) == 0.9976
 
 

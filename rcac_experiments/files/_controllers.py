@@ -34,7 +34,7 @@ from rcac_experiments.format._values import (
     Row,
     Schema,
 )
-from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._bounds import CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
@@ -87,7 +87,7 @@ def lqg_alone(
     """The [LQG](lqg.md) controller of the plant, which adapts nothing."""
     if isinstance(plant, PlantSchedule):
         raise InputError('structure = "lqg" is designed for one plant; this one changes.')
-    return FixedController(lqg(plant, noise=noise, form=form).compensator, k_w=k_w)
+    return FixedController(lqg_controller(plant, noise=noise, form=form).compensator, k_w=k_w)
 
 
 # In place of a structure: the whole table is then of a controller that adapts nothing.

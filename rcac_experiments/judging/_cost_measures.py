@@ -10,7 +10,7 @@ from compensator_theory.errors import UnitCircleError
 from rcac_numeric.analysis import _costs as h2_costs
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
-from rcac_numeric.analysis._lqg import LQG, lqg
+from rcac_numeric.analysis._lqg import LQG, lqg_controller
 from rcac_numeric.analysis._noise import NoiseIntensities, noise_inputs
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.controllers._compensator import Compensator
@@ -96,7 +96,7 @@ def _best(plant: Plant, noise: NoiseIntensities | None) -> LQG:
 # One design serves all seeds of a run, and one cost all the claims on it.
 @lru_cache(maxsize=16)
 def _designed(plant: Plant, noise: Key) -> LQG:
-    return lqg(plant, noise=_intensities(noise))
+    return lqg_controller(plant, noise=_intensities(noise))
 
 
 @lru_cache(maxsize=64)

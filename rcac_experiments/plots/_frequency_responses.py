@@ -13,7 +13,7 @@ from rcac_experiments.experiments._experiment import RunResult
 from rcac_experiments.experiments._figure_requests import FigureRequest
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
-from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.analysis._match import IntercalatedMatch
 from rcac_numeric.analysis._noise import NoiseIntensities, noise_inputs
 from rcac_numeric.arrays._array_types import Array
@@ -117,7 +117,7 @@ def _loops(result: RunResult) -> list[ClosedLoop]:
 
 
 def _best(plant: Plant, noise: NoiseIntensities | None) -> list[ClosedLoop]:
-    return [lqg(plant, noise=noise).loop]
+    return [lqg_controller(plant, noise=noise).loop]
 
 
 def _draw_band(

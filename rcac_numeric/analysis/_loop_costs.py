@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._costs import H2Cost, h2_cost
-from rcac_numeric.analysis._lqg import lqg
+from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._values import Value
 
@@ -45,7 +45,7 @@ def loop_costs(loop: ClosedLoop, noise: NoiseIntensities | None = None) -> LoopC
     plant, compensator = loop.plant, loop.compensator
     form = "filter" if compensator.past_y[0].any() else "predictor"
     try:
-        least, obstacle = lqg(plant, noise=noise, form=form).cost, ""
+        least, obstacle = lqg_controller(plant, noise=noise, form=form).cost, ""
     except CompensatorError as error:
         least, obstacle = None, str(error).rstrip(".")
     try:

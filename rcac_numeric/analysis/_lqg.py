@@ -138,7 +138,9 @@ class LQG(Value):
         return f"LQG({self.form}, n={self.plant.n}, J={self.cost.value:.6g}, margin={least:.3g})"
 
 
-def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "predictor") -> LQG:
+def lqg_controller(
+    plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "predictor"
+) -> LQG:
     """The controller of order n that minimises J = lim E[z'z] for white noise w.
 
     With P and Q the stabilising solutions of (A.7) and (A.8), S = R_2 + B'PB, V = V_2 + CQC',
@@ -155,7 +157,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
 
     Parameters
     ----------
-    plant : Plant, or a discrete system that `plant_of` reads
+    plant : Plant, StandardProblem in discrete time, or a system that `plant_of` reads
         R_1, R_12, R_2 are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2',
         D_2D_2'; all may be singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
     noise : mapping, optional
@@ -184,6 +186,9 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
 
     Notes
     -----
+    `compensator_theory.lqg_controller` answers the same exactly, for the predictor form, in
+    continuous time too.
+
     Source: (A.1)-(A.12). Errata: "independent of E_0", said after (A.12), is true of the
     predictor form only; the filter form depends on E_2'E_0D_2'. The assumptions ii) and iv) must
     be "no zero on the unit circle" where R_2 or V_2 is singular, since (A.9) and (A.10) then have
@@ -192,14 +197,14 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
 
     Examples
     --------
-    >>> from rcac_numeric import lqg, servo_plant, standard_plant
-    >>> best = lqg(standard_plant("(q - 2)/(q**2 - 1/4)"))
+    >>> from rcac_numeric import lqg_controller, servo_plant, standard_plant
+    >>> best = lqg_controller(standard_plant("(q - 2)/(q**2 - 1/4)"))
     >>> best
     LQG(predictor, n=2, J=5.12, margin=0.5)
     >>> best.compensator.denominator.round(12), best.agreement.coefficient_distance < 1e-14
     (array([ 1. , -1. ,  0.4]), True)
     >>> plant = servo_plant("1/(q - 2)", performance="true")
-    >>> lqg(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
+    >>> lqg_controller(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
     H2Cost(1.88278: d 1.05816, v 0.824626)
     """
     plant = linear_plant(plant)

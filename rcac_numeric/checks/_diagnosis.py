@@ -55,10 +55,10 @@ def loop_health(
 
     Examples
     --------
-    >>> from rcac_numeric import FixedController, Step, exogenous, lqg, loop_health, simulate
-    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric import FixedController, Step, exogenous, lqg_controller, simulate
+    >>> from rcac_numeric import loop_health, standard_plant
     >>> plant = standard_plant("1/(q - 1.2)")
-    >>> controller = FixedController(lqg(plant).compensator)
+    >>> controller = FixedController(lqg_controller(plant).compensator)
     >>> loop_health(simulate(plant, controller, exogenous([Step()], steps=100))).is_stable
     True
     """

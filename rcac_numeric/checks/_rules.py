@@ -85,7 +85,7 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
 
 
 # What there is to change of a controller that does not adapt: it has no R_theta, no k_w, no G_f.
-OTHER = "another controller: design(plant), lqg(plant), or a smaller gain of this one"
+OTHER = "another controller: design(plant), lqg_controller(plant), or a smaller gain of this one"
 OF_A_FIXED_ONE = {
     "diverged": f"its sign, u = G_c y; then {OTHER}",
     "unstable": f"its sign, u = G_c y, and the plant's; then {OTHER}",
@@ -93,7 +93,7 @@ OF_A_FIXED_ONE = {
     "large control": f"a saturation of u, handed over as u_applied; then {OTHER}",
     "worse than without control": f"its sign, u = G_c y; then {OTHER}",
     "small margins": OTHER,
-    "costly": "lqg(plant), whose cost it is measured by",
+    "costly": "lqg_controller(plant), whose cost it is measured by",
     "saturated": "smaller commands or a stronger actuator; a smaller gain",
     "slow": "more steps; a controller with faster closed-loop poles",
     "inconsistent log": "its transfer function and sign, u = G_c y, what it reads, and the columns "

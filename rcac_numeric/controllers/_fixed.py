@@ -31,11 +31,11 @@ class FixedController(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import FixedController, WhiteNoise, exogenous, lqg, simulate
+    >>> from rcac_numeric import FixedController, WhiteNoise, exogenous, lqg_controller, simulate
     >>> from rcac_numeric import standard_plant
     >>> plant = standard_plant("1/(q - 1.2)")
     >>> w = exogenous([WhiteNoise()], steps=1000)
-    >>> run = simulate(plant, FixedController(lqg(plant).compensator), w)
+    >>> run = simulate(plant, FixedController(lqg_controller(plant).compensator), w)
     >>> run.outcome, bool(abs(run.z).max() < 10)
     ('completed', True)
     """

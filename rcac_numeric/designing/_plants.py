@@ -419,7 +419,7 @@ def _of_plant(plant: Plant) -> DesignPlant:
     if not np.array_equal(plant.E_1, plant.C):
         raise InputError(
             "z of this plant is not what is measured, and design takes the map from u to y as the "
-            "plant: give a Plant with E_1 = C, or set the controller up by lqg and "
+            "plant: give a Plant with E_1 = C, or set the controller up by lqg_controller and "
             "ControllerSettings."
         )
     m = plant.l_u

@@ -13,7 +13,7 @@ from rcac_numeric.analysis._conversion import converted
 from rcac_numeric.analysis._costs import loop_matrices
 from rcac_numeric.analysis._equations import stabilising_solution
 from rcac_numeric.analysis._gramians import stein_solution
-from rcac_numeric.analysis._lqg import LQG, controller_matrices, lqg, weights
+from rcac_numeric.analysis._lqg import LQG, controller_matrices, lqg_controller, weights
 from rcac_numeric.analysis._noise import noise_inputs, with_bias, with_oscillation
 from rcac_numeric.analysis._obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.analysis._peaks import hinf_norm
@@ -265,7 +265,7 @@ class Ladder:
         for judged, R_2, V_2 in found:
             try:
                 noise = {**self.noise, "v": V * V_2}
-                best = lqg(_weighted(self.scaled, R_2, self.models), noise=noise)
+                best = lqg_controller(_weighted(self.scaled, R_2, self.models), noise=noise)
                 several = plant.m > 1
                 G_c = converted(best.state_space, CLOSE)[0] if several else best.compensator
             except CompensatorError as error:

@@ -168,7 +168,7 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
     if target is None or not least < MISSED:
         raise NoSolutionError(
             f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
-            "plant; sample more slowly, or take a fixed controller, `lqg`."
+            "plant; sample more slowly, or take a fixed controller, `lqg_controller`."
         )
     return target
 

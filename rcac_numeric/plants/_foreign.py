@@ -18,7 +18,12 @@ from rcac_numeric.arrays._values import replaced
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
-from rcac_numeric.plants._problems import exact_realisation, sample_time_of, standard_plant
+from rcac_numeric.plants._problems import (
+    exact_realisation,
+    plant_of_problem,
+    sample_time_of,
+    standard_plant,
+)
 from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plants._zero_order_hold import zero_order_hold
 
@@ -99,14 +104,15 @@ def plant_of(
 
 
 def as_plant(system: Any) -> Any:
-    """A plant as it is; a text or a system, ours or foreign, read by `plant_of`.
+    """A plant as it is; a text or a system, ours or foreign, by `plant_of`; an exact problem.
 
     What is neither is handed back, for the caller to refuse by its own name.
     """
     if type(system) in (Plant, PlantSchedule, FunctionPlant):
         return system
-    is_own = isinstance(system, exact.StandardProblem) or _is_own(system)
-    return system if is_own or not is_description(system) else plant_of(system)
+    if isinstance(system, exact.StandardProblem):
+        return plant_of_problem(system)
+    return system if _is_own(system) or not is_description(system) else plant_of(system)
 
 
 def agreed_time(system: Any, sample_time: float | None) -> float | None:

@@ -163,6 +163,17 @@ def sample_time_of(system: Any) -> float | None:
     return None if period is None else float(period)
 
 
+def plant_of_problem(problem: exact.StandardProblem) -> Plant:
+    """The plant of an exact standard problem in discrete time."""
+    if str(problem.variable) not in ("q", "z"):
+        raise InputError(
+            f"the standard problem is in {problem.variable}, and plants here are in discrete time: "
+            "sample it first, or ask compensator_theory, which has lqg_controller, lqg_poles and "
+            "high_authority_limits of continuous time."
+        )
+    return from_problem(_discrete(problem, "{}"))
+
+
 def _discrete(problem: exact.StandardProblem, call: str) -> exact.StandardProblem:
     """The problem in q, as compensators and target models are; `call` makes it of a plant."""
     if str(problem.variable) not in ("q", "z"):

@@ -58,7 +58,7 @@ def test_every_public_name_has_a_page_that_its_group_links(written):
 
 
 def test_pages_differ_on_every_file_system():
-    """Upper and lower case are one on some: lqg and LQG need two names."""
+    """Upper and lower case are one on some: design and Design need two names."""
     pages = [
         page_of(package, name).lower() for package in PACKAGES for name in public_names(package)
     ]

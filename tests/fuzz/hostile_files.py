@@ -118,7 +118,7 @@ def seeds():
             r.simulate(first, joint, w),
             r.simulate(schedule, window, w),
             r.simulate(first, r.Decentralized([window, window], shared_u=True), w),
-            r.simulate(first, r.FixedController(r.lqg(first).compensator), w),
+            r.simulate(first, r.FixedController(r.lqg_controller(first).compensator), w),
             r.simulate(first, learning, rng.standard_normal((60, 1))),
         ]
 

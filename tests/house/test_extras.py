@@ -90,10 +90,10 @@ def said(ask):
         return str(error)
     return "nothing was missing"
 plant = r.standard_plant("1/(q - 1.2)")
-run = r.simulate(plant, r.FixedController(r.lqg(plant).compensator), [[0.0]] * 9)
+run = r.simulate(plant, r.FixedController(r.lqg_controller(plant).compensator), [[0.0]] * 9)
 assert "Run" in run._repr_html_() and "<svg" not in run._repr_html_()
 for ask, extra in (
-    (run.plot, "plot"), (r.lqg(plant).plot, "plot"), (run.to_pandas, "pandas"),
+    (run.plot, "plot"), (r.lqg_controller(plant).plot, "plot"), (run.to_pandas, "pandas"),
     (run.to_xarray, "pandas"), (lambda: c.strategies.polynomials, "proofs"),
 ):
     assert f"compensator-theory[{extra}]" in said(ask), (ask, said(ask))

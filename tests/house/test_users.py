@@ -110,7 +110,7 @@ OF_THE_EXACT_HALF = {
     "a docstring with an inner name": '"""See ``rcac_numeric.plots._runs.plot_runs``."""',
     "a docstring with no name of it": '"""See ``rcac_numeric.numeric_forms``."""',
     "a doctest": 'def f():\n    """F.\n\n    >>> from rcac_numeric import simulate\n    """',
-    "the answer of a doctest": 'def f():\n    """F.\n\n    >>> f()\n    rcac_numeric.lqg\n    """',
+    "the answer of a doctest": 'def f():\n    """F.\n\n    >>> f()\n    rcac_numeric.fir\n    """',
     "a comment": "x = 1  # rcac_numeric.simulate asks it",
     "an error with an inner path": 'raise ValueError("see rcac_numeric.engine._runs")',
     "an error that resolves": 'raise getattr(import_module("rcac_numeric._errors"), "X")("x")',

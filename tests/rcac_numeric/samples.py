@@ -187,7 +187,9 @@ def observer_forms(seed):
 
 
 def agreement(seed):
-    return replace(rcac.lqg(exact_plant(seed % 9)).agreement, coefficient_distance=seed * 1e-20)
+    return replace(
+        rcac.lqg_controller(exact_plant(seed % 9)).agreement, coefficient_distance=seed * 1e-20
+    )
 
 
 def two_outputs(seed):
@@ -353,7 +355,7 @@ SAMPLES = {
     results.DiskMargin: lambda seed: rcac.multivariable_disk_margin(loop(seed)),
     results.StabilityBoundary: lambda seed: results.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
     results.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),
-    rcac.LQG: lambda seed: rcac.lqg(exact_plant(seed)),
+    rcac.LQG: lambda seed: rcac.lqg_controller(exact_plant(seed)),
     results.ExactAgreement: agreement,
     results.ConversionCertificate: lambda seed: results.ConversionCertificate(
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3

@@ -35,7 +35,7 @@ DOORS = {
     "compare_exactly": lambda G, v: PUBLIC["compare_exactly"](G, LAW, TARGET).plant,
     "direction_information": lambda G, v: PUBLIC["direction_information"](G),
     "h2_cost": lambda G, v: rcac.h2_cost(G, LAW).value,
-    "lqg": lambda G, v: rcac.lqg(G).compensator,
+    "lqg_controller": lambda G, v: rcac.lqg_controller(G).compensator,
     "fir_target": lambda G, v: PUBLIC["fir_target"](G),
     "pole_placement_target": lambda G, v: PUBLIC["pole_placement_target"](G, ["1/2"]),
     "high_authority_target_model": lambda G, v: PUBLIC["high_authority_target_model"](G),

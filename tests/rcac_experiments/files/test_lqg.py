@@ -5,7 +5,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments.files._builder import build
-from rcac_numeric import lqg
+from rcac_numeric import lqg_controller
 
 
 def table(**controller):
@@ -23,7 +23,7 @@ def test_an_experiment_runs_lqg_without_adapting(form):
     noise = {"d": 1.0, "v": 0.25}
     experiment = build(table(noise=noise, form=form), "case")
     result = experiment.main_run.execute().first.run
-    design = lqg(experiment.main_run.plant, noise=noise, form=form)
+    design = lqg_controller(experiment.main_run.plant, noise=noise, form=form)
     assert (result.theta == result.theta[0]).all()
     assert (result.compensator.past_u == design.compensator.past_u).all()
     assert (result.compensator.past_y == design.compensator.past_y).all()

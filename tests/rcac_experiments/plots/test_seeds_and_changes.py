@@ -7,7 +7,7 @@ from rcac_experiments import FigureRequest, verify
 from rcac_experiments.dissertation import load_example
 from rcac_experiments.files._builder import build
 from rcac_experiments.plots import plot_request
-from rcac_numeric import lqg
+from rcac_numeric import lqg_controller
 from rcac_numeric.arrays._values import replaced as replace
 
 SEEDS = 4
@@ -92,7 +92,7 @@ def test_several_lqg_designs_stand_in_one_pair_of_axes():
     assert "LQG" not in drawn
     for noise in designs:
         curve = drawn[f"LQG, d = 1, v = {noise['v']:g}"]
-        loop = lqg(run.plant, noise=noise).loop
+        loop = lqg_controller(run.plant, noise=noise).loop
         column = list(run.plant.channels).index("d")
         expected = np.abs(loop.frequency_response(curve.get_xdata())[:, 0, column])
         assert np.allclose(curve.get_ydata(), expected)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, IllConditionedError
-from rcac_numeric import Plant, compensator_from_state_space, lqg
+from rcac_numeric import Plant, compensator_from_state_space, lqg_controller
 from rcac_numeric.analysis._conversion import converted, deadbeat_gain
 from tests.support.delayed_plants import delayed_plant
 from tests.support.strategies import seeds
@@ -41,7 +41,7 @@ def test_random_designs_with_delays_keep_their_response(in_full):
     rng = np.random.default_rng(0)
     while made < (2000 if in_full else 60):
         try:
-            design = lqg(delayed_plant(rng))
+            design = lqg_controller(delayed_plant(rng))
         except CompensatorError:
             continue
         made += 1
@@ -67,7 +67,7 @@ def test_two_delayed_inputs_with_a_common_mode():
         E_1=[[-1.4, 0, 0], [-1.4, 0, 0], [0, 0, 0], [0, 0, 0]],
         E_2=[[0, 0], [0, 0], [0.001, 0], [0, 0.001]],
     )  # fmt: skip
-    design = lqg(plant)
+    design = lqg_controller(plant)
     assert design.cost.value == pytest.approx(6.782, abs=1e-3)
     assert gap(design)[0] < 1e-11
     assert design.loop.spectral_radius < 1e-2  # a multiple pole at 0

@@ -6,7 +6,7 @@ import pytest
 from mpmath import mp
 
 from compensator_theory.errors import IllConditionedError
-from rcac_numeric import Plant, h2_cost, lqg
+from rcac_numeric import Plant, h2_cost, lqg_controller
 from tests.support.delayed_plants import delayed_plant
 
 
@@ -158,7 +158,7 @@ def test_the_cost_of_a_delayed_design_is_that_of_its_riccati_solutions():
     balls = 0
     for _ in range(30):
         try:
-            design = lqg(delayed_plant(rng))
+            design = lqg_controller(delayed_plant(rng))
         except ValueError:
             continue
         assert design.cost_gap < 1e-9

@@ -9,7 +9,7 @@ from scipy.signal import correlate
 
 from compensator_theory import InputError
 from compensator_theory.errors import IllConditionedError
-from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg, standard_plant
+from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg_controller, standard_plant
 from rcac_numeric.analysis._conversion import compensator_from_state_space
 from rcac_numeric.analysis._costs import enclosed_cost
 from rcac_numeric.analysis._noise import noise_inputs
@@ -88,7 +88,7 @@ def test_a_compensator_and_its_state_space_cost_the_same(plant, seed):
 )
 @pytest.mark.parametrize("form", ["predictor", "filter"])
 def test_a_long_simulation_agrees_within_its_sampling_error(plant, noise, form):
-    design = lqg(plant, noise=noise, form=form)
+    design = lqg_controller(plant, noise=noise, form=form)
     steps, settle = 60_000, 2_000
     rng = np.random.default_rng(7)
     inputs = noise_inputs(plant, noise)

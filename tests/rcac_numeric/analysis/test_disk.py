@@ -11,7 +11,7 @@ from rcac_numeric import (
     ClosedLoop,
     Compensator,
     Plant,
-    lqg,
+    lqg_controller,
     multivariable_disk_margin,
     stability_margins,
 )
@@ -113,7 +113,7 @@ def random_channels(rng, channels):
         D_2=np.hstack([np.zeros((channels, n)), np.eye(channels)]),
         E_1=np.vstack([C, np.zeros((channels, n))]), E_2=np.vstack([none, np.eye(channels)]),
     )  # fmt: skip
-    return lqg(plant).loop
+    return lqg_controller(plant).loop
 
 
 def in_units(loop, units):

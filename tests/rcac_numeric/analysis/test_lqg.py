@@ -5,7 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, lqg_controller
+import compensator_theory
+from compensator_theory import InputError
 from compensator_theory.errors import (
     ImproperError,
     NoSolutionError,
@@ -13,7 +14,7 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
-from rcac_numeric import Plant, h2_cost, lqg, servo_plant, standard_plant, with_bias
+from rcac_numeric import Plant, h2_cost, lqg_controller, servo_plant, standard_plant, with_bias
 from tests.support.dissertation_plants import (
     PLANT_4_1,
     PLANT_4_2,
@@ -58,7 +59,7 @@ def regular_plants():
     ],
 )
 def test_costs_of_the_text(plant, noise, cost, tolerance):
-    design = lqg(plant, noise=noise)
+    design = lqg_controller(plant, noise=noise)
     assert design.cost.value == pytest.approx(cost, abs=tolerance)
     assert design.cost_from_riccati == pytest.approx(design.cost.value, rel=1e-10)
     assert design.agreement.coefficient_distance < 1e-12
@@ -70,7 +71,7 @@ def test_costs_of_the_text(plant, noise, cost, tolerance):
 @pytest.mark.parametrize("plant", [PLANT_A_1, PLANT_A_2, PLANT_4_1], ids=["A.1", "A.2", "4.1"])
 def test_spectra_are_the_exact_prediction(plant):
     """Against the spectral factors, which no Riccati solver had a part in; and the exact cost."""
-    design, exact = lqg(plant), lqg_controller(plant.problem)
+    design, exact = lqg_controller(plant), compensator_theory.lqg_controller(plant.problem)
     assert design.agreement.coefficient_distance < 1e-13
     wanted = [float(c) for c in exact.enclosure.centre.all_coeffs()]
     assert np.abs(np.poly(design.poles).real - wanted).max() < 1e-13
@@ -88,12 +89,12 @@ def test_spectra_are_the_exact_prediction(plant):
 
 @given(regular_plants(), st.sampled_from(["predictor", "filter"]))
 def test_cost_spectrum_and_exact_poles_of_any_plant(plant, form):
-    design = lqg(plant, form=form)
+    design = lqg_controller(plant, form=form)
     # what the conditions of the two equations allow, and no less than a few hundred roundings
     condition = max(design.regulator.condition, design.estimator.condition)
     accuracy = max(1e-10, 1e-14 * condition)
     # every term of the predictor form's cost is positive; the filter form's may cancel to nothing
-    size = lqg(plant).cost_from_riccati
+    size = lqg_controller(plant).cost_from_riccati
     assert design.cost.value >= 0
     assert abs(design.cost.value - design.cost_from_riccati) < 100 * accuracy * size
     assert design.agreement.reason == ""
@@ -109,7 +110,7 @@ def test_cost_spectrum_and_exact_poles_of_any_plant(plant, form):
 @given(regular_plants(), seeds, st.sampled_from(["predictor", "filter"]), st.floats(1e-4, 0.3))
 def test_no_other_gains_cost_less(plant, seed, form, size):
     """Strictly proper neighbours for the predictor form, exactly proper ones for the filter."""
-    design = lqg(plant, form=form)
+    design = lqg_controller(plant, form=form)
     rng = np.random.default_rng(seed)
     for _ in range(3):
         moved = [m + size * rng.standard_normal(m.shape) for m in design.state_space]
@@ -120,17 +121,19 @@ def test_no_other_gains_cost_less(plant, seed, form, size):
 
 @given(regular_plants(), seeds)
 def test_the_filter_form_costs_no_more_and_the_predictor_form_ignores_E_0(plant, seed):
-    predictor, filtered = lqg(plant), lqg(plant, form="filter")
+    predictor, filtered = lqg_controller(plant), lqg_controller(plant, form="filter")
     assert filtered.cost.value <= predictor.cost.value * (1 + 1e-12)
     other = Plant(
         **{name: getattr(plant, name) for name in ("A", "B", "D_1", "C", "D_0", "D_2", "E_1")},
         E_2=plant.E_2,
         E_0=np.random.default_rng(seed).standard_normal(plant.E_0.shape),
     )
-    for mine, its in zip(predictor.state_space, lqg(other).state_space, strict=True):
+    for mine, its in zip(predictor.state_space, lqg_controller(other).state_space, strict=True):
         assert (mine == its).all()
     change = np.sum(other.E_0**2) - np.sum(plant.E_0**2)
-    assert lqg(other).cost.value == pytest.approx(predictor.cost.value + change, rel=1e-8)
+    assert lqg_controller(other).cost.value == pytest.approx(
+        predictor.cost.value + change, rel=1e-8
+    )
 
 
 @given(plants(l_u=st.just(1), l_y=st.just(1), l_z=st.just(1), l_w=st.just(1)))
@@ -138,7 +141,7 @@ def test_singular_weights_have_the_exact_poles(plant):
     """R_2 = 0 and V_2 = 0: the closed loop is that of high-authority LQG, to the coefficients."""
     plant = Plant(A=plant.A, B=plant.B, D_1=plant.D_1, C=plant.C, E_1=plant.E_1)
     try:
-        design = lqg(plant)
+        design = lqg_controller(plant)
     except UnitCircleError:
         assume(False)
     accuracy = 1e-15 * max(design.regulator.condition, design.estimator.condition)
@@ -151,7 +154,9 @@ def test_by_hand():
     plant = servo_plant("1/(q - 2)", performance="true")
     Q = (1.75 + np.sqrt(1.75**2 + 1)) / 2
     noise = {"d": 1.0, "v": 0.25}
-    strict, proper = (lqg(plant, noise=noise, form=form) for form in ("predictor", "filter"))
+    strict, proper = (
+        lqg_controller(plant, noise=noise, form=form) for form in ("predictor", "filter")
+    )
     assert strict.estimator.P[0, 0] == pytest.approx(Q)
     assert strict.cost.value == pytest.approx(1 + 4 * Q)  # P = 1, S = 1, K = -2
     assert proper.cost.value == pytest.approx(Q)  # 1 + 4 Q V_2 / (Q + V_2)
@@ -161,7 +166,7 @@ def test_by_hand():
 
 def test_a_plant_with_many_signals_and_an_unstable_controller():
     """Example 6.1's, and one with two inputs and unstable modes on both sides of zero."""
-    design = lqg(PLANT_6_1)
+    design = lqg_controller(PLANT_6_1)
     assert np.abs(np.linalg.eigvals(design.state_space[0]) - 1.0025).min() < 1e-4
     assert design.spectral_radius > 1 and design.loop.is_stable
     rng = np.random.default_rng(2)
@@ -171,7 +176,7 @@ def test_a_plant_with_many_signals_and_an_unstable_controller():
         D_2=np.eye(2, 4), E_1=rng.standard_normal((3, 3)), E_2=rng.standard_normal((3, 2)),
     )  # fmt: skip
     for form in ("predictor", "filter"):
-        design = lqg(plant, form=form)
+        design = lqg_controller(plant, form=form)
         assert design.loop.is_stable
         assert float(h2_cost(plant, design.compensator)) == pytest.approx(design.cost.value)
 
@@ -183,11 +188,11 @@ def test_4_2_with_a_bias_in_mind():
     in white noise, less as the bias is slower, and lets less of the bias through.
     """
     plant = rescaled(PLANT_4_2, 0.60864**0.5)
-    plain = lqg(plant)
+    plain = lqg_controller(plant)
     costs = []
     for pole in (0.99, 0.999, 0.9999, 0.99999):
         biased = with_bias(plant, "w", pole=pole, mean_square=4.0)
-        design = lqg(biased)
+        design = lqg_controller(biased)
         costs.append(float(h2_cost(plant, design.state_space)))
         assert float(h2_cost(biased, plain.state_space)) > design.cost.value
         at_dc, plain_at_dc = (
@@ -253,40 +258,42 @@ def test_bias_is_an_ar_model():
 )  # fmt: skip
 def test_what_cannot_be_designed_is_named(plant, noise, error, words):
     if error is None:
-        assert lqg(plant, noise=noise).loop.is_stable
+        assert lqg_controller(plant, noise=noise).loop.is_stable
         return
     with pytest.raises(error, match=words):
-        lqg(plant, noise=noise)
+        lqg_controller(plant, noise=noise)
 
 
 @pytest.mark.parametrize("name", ["E_1", "D_1", "D_2"])
 def test_weights_beyond_float64_are_named(name):
     parts = {"A": [[0.5]], "B": [[1.0]], "D_1": [[1.0]], "C": [[1.0]], "E_1": [[1.0]]}
     with pytest.raises(InputError, match=r"beyond float64 .* 1e\+200"):
-        lqg(Plant(**parts | {name: [[1e200]]}))
+        lqg_controller(Plant(**parts | {name: [[1e200]]}))
 
 
 def test_a_filter_form_that_no_controller_has():
     """D_0 such that I + D_f D_0 = 0."""
     plant = servo_plant("1/(q - 2)", performance="true")
     noise = {"d": 1.0, "v": 0.25}
-    design = lqg(plant, noise=noise, form="filter")
+    design = lqg_controller(plant, noise=noise, form="filter")
     D_f = design.state_space[3].item()
     through = Plant(
         A=plant.A, B=plant.B, D_1=plant.D_1, C=plant.C, D_0=[[-1 / D_f]], D_2=plant.D_2,
         E_1=plant.E_1, E_0=plant.E_0, blocks=plant.blocks,
     )  # fmt: skip
     with pytest.raises(ImproperError, match="predictor"):
-        lqg(through, noise=noise, form="filter")
-    assert lqg(through, noise=noise).cost.value == pytest.approx(lqg(plant, noise=noise).cost.value)
+        lqg_controller(through, noise=noise, form="filter")
+    assert lqg_controller(through, noise=noise).cost.value == pytest.approx(
+        lqg_controller(plant, noise=noise).cost.value
+    )
 
 
 def test_no_exact_poles_are_explained():
     """A plant whose numbers are beyond what the exact half reads says why."""
     plant = servo_plant("1/(q - 2)", performance="true")
-    found = lqg(plant, noise={"d": 1.0, "v": 2.0}).agreement  # sqrt(2), rounded once
+    found = lqg_controller(plant, noise={"d": 1.0, "v": 2.0}).agreement  # sqrt(2), rounded once
     assert found.coefficient_distance < 1e-14
     with pytest.raises(InputError, match="form = 'both'"):
-        lqg(plant, form="both")
+        lqg_controller(plant, form="both")
     with pytest.raises(InputError, match="plant = 3"):
-        lqg(3)
+        lqg_controller(3)

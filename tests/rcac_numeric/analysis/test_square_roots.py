@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy import linalg
 
 from compensator_theory.errors import InputError
-from rcac_numeric import Plant, lqg, solve_riccati
+from rcac_numeric import Plant, lqg_controller, solve_riccati
 from rcac_numeric.analysis._square_roots import (
     best_gain,
     is_stable,
@@ -35,7 +35,7 @@ def test_the_design_that_was_refused():
             A=[[0.6]], B=[[1.0]], C=[[0.3], [0.6], [-1.4]], D_1=[[1.6, 2, 0.7, -0.5]],
             D_2=size * D_2, E_1=[[1.0], [0]], E_2=[[0], [1.0]],
         )  # fmt: skip
-        found = lqg(plant)
+        found = lqg_controller(plant)
         K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, found.regulator.K)
         _, Q = design_60_digits(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, found.estimator.K)
         noise = mpmath.matrix(plant.D_1.tolist())
@@ -44,14 +44,14 @@ def test_the_design_that_was_refused():
         assert found.cost.value == pytest.approx(float(J), rel=1e-8)
         if size == 1e-5:
             assert found.cost.value == pytest.approx(9.38779688608, rel=1e-11)
-        lqg(plant, form="filter")
+        lqg_controller(plant, form="filter")
 
 
 @pytest.mark.costly
 @pytest.mark.parametrize("seed", range(20))
 def test_hard_designs_against_sixty_digits(seed):
     plant = hard_design(seed)
-    found = lqg(plant)
+    found = lqg_controller(plant)
     for one, system in (
         (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
         (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),

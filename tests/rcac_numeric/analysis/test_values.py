@@ -18,7 +18,7 @@ from rcac_numeric import (
     fir_target,
     h2_cost,
     intercalated_match,
-    lqg,
+    lqg_controller,
     multivariable_disk_margin,
     numeric_observer_forms,
     placement_conditioning,
@@ -70,8 +70,8 @@ MAKERS = {
     "ExactComparison": lambda: compare_exactly(
         PLANT, COMPENSATOR, pole_placement_target(PLANT, ["1/2", "1/4"])
     ),
-    "LQG": lambda: lqg(PLANT, noise={"w": 1.0}),
-    "ExactAgreement": lambda: lqg(PLANT).agreement,
+    "LQG": lambda: lqg_controller(PLANT, noise={"w": 1.0}),
+    "ExactAgreement": lambda: lqg_controller(PLANT).agreement,
 }
 values = pytest.mark.parametrize("name", MAKERS)
 

@@ -23,7 +23,7 @@ from rcac_numeric import (
     fir_target,
     h2_cost,
     iir,
-    lqg,
+    lqg_controller,
     pid,
     servo_plant,
     simulate,
@@ -62,7 +62,7 @@ CASES = {
 
 
 def ratio(plant, run):
-    return float(h2_cost(plant, run.compensator).value / lqg(plant).cost.value)
+    return float(h2_cost(plant, run.compensator).value / lqg_controller(plant).cost.value)
 
 
 @pytest.mark.costly

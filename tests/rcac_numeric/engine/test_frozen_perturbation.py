@@ -16,7 +16,7 @@ from rcac_numeric import (
     fir_target,
     h2_cost,
     iir,
-    lqg,
+    lqg_controller,
     pid,
     servo_plant,
     simulate,
@@ -95,7 +95,7 @@ def test_it_shows_what_u_shows(zero, in_full):
 def test_the_cost_of_loops_that_learn_from_it(in_full):
     """Every seed is bounded, at most 7 % above LQG's cost."""
     plant = standard_plant(ZERO.format(1.1))
-    best = lqg(plant).cost.value
+    best = lqg_controller(plant).cost.value
     for seed in range(6 if in_full else 1):
         target = replace(FROZEN, order=20, start=300, every=200, window=4000, seed=seed)
         settings = learning(replace(target, running_dither=0.01), 15)

@@ -17,7 +17,7 @@ from rcac_numeric import (
     iir,
     joint_null_dimension,
     load_run,
-    lqg,
+    lqg_controller,
     simulate,
     simulate_many,
     standard_plant,
@@ -42,7 +42,7 @@ def outcome(update, seed, steps=100_000, n_c=15):
     chosen = settings(update, n_c)
     run = simulate(PLANT, chosen, noise(seed, steps), stride=steps)
     c = chosen.compensator_of(run.theta_final)
-    return float(h2_cost(PLANT, c)) / lqg(PLANT).cost.value, np.abs(c.poles()).max()
+    return float(h2_cost(PLANT, c)) / lqg_controller(PLANT).cost.value, np.abs(c.poles()).max()
 
 
 @pytest.mark.parametrize("n_d", [1, 2, 3])

@@ -12,7 +12,7 @@ from rcac_numeric import (
     fir_target,
     h2_cost,
     iir,
-    lqg,
+    lqg_controller,
     pid,
     servo_plant,
     simulate,
@@ -27,7 +27,7 @@ P_25 = "(q - 0.975)*(q - 1.2)/((q - 0.99)*(q**2 - 1.6*q + 0.965))"
 def ends(G, target, seeds, R_theta):
     """J over LQG's of each seed; inf where the run did not come to its end."""
     plant = standard_plant(G)
-    best = lqg(plant).cost.value
+    best = lqg_controller(plant).cost.value
     found = []
     for seed in seeds:
         settings = ControllerSettings(

@@ -18,7 +18,7 @@ from rcac_numeric import (
     check_controller,
     fir_target,
     h2_cost,
-    lqg,
+    lqg_controller,
     plant_of,
     pole_placement_target,
     servo_plant,
@@ -103,7 +103,7 @@ def test_every_door_takes_systems_of_several_signals(name):
 
 def test_lqg_of_several_signals_goes_out_with_its_sample_time():
     for name in ("state space", "transfer functions", "interconnect"):
-        design, own = lqg(SEVERAL[name]), lqg(plant_of(SEVERAL[name]))
+        design, own = lqg_controller(SEVERAL[name]), lqg_controller(plant_of(SEVERAL[name]))
         assert design.to_control().dt == 0.01 and design.cost.value == own.cost.value
 
 
@@ -119,7 +119,7 @@ def test_target_models_are_built_from_foreign_plants():
         assert build(system) == build(own)
 
 
-@pytest.mark.parametrize("door", [lqg, markov_target, lambda p: h2_cost(p, None)])
+@pytest.mark.parametrize("door", [lqg_controller, markov_target, lambda p: h2_cost(p, None)])
 def test_what_needs_a_linear_plant_says_so(door):
     system = control.nlsys(
         lambda t, x, u, p: x**2, lambda t, x, u, p: x, inputs=1, outputs=1, states=1, dt=1

@@ -28,7 +28,7 @@ from rcac_numeric import (
     TargetModel,
     check_controller,
     iir,
-    lqg,
+    lqg_controller,
     plant_of,
     servo_plant,
     simulate,
@@ -171,9 +171,9 @@ def test_every_door_takes_foreign_systems_and_gives_their_sample_time_back():
     assert np.allclose(runs[0].z, runs[1].z, rtol=1e-12)
     assert [run.sample_time for run in runs] == [0.01, None]
     assert runs[0].compensator.to_control(runs[0].sample_time).dt == 0.01
-    design = lqg(system)
+    design = lqg_controller(system)
     assert design.to_control().dt == 0.01 and design.cost.value == pytest.approx(
-        lqg(ours).cost.value
+        lqg_controller(ours).cost.value
     )
     check = check_controller(np.zeros(9), np.zeros(9), compensator=law, plant=system)
     assert check.loop.poles() == pytest.approx([0.5])

@@ -11,7 +11,7 @@ from rcac_numeric import (
     check_controller,
     load_run,
     loop_health,
-    lqg,
+    lqg_controller,
     numeric_observer_forms,
     plant_of,
     servo_plant,
@@ -109,7 +109,7 @@ def test_notebooks_show_results_in_their_own_ink(tmp_path):
 
 
 def test_results_in_numbers_are_latex_and_pictures():
-    design = lqg(standard_plant("(q - 0.5)/((q - 1.2)*(q - 0.3))"))
+    design = lqg_controller(standard_plant("(q - 0.5)/((q - 1.2)*(q - 0.3))"))
     text = design._repr_latex_()
     for part in design.state_space:
         assert all(f"{entry:.4g}" in text for entry in part.ravel())

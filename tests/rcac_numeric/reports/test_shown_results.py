@@ -17,7 +17,7 @@ from rcac_numeric import (
     TargetModel,
     fir_target,
     intercalated_match,
-    lqg,
+    lqg_controller,
     plant_of,
     standard_plant,
 )
@@ -78,7 +78,7 @@ def test_a_loop_goes_out_with_its_sample_time():
 @pytest.mark.costly
 @pytest.mark.parametrize("form", ["predictor", "filter"])
 def test_lqg_shows_its_numbers_and_its_picture(form):
-    design = lqg(standard_plant("(q - 2)/(q**2 - 1/4)"), form=form)
+    design = lqg_controller(standard_plant("(q - 2)/(q**2 - 1/4)"), form=form)
     record = lqg_sheet(design).record
     assert record["cost"] == design.cost.value
     assert record["regulator_radius"] == pytest.approx(np.abs(design.regulator.poles).max())
