@@ -14,8 +14,8 @@ import time
 
 from sympy import Rational
 
+import rcac_numeric
 from compensator_theory import observer_based_compensator, observer_forms, transfer_function
-from rcac_numeric import numeric_observer_forms
 
 
 def loop_of_order(n, seed=0):
@@ -48,8 +48,8 @@ def main():
     print(f"{'n':>2}{'forms':>8}{'float64 per s':>16}{'exact per s':>14}{'residual':>12}")
     for n in (2, 4, 6, 8):
         plant, compensator = loop_of_order(n)
-        forms = numeric_observer_forms(plant, compensator)
-        numeric = seconds(lambda p=plant, c=compensator: numeric_observer_forms(p, c),
+        forms = rcac_numeric.observer_forms(plant, compensator)
+        numeric = seconds(lambda p=plant, c=compensator: rcac_numeric.observer_forms(p, c),
                           arguments.repetitions)  # fmt: skip
         exact = "-"
         if n <= arguments.exact_up_to:

@@ -17,7 +17,7 @@ from .analysis._lqg import lqg_controller as lqg_controller
 from .analysis._match import intercalated_match as intercalated_match
 from .analysis._match import split_residual as split_residual
 from .analysis._noise import with_bias as with_bias
-from .analysis._observer_forms import numeric_observer_forms as numeric_observer_forms
+from .analysis._observer_forms import observer_forms as observer_forms
 from .analysis._placement_conditioning import placement_conditioning as placement_conditioning
 from .analysis._riccati import solve_riccati as solve_riccati
 from .checks._check import check_controller as check_controller

@@ -8,6 +8,7 @@ from .analysis._disk import DiskMargin as DiskMargin
 from .analysis._exact_comparison import ExactComparison as ExactComparison
 from .analysis._match import IntercalatedMatch as IntercalatedMatch
 from .analysis._match import ResidualSplit as ResidualSplit
+from .analysis._observer_forms import NumericObserverForm as NumericObserverForm
 from .analysis._observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis._placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis._solutions import StabilisingSolution as StabilisingSolution

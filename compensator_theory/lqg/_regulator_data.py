@@ -111,7 +111,7 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
         raise InputError(
             f"{shown(plant)} is not a StandardProblem: a plant alone does not say what disturbs it "
             "and what is weighed. Give lqg_problem(plant, Q, R, W, V), or standard_problem(G), "
-            "where the measurement is weighed and the disturbance is matched, or the `problem` of a "
+            "where the measurement is weighed and the disturbance is matched, or the problem of a "
             "rcac_numeric.Plant"
         )
     return (

@@ -84,6 +84,8 @@ def observer_forms(
     a cyclic quotient, and Grassmannians between two kernels are parametrised, others are sampled,
     and `continua` names the dimension of all of them together.
 
+    ``rcac_numeric.observer_forms`` has those of irrational regulator polynomials too, in float64.
+
     Source: (7.11)-(7.18), Theorem 1 in the strength that is true of realisations.
 
     Examples
@@ -118,7 +120,8 @@ def observer_forms(
     if candidates > limit:
         raise InputError(
             f"there are {candidates} regulator polynomials to test, more than limit = {limit}; "
-            "raise the limit, or use count_observer_forms"
+            "raise the limit, use count_observer_forms, or ask rcac_numeric.observer_forms, which "
+            "has them in float64"
         )
     forms: list[ObserverForm] = []
     families: list[ObserverForm] = []

@@ -95,7 +95,7 @@ class ObserverForms(Certified, ExactValue):
         None where :attr:`number_of_candidates` is.
 
         The forms of irrational regulator polynomials are found in float64, by
-        ``rcac_numeric.numeric_observer_forms``.
+        ``rcac_numeric.observer_forms``.
         """
         seen = {form.regulator for form in (*self.forms, *self.families)}
         seen |= {polynomial for polynomial, _ in self.rejections} | set(self.undecided)

@@ -12,6 +12,7 @@ from sympy import ImmutableMatrix
 
 from compensator_theory import InputError, Realisation, closed_loop_matrix, figures, realisation
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.loops._siso import agreed_sign
 from compensator_theory.matrices._invariant_subspaces import derogatory_factor
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.observers import count_observer_forms
@@ -30,6 +31,35 @@ from rcac_numeric.plants._linear import Plant
 # Largest relative residual of a form that is handed out.
 RESOLVED = 1e-6
 SHOWN = 6  # forms that a notebook writes out
+
+
+@dataclass(frozen=True, eq=False)
+class NumericObserverForm(Result):
+    r"""One observer-based form of a compensator in float64.
+
+    .. math:: T^{-1} A_c T = A + BK - FC, \qquad T^{-1} B_c = F, \qquad C_c T = K
+
+    Attributes
+    ----------
+    T, K : array
+        n_c x n and l_u x n.
+    F : array or None
+        n x l_y; None unless n_c = n.
+    regulator_roots, observer_roots : array of complex
+        n and n_c.
+    residual : float
+        Relative, as in :class:`NumericObserverForms`.
+    condition : float
+        2-norm condition number of T.
+    """
+
+    T: Array
+    K: Array
+    F: Array | None
+    regulator_roots: ComplexArray
+    observer_roots: ComplexArray
+    residual: float
+    condition: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +109,19 @@ class NumericObserverForms(Result):
     def __len__(self) -> int:
         return int(self.T.shape[0])
 
-    def fastest_observer(self) -> int:
-        """Return the index of the form whose slowest observer root is fastest.
+    @property
+    def forms(self) -> tuple[NumericObserverForm, ...]:
+        """The forms one by one."""
+        return tuple(map(self._form, range(len(self))))
+
+    def _form(self, i: int) -> NumericObserverForm:
+        return NumericObserverForm(
+            self.T[i], self.K[i], None if self.F is None else self.F[i], self.regulator_roots[i],
+            self.observer_roots[i], float(self.residual[i]), float(self.condition[i]),
+        )  # fmt: skip
+
+    def fastest_observer(self) -> NumericObserverForm:
+        """Return the form whose slowest observer root is fastest.
 
         Slow is a large real part, and in the variables z and q a large modulus.
         """
@@ -88,12 +129,12 @@ class NumericObserverForms(Result):
         speed = np.abs(self.observer_roots) if is_discrete else self.observer_roots.real
         return self._least(speed.max(axis=1, initial=-np.inf))
 
-    def best_conditioned(self) -> int:
-        """Return the index of the form with the least condition number of T."""
+    def best_conditioned(self) -> NumericObserverForm:
+        """Return the form with the least condition number of T."""
         return self._least(self.condition)
 
-    def closest_to(self, K: Any, F: Any) -> int:
-        r"""Return the index of the form that minimises :math:`\|K-K_0\|_F^2 + \|F-F_0\|_F^2`.
+    def closest_to(self, K: Any, F: Any) -> NumericObserverForm:
+        r"""Return the form that minimises :math:`\|K-K_0\|_F^2 + \|F-F_0\|_F^2`.
 
         Parameters
         ----------
@@ -137,10 +178,10 @@ class NumericObserverForms(Result):
         body = r" \\ ".join([*forms, *filter(None, [more])]) or r"\text{no form}"
         return rf"$\displaystyle \begin{{aligned}}{body}\end{{aligned}}$"
 
-    def _least(self, cost: Array) -> int:
+    def _least(self, cost: Array) -> NumericObserverForm:
         if not len(self):
             raise NoSolutionError("there is no form to choose from; see rejected")
-        return int(np.argmin(cost))
+        return self._form(int(np.argmin(cost)))
 
     @property
     def _unresolved(self) -> str:
@@ -160,9 +201,10 @@ class NumericObserverForms(Result):
         )
 
 
-def numeric_observer_forms(
-    plant: Any, compensator: Any = None, *, limit: int = 200_000, singular: float = 1e-13
-) -> NumericObserverForms:
+def observer_forms(
+    plant: Any, compensator: Any = None, *, feedback: int | None = None, limit: int = 200_000,
+    variable: str | None = None, singular: float = 1e-13,
+) -> NumericObserverForms:  # fmt: skip
     r"""Compute every real observer-based form, irrational regulator polynomials included.
 
     .. math:: \mathrm{im}\begin{bmatrix} I \\ T \end{bmatrix} = \ker p_R(\tilde A)
@@ -175,8 +217,13 @@ def numeric_observer_forms(
         transfer function, a python-control system. Floats mean their shortest decimals.
     compensator : Compensator or realisation
         :math:`u = C_c x_c`.
+    feedback : {+1, -1}, optional
+        The sign f in :math:`u = f C_c x_c`; default +1, and the only one of a run and of a
+        Compensator. With -1 the compensator of the result has the sign in its output matrix.
     limit : int
         Largest number of forms.
+    variable : str, optional
+        Of both; default: evident, bare matrices need it.
     singular : float
         A subspace counts as without a form if one of its directions makes an angle with the states
         of the plant, or with those of the compensator, whose sine is not larger. The exact
@@ -199,18 +246,28 @@ def numeric_observer_forms(
 
     Notes
     -----
+    :func:`compensator_theory.observer_forms` has the forms of rational regulator polynomials
+    exactly, and those of a continuum.
+
     Source: (7.11)-(7.18); bases by the SVD.
 
     Examples
     --------
-    >>> from rcac_numeric import numeric_observer_forms
-    >>> forms = numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)")
+    >>> from rcac_numeric import observer_forms
+    >>> forms = observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)")
     >>> len(forms), bool(forms.residual.max() < 1e-12)  # s**4 + 4*s**3 + 5*s**2 + 4*s + 2
     (2, True)
     """
     integer(limit, "limit", at_least=1)
     if not 0 < number(singular, "singular") < 1:
         raise InputError(f"singular = {singular} must lie between 0 and 1")
+    if isinstance(plant, Run) or isinstance(compensator, Compensator):
+        if feedback not in (None, 1):
+            raise InputError(
+                f"feedback = {feedback!r}: a run and a Compensator compute u = G_c y, which is "
+                "feedback = +1; leave feedback out, or change the sign of past_y."
+            )
+        feedback = None
     if isinstance(plant, Run):
         if compensator is not None:
             raise InputError("a run has its own controller; leave compensator out")
@@ -218,7 +275,8 @@ def numeric_observer_forms(
         plant, compensator = of_run.plant, of_run.compensator
     if compensator is None:
         raise InputError("a plant alone is no loop; give its compensator, or a Run")
-    system, controller = _realisation(plant), _realisation(compensator)
+    system, given = _realisation(plant, variable), _realisation(compensator, variable)
+    controller = given.with_sign(agreed_sign(given, feedback))
     exact_loop = closed_loop_matrix(system, controller)
     n, n_c = system.n, controller.n
     if not (n and n_c):
@@ -247,9 +305,9 @@ def numeric_observer_forms(
         inputs = np.broadcast_to(B_c / other[:, None], (len(T), *B_c.shape))
         F = own[:, None] * solved(T, inputs)
     left = loop[n:, :n] + loop[n:, n:] @ T
-    drift, feedback = T @ loop[:n, :n], T @ loop[:n, n:] @ T  # both are large where A + BK = 0
-    right = drift + feedback
-    terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(drift) + norms(feedback)
+    drift, fed_back = T @ loop[:n, :n], T @ loop[:n, n:] @ T  # both are large where A + BK = 0
+    right = drift + fed_back
+    terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(drift) + norms(fed_back)
     T = other[:, None] * T / own
     residual = norms(left - right) / np.where(terms > 0, terms, 1.0)
     with np.errstate(all="ignore"):
@@ -267,13 +325,13 @@ def numeric_observer_forms(
     )  # fmt: skip
 
 
-def _realisation(system: Any) -> Realisation:
+def _realisation(system: Any, variable: str | None) -> Realisation:
     """That of a plant or a compensator of ours, in q; else what `realisation` reads."""
     if isinstance(system, Plant):
         return realisation((system.A, system.B, system.C, system.D_0), "q")
     if isinstance(system, Compensator):
         return realisation(system.state_space(), "q")
-    return realisation(system)
+    return realisation(system, variable)
 
 
 def _rounded(matrix: ImmutableMatrix) -> Array:

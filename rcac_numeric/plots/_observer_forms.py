@@ -32,7 +32,7 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
         number = np.arange(1, len(forms) + 1)
         worth.semilogy(number, forms.condition, "o" if len(forms) <= MANY else ".",
                        color=line_style(1)["color"])  # fmt: skip
-        best = forms.best_conditioned()
+        best = int(np.argmin(forms.condition))
         own = forms.regulator_roots[best]
         roots.plot(own.real, own.imag, "o", ms=15, mfc="none", mec=INK)
         circled = f"closed-loop roots, circled: the regulator of form {best + 1}"

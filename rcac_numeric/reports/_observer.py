@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import siso_loop
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import is_rational, scaled
-from rcac_numeric.analysis._observer_forms import NumericObserverForms, numeric_observer_forms
+from rcac_numeric.analysis._observer_forms import NumericObserverForms, observer_forms
 from rcac_numeric.reports._sheet import Section, Sheet, Text
 
 FEW = 12
@@ -61,7 +61,7 @@ def _numeric(
     system: exact.Realisation, controller: exact.Realisation
 ) -> NumericObserverForms | None:
     try:
-        return numeric_observer_forms(system, controller)
+        return observer_forms(system, controller)
     except InputError:  # a continuum of forms: the exact families show it
         return None
 
@@ -105,15 +105,15 @@ def _float64(forms: NumericObserverForms | None) -> Section:
         return Section(record={"float64_forms": None})
     record = [
         {
-            "regulator_roots": forms.regulator_roots[i],
-            "observer_roots": forms.observer_roots[i],
-            "K": forms.K[i],
-            "F": None if forms.F is None else forms.F[i],
-            "T": forms.T[i],
-            "condition": forms.condition[i],
-            "residual": forms.residual[i],
+            "regulator_roots": form.regulator_roots,
+            "observer_roots": form.observer_roots,
+            "K": form.K,
+            "F": form.F,
+            "T": form.T,
+            "condition": form.condition,
+            "residual": form.residual,
         }
-        for i in range(len(forms))
+        for form in forms.forms
     ]
     return Section("", (Text(f"float64: {forms}"),), {"float64_forms": record})
 

@@ -116,7 +116,7 @@ OF_THE_EXACT_HALF = {
     "an error that resolves": 'raise getattr(import_module("rcac_numeric._errors"), "X")("x")',
 }
 MAY_SAY = {
-    "a docstring": '"""``rcac_numeric.numeric_observer_forms`` answers this."""',
+    "a docstring": '"""``rcac_numeric.observer_forms`` answers this."""',
     "a docstring with a namespace": '"""``rcac_numeric.plots.plot_stability_region`` draws it."""',
     "an error": 'raise ValueError("use rcac_numeric.stability_margins.")',
     "an error with a value": 'raise ValueError(f"{x}: use rcac_numeric.stability_margins.")',

@@ -183,7 +183,7 @@ def comparison(seed):
 
 def observer_forms(seed):
     controller = f"-(4*s + {2 + fraction(seed)})/(s**2 + 4*s + 5)"
-    return rcac.numeric_observer_forms("1/s**2", controller)
+    return rcac.observer_forms("1/s**2", controller)
 
 
 def agreement(seed):
@@ -344,6 +344,7 @@ SAMPLES = {
     ),
     results.ExactComparison: comparison,
     results.NumericObserverForms: observer_forms,
+    results.NumericObserverForm: lambda seed: observer_forms(seed).best_conditioned(),
     results.PlacementConditioning: lambda seed: rcac.placement_conditioning(
         "1/(s - 1)", [-1, -2 - fraction(seed)], feedback=-1
     ),

@@ -43,7 +43,7 @@ DOORS = {
     "markov_target": lambda G, v: PUBLIC["markov_target"](G, 3),
     "modelling_information": lambda G, v: PUBLIC["modelling_information"](G),
     "multivariable_disk_margin": lambda G, v: PUBLIC["multivariable_disk_margin"]((G, LAW)),
-    "numeric_observer_forms": lambda G, v: PUBLIC["numeric_observer_forms"](
+    "observer_forms": lambda G, v: PUBLIC["observer_forms"](
         G, "-0.3/(z - 0.1)").plant,
     "output_subspace_target": lambda G, v: PUBLIC["output_subspace_target"](G),
     "output_subspace_zeros": lambda G, v: PUBLIC["output_subspace_zeros"](G),

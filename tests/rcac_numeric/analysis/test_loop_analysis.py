@@ -14,7 +14,7 @@ from rcac_numeric import (
     compare_exactly,
     h2_cost,
     multivariable_disk_margin,
-    numeric_observer_forms,
+    observer_forms,
     simulate,
     stability_margins,
     target_model,
@@ -74,7 +74,7 @@ def test_a_run_is_a_loop_to_every_function_of_loops(run):
         assert stability_margins(of) == stability_margins(loop)
         assert multivariable_disk_margin(of) == multivariable_disk_margin(loop)
     assert h2_cost(run).value == h2_cost(*pair).value
-    forms, again = numeric_observer_forms(run), numeric_observer_forms(*pair)
+    forms, again = observer_forms(run), observer_forms(*pair)
     assert len(forms) and np.array_equal(forms.K, again.K)
 
 
@@ -97,7 +97,7 @@ def test_a_plant_may_be_a_text_or_a_transfer_function(run):
         (lambda run: h2_cost(run.plant), "a plant alone is no loop"),
         (lambda run: h2_cost(run, run.compensator), "a run has its own controller"),
         (lambda run: stability_margins(run.plant), "a Plant is not a loop; give a Run"),
-        (lambda run: numeric_observer_forms(run.plant), "a plant alone is no loop"),
+        (lambda run: observer_forms(run.plant), "a plant alone is no loop"),
         (lambda run: LoopAnalysis(5), "a int is not a loop; give a Run, or a pair"),
         (lambda run: LoopAnalysis((run.plant,)), "a tuple is not a loop; give a Run, or a pair"),
         (lambda run: LoopAnalysis((run.plant, 3)), "compensator = 3 is not a Compensator"),

@@ -12,7 +12,7 @@ from rcac_numeric import (
     load_run,
     loop_health,
     lqg_controller,
-    numeric_observer_forms,
+    observer_forms,
     plant_of,
     servo_plant,
     simulate,
@@ -116,7 +116,7 @@ def test_results_in_numbers_are_latex_and_pictures():
     drawn = [line.get_xdata() for line in design.plot().axes[0].lines[1:]]
     assert np.allclose(np.sort(np.concatenate(drawn)), np.sort(design.poles.real))
     compensator = place_poles("1/((s+1)*(s+2))", [-3, -4, -5, -6], feedback=1).compensator
-    forms = numeric_observer_forms("1/((s+1)*(s+2))", compensator)
+    forms = observer_forms("1/((s+1)*(s+2))", compensator)
     assert forms._repr_latex_().count("K_{") == min(len(forms), 6)
     assert np.array_equal(forms.plot().axes[1].lines[0].get_ydata(), forms.condition)
 
