@@ -1,4 +1,3 @@
-from .plants._zero_order_hold import zero_order_hold as zero_order_hold
 from .plants.gallery._aircraft import aircraft as aircraft
 from .plants.gallery._aircraft import aircraft_matrices as aircraft_matrices
 from .plants.gallery._aircraft import aircraft_plant as aircraft_plant

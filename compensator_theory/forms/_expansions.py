@@ -49,7 +49,8 @@ def markov_parameters(
 
     Notes
     -----
-    :math:`H_k = C A^{k-1} B` for every realisation. Source: (2.51), (3.8).
+    :math:`H_k = C A^{k-1} B` for every realisation. ``rcac_numeric.targets.markov_parameters`` has
+    those of several signals, each rounded once. Source: (2.51), (3.8).
 
     Examples
     --------

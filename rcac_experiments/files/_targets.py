@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
+from numpy.typing import ArrayLike
+
 from compensator_theory.errors import InputError
 from rcac_experiments.format._places import Place
 from rcac_experiments.format._signatures import Composed
@@ -22,7 +24,7 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule, plant_at
 from rcac_numeric.targets._data_driven import INPUTS, LITERAL, DataDriven
 from rcac_numeric.targets._filters import target_model
-from rcac_numeric.targets._high_authority import high_authority_target_model
+from rcac_numeric.targets._high_authority import high_authority_target
 from rcac_numeric.targets._markov import markov_target
 from rcac_numeric.targets._model import TargetModel
 from rcac_numeric.targets._modelling import ModellingInformation, modelling_information
@@ -123,14 +125,21 @@ def markov_of_plant(
     return markov_target(plant, n_bar)
 
 
-def with_directions(plant: Plant) -> Plant:
-    """The plant, if its zeros and their directions can be found."""
+def of_directions(known: DirectionInformation, taps: int | None = None) -> TargetModel:
+    """The target model of zeros and directions that a file says."""
+    return zero_direction_target(known, taps=taps)
+
+
+def of_own_directions(
+    plant: Plant, taps: int | None = None, squaring: ArrayLike | None = None
+) -> TargetModel:
+    """The target model of a plant whose zeros and their directions can be found."""
     if plant.n > LARGEST_DIRECTED:
         raise InputError(
             f"the plant has {plant.n} states; zero directions are found up to "
             f'{LARGEST_DIRECTED}. Use model = "markov".'
         )
-    return plant
+    return zero_direction_target(plant, taps=taps, squaring=squaring)
 
 
 class _LearntFrom(Choice):
@@ -157,7 +166,7 @@ TARGETS: Kinds[Any] = Kinds(
             Variant(_model(markov_of_plant)),
         ),
         "high authority": _model(
-            high_authority_target_model,
+            high_authority_target,
             "The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z.",
         ),
         "output subspace": _model(
@@ -168,19 +177,17 @@ TARGETS: Kinds[Any] = Kinds(
         "zero directions": Kind(
             Variant(
                 _model(
-                    zero_direction_target,
+                    of_directions,
                     "The same with H, zeros and directions of your own.",
-                    given=["squaring"],
                     needs=["zeros"],
-                    source=DirectionInformation,
+                    known=DirectionInformation,
                 ),
                 "zeros",
             ),
             Variant(
                 _model(
-                    zero_direction_target,
+                    of_own_directions,
                     "The FIR target model with the plant's NMP zeros in their directions.",
-                    source=with_directions,
                 )
             ),
         ),

@@ -59,7 +59,7 @@ def modelling_information_from_markov(
     >>> from rcac_numeric import standard_plant
     >>> from rcac_numeric.identification import modelling_information_from_markov
     >>> from rcac_numeric.targets import markov_parameters
-    >>> H = markov_parameters(standard_plant("2*(q - 1.5)/(q*(q - 0.5)*(q - 0.2))"), n_bar=12)
+    >>> H = markov_parameters(standard_plant("2*(q - 1.5)/(q*(q - 0.5)*(q - 0.2))"), count=13)
     >>> known = modelling_information_from_markov(H)
     >>> known.d_zu, known.H, [round(zero, 9) for zero in known.nmp_zeros]
     (2, 2.0, [1.5])

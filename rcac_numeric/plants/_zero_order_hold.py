@@ -48,7 +48,7 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
 
     Examples
     --------
-    >>> from rcac_numeric.gallery import zero_order_hold
+    >>> from rcac_numeric.plants._zero_order_hold import zero_order_hold
     >>> A_D, B_D = zero_order_hold([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], h=0.1)
     >>> A_D.tolist(), B_D.ravel().tolist()
     ([[1.0, 0.1], [0.0, 1.0]], [0.005, 0.1])

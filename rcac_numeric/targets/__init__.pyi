@@ -1,5 +1,5 @@
 from ._direction_checks import check_directions as check_directions
-from ._high_authority import high_authority_target_model as high_authority_target_model
+from ._high_authority import high_authority_target as high_authority_target
 from ._markov import markov_parameters as markov_parameters
 from ._markov import markov_target as markov_target
 from ._modelling import modelling_information as modelling_information

@@ -9,7 +9,7 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel, from_transfer_function
 
 
-def high_authority_target_model(plant: Plant) -> TargetModel:
+def high_authority_target(plant: Plant) -> TargetModel:
     """The high-authority LQG target model (4.24), corrected; scalar u, w, y and z.
 
     G_f(q) = H q^(n - d_zu - d_yw) N_zu,u / (mirror(N_zu,u) N_yw,s mirror(N_yw,u)), where mirror()
@@ -21,7 +21,7 @@ def high_authority_target_model(plant: Plant) -> TargetModel:
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, or StandardProblem in discrete time
         With scalar signals; a servo problem, whose w is [r; d; v], must first be written with the
         one exogenous input that is stochastic.
 
@@ -49,8 +49,8 @@ def high_authority_target_model(plant: Plant) -> TargetModel:
     Examples
     --------
     >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.targets import high_authority_target_model
-    >>> G_f = high_authority_target_model(standard_plant("(q - 2)/(q**2 - 1/4)"))
+    >>> from rcac_numeric.targets import high_authority_target
+    >>> G_f = high_authority_target(standard_plant("(q - 2)/(q**2 - 1/4)"))
     >>> G_f.numerator.ravel(), G_f.denominator.ravel()
     (array([ 0.,  1., -2.]), array([ 1.  , -1.  ,  0.25]))
     """

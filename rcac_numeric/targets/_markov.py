@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 from sympy import QQ, Matrix
@@ -12,43 +14,50 @@ from compensator_theory.errors import InputError
 from compensator_theory.systems._descriptions import is_description
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer, real_array, rounded
-from rcac_numeric.plants._foreign import linear_plant
+from rcac_numeric.plants._foreign import linear_plant, plant_of
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 
 
-def markov_parameters(plant: Plant, n_bar: int) -> Array:
-    """The Markov parameters H_0, ..., H_n_bar of G_zu, (2.52), each rounded once.
+def markov_parameters(G: Any, count: int, *, variable: str | None = None) -> Array:
+    """The Markov parameters H_0, ..., H_(count - 1) of G_zu, (2.52), each rounded once.
 
     H_0 = E_2,  H_i = E_1 A^(i-1) B
 
     Parameters
     ----------
-    plant : Plant
-        Any numbers of signals.
-    n_bar : int
-        Index of the last parameter.
+    G : Plant, or anything that `plant_of` reads
+        Any numbers of signals; of a plant it is G_zu.
+    count : int
+        How many; the first is H_0 = G(oo).
+    variable : {"z", "q"}, optional
+        Of lists of coefficients and matrices, which do not show it.
 
     Returns
     -------
-    array, shape (n_bar + 1, l_z, l_u)
+    array, shape (count, l_z, l_u)
         An entry is zero here if and only if it is zero for the shortest decimals of the plant's
         entries (or below the range of float64), so the relative degree can be read off.
 
     Raises
     ------
     InputError
-        If n_bar is negative, or a parameter exceeds the range of float64.
+        If count is no positive integer, or a parameter exceeds the range of float64.
+
+    Notes
+    -----
+    `compensator_theory.markov_parameters` has them exactly, of a scalar G, with symbols too.
 
     Examples
     --------
     >>> from rcac_numeric import standard_plant
     >>> from rcac_numeric.targets import markov_parameters
-    >>> markov_parameters(standard_plant("1/(q - 0.1)"), n_bar=3).ravel()
+    >>> markov_parameters(standard_plant("1/(q - 0.1)"), count=4).ravel()
     array([0.  , 1.  , 0.1 , 0.01])
     """
-    plant = linear_plant(plant)
-    parameters = _exact_parameters(plant, integer(n_bar, "n_bar", at_most=10_000))
+    integer(count, "count", at_least=1, at_most=10_001)
+    plant = linear_plant(G if variable is None else plant_of(G, variable=variable))
+    parameters = _exact_parameters(plant, count - 1)
     entries = [entry for H in parameters for entry in H]
     return rounded(entries, "the Markov parameters").reshape(-1, plant.l_z, plant.l_u)
 
@@ -99,7 +108,7 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     if isinstance(source, Plant):
         if n_bar is None:
             raise InputError("n_bar is needed to truncate a plant's Markov parameters.")
-        H = markov_parameters(source, n_bar)
+        H = markov_parameters(source, integer(n_bar, "n_bar", at_most=10_000) + 1)
         kept = _require_nonzero(H, source)
         scalar = kept.shape[1:] == (1, 1)
         return TargetModel(kept, exact=_scalar_filter(source, n_bar) if scalar else None)
@@ -119,7 +128,7 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
 def _require_nonzero(H: Array, source: Plant | Array) -> Array:
     if H.any():
         return H
-    further = source if isinstance(source, np.ndarray) else markov_parameters(source, source.n)
+    further = source if isinstance(source, np.ndarray) else markov_parameters(source, source.n + 1)
     if not further.any():
         raise InputError("every Markov parameter is zero, so the control does not act on z.")
     d_zu = int(np.flatnonzero(further.any(axis=(1, 2)))[0])

@@ -100,7 +100,7 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
             f"G_zu is {plant.l_z} x {plant.l_u}, wider than tall; output-subspace zeros are for "
             "l_z >= l_u. Use transmission_zero_polynomial."
         )
-    parameters = markov_parameters(plant, plant.n)
+    parameters = markov_parameters(plant, plant.n + 1)
     nonzero = np.flatnonzero(parameters.any(axis=(1, 2)))
     if nonzero.size == 0:
         raise InputError("G_zu = 0: the control does not act on z.")

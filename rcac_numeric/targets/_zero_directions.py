@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from numbers import Real
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,7 +90,10 @@ class DirectionInformation(Value):
 
 
 def zero_direction_target(
-    source: DirectionInformation | Plant,
+    H: ArrayLike | DirectionInformation | Plant,
+    zeros: Sequence[tuple[complex, Sequence[complex]]] = (),
+    *,
+    delays: int | Sequence[int] = 1,
     taps: int | None = None,
     squaring: ArrayLike | None = None,
 ) -> TargetModel:
@@ -99,8 +103,12 @@ def zero_direction_target(
 
     Parameters
     ----------
-    source : DirectionInformation or Plant
-        What is known of G_zu; of a plant, `direction_information` finds it.
+    H : array of shape (l_z, l_u), DirectionInformation or Plant
+        Row i is the first Markov parameter of row i of G_zu that is not zero; of full rank. Or all
+        that is known of G_zu, without zeros and delays; of a plant, `direction_information` finds
+        it.
+    zeros, delays : optional
+        Beside an array: as in `DirectionInformation`.
     taps : int, optional
         m; the least that is enough by default, 1 where the directions are independent.
     squaring : array, shape (l_u, l_z), optional
@@ -113,6 +121,8 @@ def zero_direction_target(
 
     Notes
     -----
+    `compensator_theory.zero_direction_target` answers the same exactly.
+
     With one real zero this is q^-d (I - z0 q^-1 eta eta'/eta'eta) H. H q^-d alone invites the
     controller to cancel the zero, the zero in every channel asks for one too many, and a zero in
     another direction is none of the plant's: `check_directions` says so by name. More taps have
@@ -122,13 +132,14 @@ def zero_direction_target(
     Examples
     --------
     >>> from rcac_numeric.targets import DirectionInformation, zero_direction_target
-    >>> known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
-    >>> zero_direction_target(known).numerator[2]
+    >>> zero_direction_target([[1, 0], [0, 2]], [(1.5, [1, -1])]).numerator[2]
     array([[-0.75,  1.5 ],
            [ 0.75, -1.5 ]])
+    >>> known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
+    >>> zero_direction_target(known) == zero_direction_target(known.H, known.zeros)
+    True
     """
-    if not isinstance(source, DirectionInformation):
-        source = linear_plant(source, "source")
+    source = _source(H, zeros, delays)
     plant = source if isinstance(source, Plant) else None
     if isinstance(source, Plant):
         source = direction_information(source, squaring)
@@ -147,6 +158,29 @@ def zero_direction_target(
         return fir_target(plant)  # the same, exactly
     # The plant's zeros and directions were found in float64: what is made of them is not exact.
     return TargetModel(found.numerator, found.denominator)
+
+
+def _source(
+    H: Any, zeros: Sequence[tuple[complex, Sequence[complex]]], delays: int | Sequence[int]
+) -> DirectionInformation | Plant:
+    """What is known of G_zu: of a matrix of numbers with the zeros beside it, else of H alone."""
+    if not isinstance(H, DirectionInformation) and _is_matrix_of_numbers(H):
+        return DirectionInformation(H, zeros, delays)
+    if len(zeros) or delays != 1:
+        raise InputError(
+            f"a {type(H).__name__} has its own zeros and delays; leave them out, or give H, the "
+            "array of the first Markov parameters."
+        )
+    return H if isinstance(H, DirectionInformation) else linear_plant(H, "H")
+
+
+def _is_matrix_of_numbers(H: Any) -> bool:
+    if isinstance(H, np.ndarray):
+        return True
+    rows = H if isinstance(H, list | tuple) else ()
+    return bool(rows) and all(
+        isinstance(row, list | tuple) and all(isinstance(x, Real) for x in row) for row in rows
+    )
 
 
 def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> DirectionInformation:
@@ -236,7 +270,7 @@ def _leading(plant: Plant, squaring: ArrayLike | None) -> tuple[Matrix, tuple[in
             raise InputError(
                 f"squaring = {right.tolist()} must be {plant.l_u} x {plant.l_z}, of full rank."
             )
-    parameters = markov_parameters(plant, plant.n)
+    parameters = markov_parameters(plant, plant.n + 1)
     if plant.l_u > plant.l_z and squaring is None:
         raise InputError(
             f"G_zu is {plant.l_z} x {plant.l_u}, wider than tall, and H q^-d would hide the NMP "

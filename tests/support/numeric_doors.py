@@ -38,7 +38,7 @@ DOORS = {
     "lqg_controller": lambda G, v: rcac.lqg_controller(G).compensator,
     "fir_target": lambda G, v: PUBLIC["fir_target"](G),
     "pole_placement_target": lambda G, v: PUBLIC["pole_placement_target"](G, ["1/2"]),
-    "high_authority_target_model": lambda G, v: PUBLIC["high_authority_target_model"](G),
+    "high_authority_target": lambda G, v: PUBLIC["high_authority_target"](G),
     "markov_parameters": lambda G, v: PUBLIC["markov_parameters"](G, 3),
     "markov_target": lambda G, v: PUBLIC["markov_target"](G, 3),
     "modelling_information": lambda G, v: PUBLIC["modelling_information"](G),

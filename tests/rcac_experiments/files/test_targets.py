@@ -7,7 +7,7 @@ from compensator_theory import InputError
 from rcac_experiments import load_experiment
 from rcac_experiments.files._builder import build
 from rcac_numeric import DataDriven, Plant, servo_plant, standard_plant
-from rcac_numeric.targets import high_authority_target_model, markov_target, output_subspace_target
+from rcac_numeric.targets import high_authority_target, markov_target, output_subspace_target
 
 G = "(q - 1.2)/((q - 0.5)*(q - 0.2))"
 
@@ -32,7 +32,7 @@ def test_markov(tmp_path):
 
 def test_high_authority(tmp_path):
     target = experiment(tmp_path, 'model = "high authority"').settings.target
-    assert target.exact == high_authority_target_model(standard_plant(G)).exact
+    assert target.exact == high_authority_target(standard_plant(G)).exact
 
 
 def test_output_subspace(tmp_path):

@@ -28,7 +28,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.targets import (
     direction_information,
-    high_authority_target_model,
+    high_authority_target,
     markov_parameters,
     markov_target,
     modelling_information,
@@ -112,7 +112,7 @@ def test_target_models_are_built_from_foreign_plants():
     system, own = control.tf([1, -1.3], [1, -1.1, 0.3], True), standard_plant(
         "(q - 1.3)/(q**2 - 1.1*q + 0.3)")  # fmt: skip
     for build in (
-        fir_target, high_authority_target_model, output_subspace_target, direction_information,
+        fir_target, high_authority_target, output_subspace_target, direction_information,
         lambda p: pole_placement_target(p, ["1/2"]), lambda p: markov_target(p, 5),
         modelling_information, zero_direction_target,
     ):  # fmt: skip

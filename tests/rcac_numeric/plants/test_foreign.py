@@ -34,7 +34,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.gallery import zero_order_hold
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
 from tests.support.foreign_systems import POINTS, of_control, random_system
 
 pytestmark = pytest.mark.exact_data  # a system that is read keeps every digit

@@ -7,7 +7,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import design, plant_of
-from rcac_numeric.gallery import zero_order_hold
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
 
 pytestmark = pytest.mark.exact_data
 

@@ -76,10 +76,10 @@ def test_the_known_ones_are_walked():
 def test_no_coefficient_was_a_decimal_on_the_way(name, kind):
     """No fraction of the plant has a factor of 5 in it; digits would bring it in."""
     refused = {
-        "high_authority_target_model": {"a pair on the circle"},
+        "high_authority_target": {"a pair on the circle"},
         "zero_direction_target": {"a double pair"},
     }.get(name, set())
-    if name == "high_authority_target_model" and kind == "servo_plant":
+    if name == "high_authority_target" and kind == "servo_plant":
         refused = set(OUTSIDE)  # w = [r; d; v] is for no LQG without its noises
     for label, words in OUTSIDE.items():
         if label in refused:

@@ -23,7 +23,7 @@ def test_the_parameters_are_the_impulse_response(plant):
     """Against python-control, for any numbers of signals."""
     system = control.ss(plant.A, plant.B, plant.E_1, plant.E_2, True)
     response = control.impulse_response(system, np.arange(9), squeeze=False).outputs
-    assert markov_parameters(plant, 8) == pytest.approx(np.moveaxis(response, 2, 0), abs=1e-9)
+    assert markov_parameters(plant, 9) == pytest.approx(np.moveaxis(response, 2, 0), abs=1e-9)
 
 
 @given(plants(feedthrough=True), st.integers(1, 12))
