@@ -126,6 +126,8 @@ def zero_direction_target(
     :math:`\tilde G_{zu} = q^{n_c}G_{zu}(D_c - N_c G_{yu})^{-1}`, which has every left zero
     direction of G_zu unless the inverse has a pole there: an internally unstable loop.
 
+    ``rcac_numeric.targets.zero_direction_target`` makes a target model of it, of a plant too.
+
     Examples
     --------
     >>> from compensator_theory import zero_direction_target

@@ -100,6 +100,8 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
 
     Notes
     -----
+    ``rcac_numeric.targets.high_authority_target`` makes a target model of it.
+
     Errata of (4.24): :math:`N_u(q^{-1})` is to be read as the monic polynomial
     :math:`q^{n_u}N_u(1/q)/N_u(0)`. Read literally it needs :math:`m = n_c - d_{zu} - d_{yw} -
     n_{zu,u} - n_{yw,u}` instead of the printed :math:`n_c - d_{zu} - d_{yu}`, and a division by

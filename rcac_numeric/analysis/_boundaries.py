@@ -46,7 +46,8 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
     if np.all(np.abs(excess) <= 1e-12 * sizes):
         raise InputError(
             "abs(L) = 1 at every frequency, so that every frequency is a gain crossover and phase "
-            "and delay have no single margin. Change the gain of the loop a little."
+            "and delay have no single margin. Change the gain of the loop a little, or ask "
+            "compensator_theory.stability_margins, whose is_all_pass says so."
         )
     found = _frequencies(excess, omega)
 

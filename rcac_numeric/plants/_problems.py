@@ -41,7 +41,7 @@ def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | Non
     return Plant(**matrices, blocks=dict(blocks or {}), exact=problem, sample_time=period)
 
 
-def standard_plant(G: Any, *, variable: str | None = None) -> Plant:
+def standard_plant(G: Any, variable: str | None = None) -> Plant:
     """The standard problem of a transfer function: y = z and w matched with u, (2.15).
 
     Parameters
