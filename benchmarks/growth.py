@@ -8,15 +8,18 @@ under it as soon as it has a call there; those whose inputs do not grow are name
 an answer computes when it is asked for, its properties and its text, is timed with it, under its
 own name.
 
-Every call runs in a child that is ended after so many seconds of processor time. A size that
-is refused or capped is the last one of its row. The exponent is that of the last step that took
-more than a millisecond. A row that took more than 10 s without a refusal by the budget is a cliff;
-all of them are listed, and the exit status says whether there are any.
+Every call runs in a child that is ended after so many seconds of processor time, or, where other
+work holds the processor, after ten times as many of the clock. A size that is refused or capped is
+the last one of its row. The exponent is that of the last step that took more than a millisecond. A
+row that took more than 10 s without a refusal by the budget is a cliff; all of them are listed, and
+the exit status says whether there are any. With --kept, each measurement is written to a file of
+JSON lines as it ends, and what stands in it is not measured again: a run that was ended goes on.
 
-    python benchmarks/growth.py [NAME ...] [--cap 15] [--sizes 2 5 10 20 50 100]
+    python benchmarks/growth.py [NAME ...] [--cap 15] [--sizes 2 5 10 20 50 100] [--kept FILE]
 """
 
 import argparse
+import json
 import math
 import multiprocessing
 import random
@@ -37,6 +40,7 @@ from tests.support import bad_inputs
 from tests.support.public import public_objects
 
 TOO_LONG = 10.0
+CLOCK = 10  # seconds of the clock for a second of the processor, at most
 MOST_CAPPED = 2  # properties of one answer, for each of which it is computed again
 ORDER = 4
 NAMES = sympy.symbols("a b c d")
@@ -276,6 +280,10 @@ def measure(name, inputs, cap, already):
         pending = name
         try:
             while pending:
+                if not here.poll(CLOCK * cap):  # the processor is another's
+                    child.kill()
+                    child.join()
+                    break
                 label, seconds, note = here.recv()
                 if seconds is not None:
                     found[label] = seconds, note
@@ -283,19 +291,41 @@ def measure(name, inputs, cap, already):
                     pending = label
         except EOFError:  # ended by the cap, or by an error of its own
             child.join()
-            is_capped = child.exitcode == -signal.SIGXCPU
-            found[pending] = (float(cap), "capped") if is_capped else (0.0, "failed")
+        if pending:
+            note = {-signal.SIGXCPU: "capped", -signal.SIGKILL: "waited"}.get(child.exitcode)
+            found[pending] = (float(cap) if note == "capped" else 0.0, note or "failed")
             skipped.add(pending)
         child.join()
         if not pending or pending == name or len(skipped) > len(already) + MOST_CAPPED:
             return found
 
 
-def rows(name, points, cap):
+class Kept:
+    """The measurements of a file of JSON lines, to which new ones are written as they end."""
+
+    def __init__(self, path):
+        self.path, self.found = path, {}
+        if path is not None and path.exists():
+            for line in path.read_text().splitlines():
+                name, kind, size, found = json.loads(line)
+                self.found[name, kind, size] = found
+
+    def measured(self, name, kind, size, call):
+        """Return what stands in the file, else what the call measures."""
+        if (name, kind, size) not in self.found:
+            self.found[name, kind, size] = found = call()
+            if self.path is not None:
+                with self.path.open("a") as file:
+                    file.write(json.dumps([name, kind, size, found]) + "\n")
+        return self.found[name, kind, size]
+
+
+def rows(name, kind, points, cap, kept):
     """Return {label: [(size, seconds, note)]}; a row ends where it is refused or capped."""
     found, ended = {}, set()
     for size, inputs in points:
-        for label, (seconds, note) in measure(name, inputs, cap, ended).items():
+        measured = kept.measured(name, kind, size, lambda i=inputs: measure(name, i, cap, ended))
+        for label, (seconds, note) in measured.items():
             if label not in ended:
                 found.setdefault(label, []).append((size, seconds, note))
             if note:
@@ -322,9 +352,9 @@ def written(row):
 
 
 def is_cliff(row):
-    """Tell whether the last call took long, and was not refused by the budget before."""
+    """Tell whether the last call took long and the budget had not refused it, or failed."""
     _, seconds, note = row[-1]
-    return seconds > TOO_LONG or note == "capped"
+    return seconds > TOO_LONG or note in ("capped", "waited", "failed")
 
 
 def grows(name):
@@ -344,8 +374,9 @@ def main():
     parser.add_argument("names", nargs="*", default=sorted(FUNCTIONS), metavar="NAME")
     parser.add_argument("--sizes", nargs="+", type=int, default=[2, 5, 10, 20, 50, 100])
     parser.add_argument("--cap", type=float, default=15.0)
+    parser.add_argument("--kept", type=Path, help="a file of JSON lines")
     given = parser.parse_args()
-    cliffs, fixed = [], []
+    cliffs, fixed, kept = [], [], Kept(given.kept)
     for name in given.names:
         if not grows(name):
             fixed.append(name)
@@ -353,13 +384,13 @@ def main():
         numbers = [(n, Inputs(n)) for n in given.sizes]
         symbols = [(m, Inputs(ORDER, m)) for m in range(1, len(NAMES) + 1)]
         for kind, points in (("n", numbers), ("symbols", symbols)):
-            for label, row in rows(name, points, given.cap).items():
+            for label, row in rows(name, kind, points, given.cap, kept).items():
                 line = f"{label:40} {kind:8} {written(row)}"
                 if label == name or max(t for _, t, _ in row) > 0.1:
                     print(line, flush=True)
                 if is_cliff(row):
                     cliffs.append(line)
-    print(f"\n{len(cliffs)} of more than {TOO_LONG:g} s:", *cliffs, sep="\n")
+    print(f"\n{len(cliffs)} of more than {TOO_LONG:g} s, or failed:", *cliffs, sep="\n")
     print("\ninputs that do not grow:", ", ".join(fixed))
     sys.exit(bool(cliffs))
 

@@ -278,7 +278,10 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
     S: Matrices = (A - B @ inverse @ C, B @ inverse, -inverse @ C, inverse)
     T: Matrices = (S[0], S[1], -S[2], one - inverse)
     difference: Matrices = (S[0], S[1], 2 * S[2], 2 * inverse - one)
-    peak, omega = hinf_norm(difference) if scalar is not None else structured_peak(difference)
+    if scalar is None:
+        peak, omega = structured_peak(difference)
+    else:
+        peak, omega = hinf_norm(difference, response=_by_sensitivity(scalar, -1, 2))
     radius = float("nan")
     if scalar is not None and peak > 0:
         value = scalar.response(omega)[0]
@@ -288,5 +291,18 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
             factor = (S_minus_T + 1) / (S_minus_T - 1)
             radius = scalar.radius(factor)
     return DiskMargin(
-        2 / peak if peak > 0 else float("inf"), omega, *hinf_norm(S), *hinf_norm(T), radius
+        2 / peak if peak > 0 else float("inf"),
+        omega,
+        *hinf_norm(S, response=_by_sensitivity(scalar, 0, 1)),
+        *hinf_norm(T, response=_by_sensitivity(scalar, 1, -1)),
+        radius,
     )
+
+
+def _by_sensitivity(
+    loop: OpenedLoop | None, constant: int, factor: int
+) -> Callable[[Array], ComplexArray] | None:
+    """Values of constant + factor S without the states of a delay; None where there is none."""
+    if loop is None or not loop.undelayed[0]:
+        return None
+    return lambda omega: constant + factor / (1 + loop.response(omega))

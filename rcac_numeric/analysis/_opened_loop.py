@@ -18,6 +18,7 @@ from compensator_theory.systems._descriptions import is_description
 from compensator_theory.systems._foreign import is_foreign
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis, closed_loop
+from rcac_numeric.analysis._pure_delays import without_delay
 from rcac_numeric.analysis._resolvents import (
     MANY_STATES,
     hessenberg_form,
@@ -50,14 +51,30 @@ class OpenedLoop(Value):
 
     def at(self, z: ComplexArray) -> ComplexArray:
         """L at points of the plane."""
-        return self._resolvent(z, 1)
+        steps, inner = self.undelayed
+        return _shifted(inner._resolvent(z, 1), z, steps)
 
     def slope(self, z: ComplexArray) -> ComplexArray:
         """dL/dz at points of the plane."""
-        return self._resolvent(z, 2)
+        steps, inner = self.undelayed
+        slope = inner._resolvent(z, 2)
+        return _shifted(slope - steps * inner._resolvent(z, 1) / z if steps else slope, z, steps)
+
+    @cached_property
+    def undelayed(self) -> tuple[int, OpenedLoop]:
+        """The steps k and the loop of which L is z^{-k} times; itself where no state is a delay."""
+        steps, matrices = without_delay(self.A, self.B, self.C, self.D)
+        return steps, OpenedLoop(*matrices) if steps else self
 
     def nearness(self, z: ComplexArray) -> tuple[float, Array]:
-        """1 + norm(A), and norm((zI - A)^{-1}), of many states an estimate in other coordinates."""
+        """1 + norm(A), and norm((zI - A)^{-1}), of many states an estimate in other coordinates.
+
+        Those of the loop without its pure delay, of which each step adds one to the first.
+        """
+        steps, inner = self.undelayed
+        if steps:
+            size, found = inner.nearness(z)
+            return size + steps, np.maximum(found, 1.0)
         if len(self.A) >= MANY_STATES:
             H = self._by_hessenberg[0]
             with np.errstate(all="ignore"):
@@ -103,7 +120,9 @@ class OpenedLoop(Value):
     @cached_property
     def open_poles(self) -> ComplexArray:
         """The eigenvalues of the opened loop."""
-        return np.linalg.eigvals(self.A).astype(np.complex128)
+        inner = self.undelayed[1].A
+        hidden = np.zeros(len(self.A) - len(inner))
+        return np.concatenate([np.linalg.eigvals(inner), hidden]).astype(np.complex128)
 
     def closed_poles(self, gain: complex = 1.0) -> ComplexArray:
         """The roots of 1 + gain L = 0 with the hidden modes; infinite where it is not well posed.
@@ -140,6 +159,14 @@ class OpenedLoop(Value):
         C = np.zeros((1, n + steps))
         C[0, -1] = 1.0
         return OpenedLoop(A, B, C, np.zeros((1, 1)))
+
+
+def _shifted(values: ComplexArray, z: ComplexArray, steps: int) -> ComplexArray:
+    """z^{-steps} times these values; infinite ones stay so."""
+    if not steps:
+        return values
+    with np.errstate(all="ignore"):  # infinite, at a pole
+        return np.where(np.isfinite(values), values * np.asarray(z) ** -steps, np.inf + 0j)
 
 
 def broken_loop(

@@ -17,26 +17,42 @@ GRID = np.geomspace(1e-3, 3.0, 40)  # rad/sample, where a peak may be beside tho
 COARSE = 1e-6  # a tolerance above this is met by the level sets themselves
 
 
-def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
+def hinf_norm(
+    system: Matrices,
+    rtol: float = 1e-10,
+    response: Callable[[Array], ComplexArray] | None = None,
+) -> tuple[float, float]:
     """The largest singular value of a stable system over the unit circle, and where it is.
 
     The level-set method of Bruinsma and Steinbuch: the frequencies at which a singular value
     equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
     to the best value at the midpoints between them until there is none.
+
+    `response` is a quicker way than by the states to the values of a scalar system.
     """
     n = len(system[0])
     if n >= MANY_STATES:
         system = (*hessenberg_form(*system[:3]), system[3])
     A = system[0]
 
+    def sizes(omegas: Array) -> Array:
+        if response is not None:
+            return np.abs(response(omegas))
+        return np.asarray(np.linalg.norm(responses_of(system, omegas), 2, axis=(1, 2)))
+
     def highest(omegas: Array) -> tuple[float, float]:
-        values = np.linalg.norm(responses_of(system, omegas), 2, axis=(1, 2))
+        values = sizes(omegas)
         i = int(np.argmax(values))
         return float(values[i]), float(omegas[i])
 
     # A good start saves level sets, which cost more than all of these frequencies.
     starts = np.r_[0.0, np.pi, np.abs(np.angle(np.linalg.eigvals(A))), GRID] if n else np.zeros(1)
     best, where = highest(starts)
+    if n and response is not None:
+        starts = np.unique(starts)
+        i = int(np.searchsorted(starts, where))
+        sides = starts[max(i - 1, 0)], starts[min(i + 1, len(starts) - 1)]
+        best, where = _refined(lambda w: highest(np.array([w]))[0], best, where, sides)
     for _ in range(60):
         if not n or best < SMALLEST:
             break
@@ -93,12 +109,17 @@ def level_crossings(system: Matrices, level: float) -> Array:
     return np.unique(np.abs(np.angle(values[np.abs(np.abs(values) - 1) < 1e-5])))
 
 
-def _refined(value: Callable[[float], float], best: float, where: float) -> tuple[float, float]:
-    """The top of the peak that the level sets have isolated."""
+def _refined(
+    value: Callable[[float], float],
+    best: float,
+    where: float,
+    sides: tuple[float, float] | None = None,
+) -> tuple[float, float]:
+    """The top of the peak that the level sets have isolated, or that is between two points."""
     from scipy.optimize import minimize_scalar  # a sixth of a second
 
     width = 1e-4
-    low, high = max(where - width, 0.0), min(where + width, np.pi)
+    low, high = sides or (max(where - width, 0.0), min(where + width, np.pi))
     found = minimize_scalar(
         lambda w: -value(w),
         bounds=(low, high),

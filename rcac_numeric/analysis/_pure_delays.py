@@ -1,0 +1,94 @@
+"""The pure delay of a scalar system in state space, taken out of its states."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array
+
+Matrices = tuple[Array, Array, Array, Array]
+
+
+def without_delay(A: Array, B: Array, C: Array, D: Array) -> tuple[int, Matrices]:
+    """The steps k >= 0 and a system with C (zI - A)^{-1} B + D = z^{-k} times its response.
+
+    A state is a step of delay where it is another one a step ago, by entries that are 1. Steps are
+    taken away where the output reads nothing else, where the input enters nothing else, and where
+    every path from the input to the output passes a chain of them. The states that leave have their
+    poles at 0.
+    """
+    if D.any() or not len(A):
+        return 0, (A, B, C, D)
+    steps, (A, B, C) = _inner_chains(A, B, C)
+    for is_dual in (False, True):
+        if is_dual:
+            A, B, C = A.T, C.T, B.T
+        while (shorter := _without_last(A, B, C)) is not None:
+            steps, (A, B, C) = steps + 1, shorter
+        if is_dual:
+            A, B, C = A.T, C.T, B.T
+    return steps, (A, B, C, D)
+
+
+def _without_last(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array] | None:
+    """A step less before the output, and without a state that nothing reads; None if there is none.
+
+    y = C x = z^{-1} C A x where no state that is read takes anything of the input.
+    """
+    read = np.flatnonzero(C[0])
+    is_shift = (np.count_nonzero(A[read], axis=1) == 1) & (A[read].max(axis=1) == 1)
+    if not len(read) or not is_shift.all() or B[read].any() or A[read, read].any():
+        return None
+    C = C @ A
+    kept = A.any(axis=0) | C.any(axis=0)
+    if kept.all() or not C.any():
+        return None
+    return A[np.ix_(kept, kept)], B[kept], C[:, kept]
+
+
+def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array, Array]]:
+    """The same with every chain of steps that no path goes round contracted to its first state."""
+    is_shift = (np.count_nonzero(A, axis=1) == 1) & (A.max(axis=1) == 1) & ~B.any(axis=1)
+    readers = np.count_nonzero(A, axis=0) + np.count_nonzero(C, axis=0)
+    # follows[j] = i: x_j is x_i a step ago, and nothing else reads x_i
+    follows = {}
+    for j in np.flatnonzero(is_shift):
+        i = int(A[j].argmax())
+        if i != j and readers[i] == 1:
+            follows[int(j)] = i
+    leads = {i: j for j, i in follows.items()}
+    steps, gone = 0, np.zeros(len(A), dtype=bool)
+    A, C = A.copy(), C.copy()
+    for first in leads.keys() - follows.keys():
+        chain = [first]
+        while chain[-1] in leads:
+            chain.append(leads[chain[-1]])
+        if not _is_passed_once(A, B, C, first):
+            continue
+        last = chain[-1]
+        A[:, first], C[:, first] = A[:, last], C[:, last]
+        gone[chain[1:]] = True
+        steps += len(chain) - 1
+    kept = ~gone
+    return steps, (A[np.ix_(kept, kept)], B[kept], C[:, kept])
+
+
+def _is_passed_once(A: Array, B: Array, C: Array, state: int) -> bool:
+    """Whether every path from the input to the output goes through a state, and none comes back."""
+    links = A != 0
+    onward = np.zeros(len(A), dtype=bool)
+    onward[state] = True
+    back = _reached(links, links[:, state])
+    links[:, state] = False
+    round_it = _reached(links, (B[:, 0] != 0) & ~onward)
+    return not back[state] and not (round_it & ~onward & (C[0] != 0)).any()
+
+
+def _reached(links: Array, start: Array) -> Array:
+    """All states that are reached from some, by links[to, from]."""
+    reached = start.copy()
+    while True:
+        more = reached | links[:, reached].any(axis=1)
+        if (more == reached).all():
+            return reached
+        reached = more
