@@ -88,7 +88,7 @@ def _reached(links: Array, start: Array) -> Array:
     """All states that are reached from some, by links[to, from]."""
     reached = start.copy()
     while True:
-        more = reached | links[:, reached].any(axis=1)
+        more = np.logical_or(reached, links[:, reached].any(axis=1))
         if (more == reached).all():
             return reached
-        reached = more
+        reached = np.asarray(more)
