@@ -33,6 +33,7 @@ from rcac_numeric.designing._plants import (
     Uncertainty,
     Variation,
     read_plant,
+    refuse_states,
     variations,
 )
 from rcac_numeric.designing._reduced import (
@@ -350,6 +351,8 @@ def design(
     ------
     InputError
         Where the plant is not square or cannot be read, or a value is out of range.
+    BudgetError
+        Where the plant has more than 40 states and no truncation of it has fewer.
     NoSolutionError
         Where no reference controller exists.
 
@@ -447,6 +450,7 @@ class _Basis:
 def _basis_of(
     model: DesignPlant, usual: Uncertainty, around: _Surroundings, logged: LoggedPlant | None = None
 ) -> _Basis:
+    refuse_states(model)
     u_range = _range(around.saturation)
     expected, assumed = _expected(
         logged, around.disturbance, around.noise, around.command, u_range, model

@@ -9,10 +9,10 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, logm, matrix_balance
+from scipy.linalg import block_diag, expm, logm, matrix_balance
 
 import compensator_theory as exact
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.errors import BudgetError, ImproperError, InputError, NoSolutionError
 from compensator_theory.systems._descriptions import has_states, shape_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import (
@@ -37,9 +37,11 @@ from rcac_numeric.targets._zero_directions import DirectionInformation
 
 MOST_SIGNALS = 4  # inputs and outputs
 ALIKE = 100.0  # the gain of an output, or of an input, over that of another
+MOST_STATES = 40  # beyond it each of the ladder's Riccati equations and peaks takes seconds
 LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
+LOGARITHM = 1e-6  # what a plant in continuous time may miss of the sampled one when it is held
 ROUNDING = 1e-9  # of a period of dead time
 IMPROPER = (
     "the plant is not strictly proper: y follows u at once. Add the lag of the actuator or of the "
@@ -245,7 +247,12 @@ def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
     if ((np.abs(poles.imag) < 1e-9) & (poles.real < 1e-6)).any():
         return None
     held = np.block([[plant.A, plant.B], [np.zeros((plant.m, n)), np.eye(plant.m)]])
-    found = np.asarray(logm(held))
+    try:
+        found = np.asarray(logm(held))
+    except ValueError:  # it leaves float64
+        return None
+    if not np.linalg.norm(expm(found) - held) <= LOGARITHM * np.linalg.norm(held):
+        return None
     if np.abs(found.imag).max(initial=0.0) > 1e-9 * np.abs(found).max(initial=1.0):
         return None
     return found.real[:n, :n], found.real[:n, n:]
@@ -440,7 +447,20 @@ def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
     return _checked(replace(plant, delay=plant.delay + whole + steps))
 
 
+def refuse_states(plant: DesignPlant) -> None:
+    """Refuse a plant of more states than a design takes."""
+    if len(plant.A) > MOST_STATES:
+        raise BudgetError(
+            f"the plant has {len(plant.A)} states, its float64 matrices have no truncation that is "
+            f"near enough, and the Riccati equations of a design take at most {MOST_STATES}. "
+            "Reduce its order, for instance by control.balred, and give a dead time that stands "
+            "among its states apart, as dead_time."
+        )
+
+
 def _checked(plant: DesignPlant) -> DesignPlant:
+    if len(plant.A) > MOST_STATES and (plant.later is not None or not plant.is_stable):
+        refuse_states(plant)  # before anything is solved for a plant that is not truncated
     if plant.longest * plant.m > LONGEST_DELAY:
         raise InputError(
             f"the dead time is {plant.longest} steps, and each of them has two coefficients of the "

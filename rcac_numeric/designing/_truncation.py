@@ -13,9 +13,8 @@ from rcac_numeric.analysis._peaks import responses_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator
-from rcac_numeric.designing._plants import LONGEST_DELAY, DesignPlant
+from rcac_numeric.designing._plants import LONGEST_DELAY, MOST_STATES, DesignPlant
 
-MOST_STATES = 40  # beyond it each of the ladder's Riccati equations and peaks takes seconds
 OF_PEAK, AT_REST = 0.01, 0.05  # the error that is allowed, over the largest and the low gain
 GRID = 600  # frequencies at which responses are compared, and those of the slow modes
 RINGS = 0.9  # modulus of a pole that may show between two of them

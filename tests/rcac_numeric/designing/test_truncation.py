@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
 
-from compensator_theory.errors import NoSolutionError
+from compensator_theory.errors import BudgetError, NoSolutionError
 from rcac_numeric import ClosedLoop, Compensator, Plant, Step, design
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.designing._plants import LONGEST_DELAY, DesignPlant
@@ -117,3 +117,30 @@ def test_a_controller_that_the_whole_plant_does_not_bear_is_refused(monkeypatch)
     monkeypatch.setattr(module, "truncated", lambda plant: wrong)
     with pytest.raises(NoSolutionError, match="give a model of lower order"):
         design(Plant(whole.A, whole.B, whole.B, whole.C), seeds=1, steps=100)
+
+
+def poles_on_a_circle(n, radius):
+    """A plant whose poles are n points of a circle: no state of it may be left out."""
+    A = np.eye(n, k=-1)
+    A[0, -1] = radius**n
+    return Plant(
+        A=A, B=np.eye(n)[:, [0]], C=np.eye(n)[[-1]], D_1=np.eye(n)[:, [0]], E_1=np.eye(n)[[-1]]
+    )
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [
+        "1/(q - 1)**400",
+        "1/(q - 1/2)**60",
+        poles_on_a_circle(60, 1.01),
+        poles_on_a_circle(60, 0.999),
+    ],
+    ids=["chain of integrators", "multiple pole", "unstable", "rings"],
+)
+def test_more_states_than_a_design_takes_are_refused_before_an_equation_is_solved(
+    plant, monkeypatch
+):
+    monkeypatch.setattr("rcac_numeric.designing._design.Ladder", None)
+    with pytest.raises(BudgetError, match=r"the plant has \d+ states.*Reduce its order"):
+        design(plant)
