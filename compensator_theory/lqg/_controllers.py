@@ -278,7 +278,11 @@ class LQGController(ExactValue):
         if self.compensator is not None:
             D = self.enclosure if self.polynomial is None else format_polynomial(self.polynomial)
             return f"D = {D}\nG_c = {self.compensator}"
-        return f"D = {self.enclosure}"
+        return (
+            f"D = {self.enclosure}\n"
+            "G_c spans no number field of degree 4 or less; certified are regulator.K_enclosure, "
+            "estimator.K_enclosure and cost_enclosure"
+        )
 
     def _repr_latex_(self) -> str:
         return self.poles._repr_latex_()

@@ -184,6 +184,14 @@ def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> Immutable
     return from_flint(flint.fmpq_mat(*shape, entries))
 
 
+def stacked(rows: Sequence[ImmutableMatrix]) -> ImmutableMatrix:
+    """Return matrices one below the other; each is copied once for a halving of their number."""
+    if len(rows) < 3:
+        return ImmutableMatrix.vstack(*rows)
+    half = len(rows) // 2
+    return stacked(rows[:half]).col_join(stacked(rows[half:]))
+
+
 def identity_matrix(size: int) -> RationalMatrix:
     """Return the identity matrix."""
     ones = [int(i == j) for i in range(size) for j in range(size)]

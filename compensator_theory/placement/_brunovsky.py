@@ -14,7 +14,7 @@ from compensator_theory.matrices._certificates import Certified, Residuals, prov
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, zero_matrix
+from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, stacked, zero_matrix
 from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
@@ -151,7 +151,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
             rows.append(row)
             row = multiplied(row, a)
         tops.append(row)  # h A^kappa
-    basis_inverse = ImmutableMatrix.vstack(*rows)
+    basis_inverse = stacked(rows)
     moved = multiplied(basis_inverse, b)
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
@@ -162,14 +162,15 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     right = (-ImmutableMatrix.vstack(*tops)).row_join(whole[used, :] - same)
     solved = multiplied(whole[:, used], solve(gain, right))
     F, W = solved[:, :n], solved[:, n:] + (alone * alone.T if others else zero_matrix(m, m))
-    closed, starts = a + multiplied(b, F), multiplied(b, W)
+    starts, both = multiplied(b, W), a.row_join(b)
     T_columns: list[ImmutableMatrix] = []
     for i in used:  # (A + B F) t_k = t_(k - 1), from the last, B w, to the first of a chain
         chain = [starts[:, i]]
         for _ in range(1, indices[i]):
-            chain.append(multiplied(closed, chain[-1]))
+            pushed = multiplied(F, chain[-1])  # and not A + B F, all of whose entries are long
+            chain.append(multiplied(both, chain[-1].col_join(pushed)))
         T_columns += reversed(chain)
-    T = ImmutableMatrix.hstack(*T_columns)
+    T = stacked([column.T for column in T_columns]).T
     divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
     result = BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors))
     proven(result.certificate, "form")
