@@ -14,7 +14,12 @@ from compensator_theory.matrices._certificates import Certified, Residuals, prov
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices._flint_matrices import identity_matrix, of_rows, stacked, zero_matrix
+from compensator_theory.matrices._flint_matrices import (
+    identity_matrix,
+    of_rows,
+    stacked,
+    zero_matrix,
+)
 from compensator_theory.matrices._linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial

@@ -1,5 +1,7 @@
 """Riccati equations and LQG over number fields: substitution, textbooks, SciPy, mpmath."""
 
+from operator import attrgetter
+
 import flint
 import numpy as np
 import pytest
@@ -340,3 +342,15 @@ def test_the_budget_is_a_door():
     plant = standard_problem("(q**2 - 3*q + 1)/(q**3 - 5)")
     with budget(field_degree=64):
         assert lqg_controller(plant).is_exact
+
+
+def test_a_controller_without_a_formula_says_which_numbers_are_certified():
+    unit = [[1, 0], [0, 1]]
+    plant = lqg_problem(
+        ([[1, 2], [0, 3]], [[1], [2]], [[1, 1]]), unit, [[1]], unit, [[1]], variable="s"
+    )
+    found = lqg_controller(plant)
+    assert found.compensator is None
+    named = str(found).partition("certified are ")[2].replace(" and ", ", ").split(", ")
+    assert len(named) == 3
+    assert all(attrgetter(name)(found) is not None for name in named)
