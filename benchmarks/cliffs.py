@@ -148,6 +148,27 @@ def margins_of_dead_time_100() -> Call:
     return _dead_time(100)
 
 
+@row(aim=0.2)
+def margins_of_a_plant_with_dead_time_90() -> Call:
+    """The delay stands between the plant's lag and the compensator."""
+    from rcac_numeric import Compensator, stability_margins, standard_plant
+
+    plant = standard_plant("0.004/(q**90*(q - 0.995))")
+    compensator = Compensator(past_u=[[[-0.1]]], past_y=[[[0.0]], [[-1.0]]])
+    return lambda: stability_margins((plant, compensator))
+
+
+@row(aim=10.0)
+def brunovsky_form_100() -> Call:
+    from compensator_theory import brunovsky_form
+
+    drawn, n = random.Random("brunovsky_form"), 100
+    A, B = (
+        [[drawn.randint(-9, 9) for _ in range(columns)] for _ in range(n)] for columns in (n, 1)
+    )
+    return lambda: brunovsky_form(A, B)
+
+
 def _timed(name: str, repeats: int) -> list[float]:
     """Seconds of processor time of calls after a first one, of which SymPy remembers nothing."""
     found = []
