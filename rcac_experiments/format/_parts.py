@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any, Generic, TypeVar
 
 import attrs
@@ -33,6 +34,12 @@ def resolved(value: Any, plant: Any) -> Any:
     return value
 
 
+@lru_cache(maxsize=256)
+def signature_of(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    """The parameters of a function or class, which takes long to find and never changes."""
+    return inspect.signature(make).parameters
+
+
 @attrs.frozen(eq=False)
 class Part(Value, Generic[T]):
     """A function or class, and the arguments that a table has for it, read and typed."""
@@ -44,11 +51,11 @@ class Part(Value, Generic[T]):
         """An argument, or what it is where the table does not say it."""
         if name in self.arguments:
             return self.arguments[name]
-        return inspect.signature(self.make).parameters[name].default
+        return signature_of(self.make)[name].default
 
     def of(self, plant: Any, **others: Any) -> T:
         """Make it, for this plant; `others` are arguments that do not stand in the file."""
-        if "plant" in inspect.signature(self.make).parameters:
+        if "plant" in signature_of(self.make):
             others = {"plant": plant, **others}
         return self.make(**resolved(self.arguments, plant), **others)
 

@@ -149,11 +149,19 @@ class Composed(Generic[T]):
     def __signature__(self) -> inspect.Signature:
         return inspect.Signature(self.parameters)
 
+    @cached_property
+    def _asked(self) -> tuple[frozenset[str], frozenset[str]]:
+        """The names of what it asks for, and of those of them that have no default."""
+        required = (one.name for one in self.parameters if one.default is one.empty)
+        return frozenset(one.name for one in self.parameters), frozenset(required)
+
     def __call__(self, **values: Any) -> T:
         """Make it of what stands in the signature."""
-        self.__signature__.bind(**values)
+        asked, required = self._asked
+        if not required <= values.keys() <= asked:
+            self.__signature__.bind(**values)  # says which is missing or unknown
         given = {name: values[name] for name in self.names if name in values}
         for name, part in self.parts.items():
-            asked = {one.name for one in part.parameters}
-            given[name] = part(**{key: value for key, value in values.items() if key in asked})
+            known = part._asked[0]
+            given[name] = part(**{key: value for key, value in values.items() if key in known})
         return self.make(**given)

@@ -193,7 +193,7 @@ class Table(Form, Generic[T]):
             for key in keys_of(self.make, self._forms, self.given)
         )
 
-    @property
+    @cached_property
     def kinds(self) -> dict[str, Kinds[Any]]:
         """The choices that are spread over this table, by key."""
         return {key.name: key.form for key in self.keys if isinstance(key.form, Kinds)}
@@ -208,8 +208,12 @@ class Table(Form, Generic[T]):
         """The first sentence of the docstring."""
         return summary_of(self.make)
 
-    def all_keys(self) -> dict[str, list[Key]]:
+    def all_keys(self) -> Mapping[str, list[Key]]:
         """Every key that may stand in the table, those of all kinds too."""
+        return self._all_keys
+
+    @cached_property
+    def _all_keys(self) -> Mapping[str, list[Key]]:
         every: dict[str, list[Key]] = {}
         for key in self.keys:
             every.setdefault(key.name, []).append(key)
@@ -306,10 +310,10 @@ class Variant(Generic[T]):
         self.table = table if isinstance(table, Table) else Table(table)
         self.marker = marker
 
-    @property
-    def names(self) -> set[str]:
+    @cached_property
+    def names(self) -> frozenset[str]:
         """The names of its keys."""
-        return {key.name for key in self.table.keys}
+        return frozenset(key.name for key in self.table.keys)
 
 
 class Kind(Generic[T]):

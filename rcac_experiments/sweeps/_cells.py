@@ -13,7 +13,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.experiments._experiment import RunSpecification
-from rcac_experiments.files._runs import RunTables, read_again, read_run
+from rcac_experiments.files._runs import RunTables, read_again, read_run, require_sense
 from rcac_experiments.sweeps._canonical import canonical_json
 from rcac_experiments.sweeps._study import Coordinates, Study
 from rcac_numeric.arrays._array_types import Array
@@ -95,6 +95,7 @@ class Cell:
 # Entries of [controller] that are numbers of a controller, whatever else stands there.
 OF_UPDATE = {"controller.R_theta": "R_theta", "controller.lambda": "lambda_"}
 OF_SETTINGS = {f"controller.{name}": name for name in ("R_z", "R_u", "theta_0")}
+OF_START = {f"controller.{name}": name for name in ("k_w", "k_update")}
 
 
 class Cells:
@@ -111,8 +112,9 @@ class Cells:
         self._targets: OrderedDict[str, Any] = OrderedDict()
         self._read: tuple[dict[str, Any], RunTables] | None = None
         self._built: tuple[Any, Any, Any] | None = None
+        self._plant: tuple[Any, str] | None = None
         self._alike: OrderedDict[str, RunSpecification] = OrderedDict()
-        numbers = {**OF_UPDATE, **OF_SETTINGS}
+        numbers = {**OF_UPDATE, **OF_SETTINGS, **OF_START}
         self._numbers = [axis for axis in study.axes if axis.sets in numbers]
         self._others = [axis for axis in study.axes if axis.sets not in numbers]
 
@@ -145,14 +147,16 @@ class Cells:
             before, of_before = self._read
             tables = read_again(of_before, before, document, file)
         self._read = document, tables
-        of_plant = canonical_json(document["plant"])
+        if self._plant is None or self._plant[0] is not document["plant"]:
+            self._plant = document["plant"], canonical_json(document["plant"])
+        of_plant = self._plant[1]
         plant = _remembered(self._plants, of_plant, tables.plant.build)
         built = self._built
         if built is None or built[0] is not tables.controller or built[1] is not plant:
             target = tables.controller.target
             known = None
             if target is not None:
-                of_target = canonical_json([document["plant"], document["target"]])
+                of_target = f"{of_plant} {canonical_json(document['target'])}"
                 known = _remembered(self._targets, of_target, lambda: target.of(plant))
             built = tables.controller, plant, tables.controller.build(plant, known)
             self._built = built
@@ -165,18 +169,28 @@ class Cells:
         settings = alike.settings
         if type(settings) is not ControllerSettings:
             return None
-        of_update, of_settings = {}, {}
+        of_update: dict[str, Any] = {}
+        of_settings: dict[str, Any] = {}
+        start: dict[str, Any] = {}
         for axis in self._numbers:
             value = coordinates[axis.name]
             if axis.sets in OF_UPDATE:
                 of_update[OF_UPDATE[axis.sets]] = value
-            else:
+            elif axis.sets in OF_SETTINGS:
                 of_settings[OF_SETTINGS[axis.sets]] = value
+            else:
+                start[OF_START[axis.sets]] = value
+        if start:
+            table = self.study.base["controller"]  # type: ignore[index]
+            of_settings |= {name: start.get(name, table.get(name)) for name in OF_START.values()}
         try:
             changed = settings_with_numbers(settings, of_update, of_settings)
+            made = None if changed is None else replaced(alike, settings=changed)
+            if start and made is not None:
+                require_sense(made)
         except CompensatorError:
             return None  # the tables say what is wrong, and where it stands
-        return None if changed is None else replaced(alike, settings=changed)
+        return made
 
 
 def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> T:

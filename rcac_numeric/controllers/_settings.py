@@ -279,10 +279,10 @@ class ControllerSettings(Value):
 def settings_with_numbers(
     settings: ControllerSettings, of_update: Mapping[str, Any], of_settings: Mapping[str, Any]
 ) -> ControllerSettings | None:
-    """The same with other R_theta, lambda, R_z, R_u and theta_0.
+    """The same with other R_theta, lambda, R_z, R_u, theta_0, and k_w with k_update.
 
     Whatever else the settings were checked for does not depend on them, and is not asked again.
-    None where one stands in the place of what is no number.
+    None where one stands in the place of what is no number; k_w and k_update may be left out.
     """
     update, l_z = settings.update, settings.target.l_z
     changed: dict[str, Any] = {}
@@ -305,12 +305,17 @@ def settings_with_numbers(
             if settings.bounds is not None or theta_0.shape != settings.theta_0.shape:
                 return None
             changed[name] = theta_0
+        elif name in ("k_w", "k_update"):
+            if value is not None and type(value) is not int:
+                return None
         elif _is_number(value) and isinstance(weights[name], np.ndarray):
             changed[name] = weight(value, name, l_z, definite=name == "R_z")
         else:
             return None
     made = object.__new__(ControllerSettings)
     made.__dict__.update(settings.__dict__, **changed)
+    if "k_w" in of_settings:
+        made._read_start(of_settings["k_w"], of_settings["k_update"], made.k_filter)
     if "R_u" in changed:
         penalises = bool(made.R_u.any() or made.R_u_unfiltered.any())  # type: ignore[union-attr]
         made.update.require_problem(made.targets, made.structure.n_c, penalises)

@@ -27,7 +27,8 @@ VALUES = {
     "controller.R_u": [0, 0.0, 0.5, -1.0, {"z_squared": 0.1}],
     "controller.theta_0": [[0.1, 0.2, 0.3, 0.4], [0, 0, 0, 1], [0.1], 0.5],
     "controller.n_c": [1, 2, 3, 0],
-    "controller.k_w": [2, 9, 0, 60],
+    "controller.k_w": [2, 9, 0, 60, 3.0, "soon"],
+    "controller.k_update": [2, 20, 1, 50, 4.0],
     "controller.update": ["ud", "covariance", "gradient", "sliding window"],
     "controller.process_noise": [0.1, 0.0],
     "controller.prior": [{"samples": 10, "y": 1.0}],
@@ -93,14 +94,22 @@ def test_it_does_not_depend_on_those_before(walk):
         assert told(lambda here=here: specification(together, here)) == alone, here
 
 
-@pytest.mark.parametrize("path", ["controller.R_theta", "controller.lambda", "controller.R_u"])
-def test_a_number_of_the_controller_reads_no_table(path, monkeypatch):
-    study = Study(BASE, [Axis("x", [0.5, 0.75, 1.0], sets=path)], [Kept("rms")])
-    cells = Cells(study)
-    first = cells.cell({"x": 0.5}).specification
+@pytest.mark.parametrize(
+    ("path", "values"),
+    [
+        ("controller.R_theta", [0.5, 0.75, 1.0]),
+        ("controller.lambda", [0.5, 0.75, 1.0]),
+        ("controller.R_u", [0.5, 0.75, 1.0]),
+        ("controller.k_w", [5, 6, 7]),
+        ("controller.k_update", [5, 6, 7]),
+    ],
+)
+def test_a_number_of_the_controller_reads_no_table(path, values, monkeypatch):
+    cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")]))
+    first = cells.cell({"x": values[0]}).specification
     monkeypatch.setattr(_runs, "read_controllers", None)  # a call would fail
     monkeypatch.setattr(Part, "of", of_no_target)
-    for value in (0.75, 1.0):
+    for value in values[1:]:
         made = cells.cell({"x": value}).specification
         assert made.settings.structure is first.settings.structure
         assert made.plant is first.plant and made.settings != first.settings
