@@ -120,8 +120,12 @@ def _multiplied_out(roots: tuple[Expr, ...], symbol: Symbol) -> Poly:
             plain.append(root)
         else:
             raise InputError(f"the root {quoted(root)} is neither algebraic nor known to be real")
-    factors = [*_rational_or_symbolic(plain, symbol), *_irrational(irrational, symbol)]
-    return canonical(_product([Poly(1, symbol, domain=QQ), *factors]))
+    factors = [Poly([1], symbol, domain=QQ)]
+    if plain:
+        factors += _rational_or_symbolic(plain, symbol)
+    if irrational:
+        factors += _irrational(irrational, symbol)
+    return canonical(_product(factors))
 
 
 def _is_plain(root: Expr) -> bool:

@@ -117,11 +117,12 @@ Performance = Annotated[
 
 def standard_of_G(G: OfG, sample_time: Any = None) -> Plant:
     """The standard problem of a transfer function: y = z and w matched with u, (2.15)."""
-    if _is_continuous(G):
+    read = exact.transfer_function(G)
+    if str(read.variable) == "s":
         plant: Plant = instance_of(plant_of(G, sample_time=_seconds(G, sample_time)), "G", Plant)
         return plant
-    _require_coprime(G)
-    return _timed(standard_plant(G), sample_time)
+    _require_coprime(read)
+    return _timed(standard_plant(read), sample_time)
 
 
 def standard_of_matrices(
@@ -135,13 +136,14 @@ def standard_of_matrices(
 
 def servo_of_G(G: OfG, performance: Performance = "measured", sample_time: Any = None) -> Plant:
     """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated."""
-    if _is_continuous(G):
-        return servo_plant(
-            plant_of(G, sample_time=_seconds(G, sample_time)), performance=performance
-        )
+    # Rows of several say which variable it is where they are read.
+    read = G if isinstance(G, list) else exact.transfer_function(G)
     if not isinstance(G, list):
-        _require_coprime(G)
-    return _timed(servo_plant(G, performance=performance), sample_time)
+        if str(read.variable) == "s":
+            period = _seconds(G, sample_time)
+            return servo_plant(plant_of(G, sample_time=period), performance=performance)
+        _require_coprime(read)
+    return _timed(servo_plant(read, performance=performance), sample_time)
 
 
 def servo_of_matrices(
@@ -384,13 +386,7 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
     return replaced(made, sample_time=plant.sample_time)
 
 
-def _is_continuous(G: Any) -> bool:
-    """Whether a transfer function is in s; rows of several say it where they are read."""
-    return not isinstance(G, list) and str(exact.transfer_function(G).variable) == "s"
-
-
-def _require_coprime(G: Any) -> None:
-    plant = exact.transfer_function(G)
+def _require_coprime(plant: exact.TransferFunction) -> None:
     if plant.is_coprime is False:
         raise NotCoprimeError(
             "numerator and denominator of the plant G share the factor "

@@ -166,6 +166,8 @@ def factor_not_inside(polynomial: Poly) -> Poly | None:
 
 
 def _count_not_inside(factor: Poly) -> int:
+    if factor.degree() == 1 and factor.domain.is_QQ:
+        return 1 if abs(factor.nth(0)) >= abs(factor.nth(1)) else 0
     count = exact.locate_roots(factor, time="discrete")
     return int(count.boundary + count.unstable)
 

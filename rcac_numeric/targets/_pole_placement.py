@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from sympy import Poly, Symbol
+from sympy import QQ, Poly, Symbol
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
@@ -90,7 +90,7 @@ def pole_placement_target(
         raise InputError(f"D_p = {D_p.as_expr()} must be a polynomial in q without other symbols.")
     D_p = D_p.monic()
     N_u = known.nmp_polynomial()
-    q = Poly(Symbol("q"), Symbol("q"))
+    q = Poly([1, 0], Symbol("q"), domain=QQ)
     surplus = D_p.degree() - known.d_zu - N_u.degree()
     numerator = N_u * exact.exact_number(known.H) * q ** max(surplus, 0)
     made = from_transfer_function(exact.TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
