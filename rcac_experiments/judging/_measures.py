@@ -481,7 +481,10 @@ def rms(
     channel: int | None = None,
 ) -> float:
     """Root mean square of a signal over start <= k < stop."""
-    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop, signal, channel) ** 2, axis=1))))
+    squares = _window(r, start, stop, signal, channel) ** 2
+    # The sum over one channel is that channel: the same bits, in half the time.
+    powers = squares[:, 0] if squares.shape[1] == 1 else np.sum(squares, axis=1)
+    return float(np.sqrt(np.add.reduce(powers) / len(powers)))
 
 
 @measure

@@ -206,6 +206,7 @@ def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> 
 
 # A channel of w has its number; what is drawn beside the channels has these.
 PERTURBATION, WHOLE_RUN = 2**32 - 1, 2**32 - 2
+WORD = 2**32  # integers below are one word of a seed sequence
 
 
 def words_of(by_path: dict[str, Any]) -> tuple[int, ...]:
@@ -219,7 +220,13 @@ def generator(
 ) -> np.random.Generator:
     """A generator of its own for one channel of one run, independent of all others."""
     key = (*words, repetition, channel)
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))
+    if seed < WORD**2 and repetition < WORD:
+        # What SeedSequence makes of the seed and the key, four times as fast as from integers.
+        pool = np.array([seed % WORD, seed // WORD, 0, 0, *key], dtype=np.uint32)
+        sequence = np.random.SeedSequence(pool)  # type: ignore[arg-type]
+    else:
+        sequence = np.random.SeedSequence(seed, spawn_key=key)
+    return np.random.Generator(np.random.PCG64(sequence))
 
 
 def exogenous_input(

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.sweeps import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
 from rcac_experiments.sweeps._canonical import canonical_json
-from rcac_experiments.sweeps._cells import Cells, words_of
+from rcac_experiments.sweeps._cells import PERTURBATION, WHOLE_RUN, Cells, generator, words_of
 from rcac_experiments.sweeps._files import study_of, study_schema
 from rcac_experiments.sweeps._measures import STUDY_MEASURES
 from rcac_experiments.sweeps._study import with_value
@@ -107,6 +108,27 @@ def test_noise_belongs_to_coordinates_and_repetition():
     a, b = (common.cell({**here, "R_theta": R}).w(7) for R in (0.01, 1.0))
     assert np.array_equal(a, b)
     assert words_of({"a": 1}) != words_of({"a": 1.5})
+
+
+@given(
+    st.sampled_from([0, 1, 2**32 - 1, 2**32, 2**62, 2**64, 2**100]),
+    st.sampled_from([(), (0, 0, 0, 0), (7, 2**32 - 1, 0, 5)]),
+    st.sampled_from([0, 1, 10**7, 2**32 - 1, 2**32]),
+    st.sampled_from([0, 3, PERTURBATION, WHOLE_RUN]),
+)
+def test_noise_is_that_of_a_seed_sequence_with_a_spawn_key(seed, words, repetition, channel):
+    """As docs say it, however the words are handed over."""
+    sequence = np.random.SeedSequence(seed, spawn_key=(*words, repetition, channel))
+    wanted = np.random.Generator(np.random.PCG64(sequence))
+    drawn = generator(seed, words, repetition, channel).standard_normal(3)
+    assert drawn.tolist() == wanted.standard_normal(3).tolist()
+
+
+@given(st.integers(1, 3), st.integers(1, 300), st.integers(0, 2**32 - 1))
+def test_rms_is_the_root_of_the_mean_over_steps(channels, steps, seed):
+    z = np.random.default_rng(seed).standard_normal((steps, channels)) * 1e100
+    run = SimpleNamespace(run=SimpleNamespace(z=z, steps=steps))
+    assert STUDY_MEASURES["rms"](run) == np.sqrt(np.mean(np.sum(z**2, axis=1)))
 
 
 def test_a_perturbation_leaves_the_first_repetition_alone():
