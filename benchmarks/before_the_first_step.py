@@ -17,6 +17,8 @@ import time
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+import numpy as np
+
 from rcac_experiments.sweeps import Axis, Kept, Study
 from rcac_experiments.sweeps._cells import Cells
 from rcac_experiments.sweeps._chunk import ChunkTask
@@ -29,6 +31,7 @@ from rcac_numeric import (
     exogenous,
     fir_target,
     iir,
+    simulate_batch,
     simulate_many,
     simulate_stream,
     standard_plant,
@@ -102,6 +105,26 @@ def before_the_first_step():
             )
 
 
+def batches():
+    """Runs of equal length in arrays, with their first step and all others."""
+    print("ns a step of simulate_batch, 256 runs of 2000 steps on one thread")
+    plant, w = standard_plant(G), np.random.default_rng(0).standard_normal((256, 2000, 1))
+    for n_c in ORDERS:
+        settings = ControllerSettings(
+            structure=iir(n_c=n_c), target=fir_target(plant), update=UD(R_theta=1.0)
+        )
+        spent = [
+            1e3
+            * least(
+                lambda s=settings, n=lanes: simulate_batch(plant, s, w, threads=1, lanes=n), w.size
+            )
+            for lanes in (True, False)
+        ]
+        print(
+            f"  l_theta = {2 * n_c:2d}: {spent[0]:.0f} in lanes, {spent[1]:.0f} alone", flush=True
+        )
+
+
 def cells():
     """Cells of a study, each made beside the one before it."""
     print("us a cell, by what its axis sets")
@@ -160,6 +183,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=3)
     asked = parser.parse_args()
     before_the_first_step()
+    batches()
     cells()
     chunks(asked.runs, asked.repetitions)
 

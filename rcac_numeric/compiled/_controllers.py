@@ -338,6 +338,8 @@ def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:
 
 
 def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:
+    if model.n_f == order:
+        return model.numerator, model.denominator
     padding = [(0, order - model.n_f), (0, 0), (0, 0)]
     return np.pad(model.numerator, padding), np.pad(model.denominator, padding)
 
