@@ -136,13 +136,13 @@ def standard_of_matrices(
 
 def servo_of_G(G: OfG, performance: Performance = "measured", sample_time: Any = None) -> Plant:
     """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated."""
-    # Rows of several say which variable it is where they are read.
-    read = G if isinstance(G, list) else exact.transfer_function(G)
-    if not isinstance(G, list):
-        if str(read.variable) == "s":
-            period = _seconds(G, sample_time)
-            return servo_plant(plant_of(G, sample_time=period), performance=performance)
-        _require_coprime(read)
+    if isinstance(G, list):  # they say which variable it is where they are read
+        return _timed(servo_plant(G, performance=performance), sample_time)
+    read = exact.transfer_function(G)
+    if str(read.variable) == "s":
+        period = _seconds(G, sample_time)
+        return servo_plant(plant_of(G, sample_time=period), performance=performance)
+    _require_coprime(read)
     return _timed(servo_plant(read, performance=performance), sample_time)
 
 

@@ -223,7 +223,7 @@ def generator(
     if seed < WORD**2 and repetition < WORD:
         # What SeedSequence makes of the seed and the key, four times as fast as from integers.
         pool = np.array([seed % WORD, seed // WORD, 0, 0, *key], dtype=np.uint32)
-        sequence = np.random.SeedSequence(pool)  # type: ignore[arg-type]
+        sequence = np.random.SeedSequence(pool)
     else:
         sequence = np.random.SeedSequence(seed, spawn_key=key)
     return np.random.Generator(np.random.PCG64(sequence))
