@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any, TypedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,6 +45,7 @@ from rcac_numeric.targets._model import TargetModel
 
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
 LARGEST = 1e100
+T = TypeVar("T")
 NEED_THE_PLANT = ("poles", "costs", "margins", "match", "split")
 NEED_THE_TARGET = ("target", "match", "split")
 
@@ -56,6 +59,8 @@ class ControllerCheck(Result):
     log, structure, plant, target : what was given.
     compensator : Compensator
         The last coefficients of the log, fixed.
+    analysis : LoopAnalysis or None
+        The plant with the fixed controller, beside the target model.
     replay : ControlReplay or None
         Whether the logged u is the output of the logged theta.
     drift : Drift or None
@@ -91,23 +96,60 @@ class ControllerCheck(Result):
     log: ControllerLog
     structure: Structure | None
     compensator: Compensator
-    plant: Plant | None = None
-    target: TargetModel | None = None
-    replay: ControlReplay | None = None
-    drift: Drift | None = None
-    internal_models: tuple[InternalModel, ...] = ()
-    loop: ClosedLoop | None = None
-    zeros: dict[str, ComplexArray] = field(default_factory=dict)
-    comparison: ExactComparison | None = None
-    match: IntercalatedMatch | None = None
-    split: ResidualSplit | None = None
-    costs: LoopCosts | None = None
-    margins: dict[str, Margins] = field(default_factory=dict)
-    disk: DiskMargin | None = None
-    unanswered: dict[str, str] = field(default_factory=dict)
-    plant_residual: PlantResidual | None = None
-    decision: Decision | str | None = None
+    target: TargetModel | None
+    analysis: LoopAnalysis | None
+    replay: ControlReplay | None
+    drift: Drift | None
+    plant_residual: PlantResidual | None
+    costs: LoopCosts | None
+    margins: dict[str, Margins]
+    disk: DiskMargin | None
+    unanswered: dict[str, str]
     is_fixed: bool = False
+    decision: Decision | str | None = None
+
+    @property
+    def plant(self) -> Plant | None:
+        """The plant that was given."""
+        return None if self.analysis is None else self.analysis.plant
+
+    @property
+    def loop(self) -> ClosedLoop | None:
+        """The plant with the fixed controller."""
+        return None if self.analysis is None else self.analysis.loop
+
+    @property
+    def zeros(self) -> dict[str, ComplexArray]:
+        """Closed-loop zeros by channel of w; exact where the comparison is."""
+        return self._asked("zeros", lambda analysis: analysis.zeros) or {}
+
+    @property
+    def comparison(self) -> ExactComparison | None:
+        """The exact characteristic polynomial beside the one that the target asks for."""
+        return self._asked("exact poles", lambda analysis: analysis.comparison)
+
+    @property
+    def match(self) -> IntercalatedMatch | None:
+        """The intercalated transfer function beside G_f."""
+        return self._asked("match", lambda analysis: analysis.match)
+
+    @cached_property
+    def split(self) -> ResidualSplit | None:
+        """The retrospective residual of the log, split exactly (4.14)."""
+        return self._asked("split", lambda analysis: split_of_log(self.log, analysis))
+
+    @cached_property
+    def internal_models(self) -> tuple[InternalModel, ...]:
+        """Controller poles within 0.01 of the unit circle, and what they reject."""
+        return internal_models(self.compensator, self.loop)
+
+    def _asked(self, name: str, ask: Callable[[LoopAnalysis], T]) -> T | None:
+        """What the loop answers; None where the reason why not is among the unanswered."""
+        is_open = name == "exact poles" and self.target is None
+        if self.analysis is None or name in self.unanswered or is_open:
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
+            return ask(self.analysis)
 
     @property
     def is_undecided(self) -> bool:
@@ -242,23 +284,32 @@ def check_controller(
         integer(k_w, "k_w")
     fixed = fixed_compensator(log, structure, compensator)
     _require_bounded(log, fixed)
-    check = ControllerCheck(log, structure, fixed, plant, target, is_fixed=is_fixed)
     used = None if compensator is not None else structure
     if compensator is None and (log.theta is None or structure is None):
         k_w = None  # polynomials of a log are those that it ended with
-    check = _with_log(check, used, k_w, tolerance)
+    replayed, drift, unanswered = _of_log(log, fixed, used, k_w, tolerance)
+    analysis, residual, costs, disk = None, None, None, None
+    margins: dict[str, Margins] = {}
     if plant is None:
         if noise is not None:
             raise InputError("noise is for the H2 costs, and they need the plant; give both.")
-        nothing = dict.fromkeys(NEED_THE_PLANT, "the plant is not known")
-        check = replace(check, unanswered=check.unanswered | nothing)
+        unanswered |= dict.fromkeys(NEED_THE_PLANT, "the plant is not known")
     else:
+        require_widths(log, plant)
+        analysis = LoopAnalysis((plant, fixed), target)
         with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
-            check = _with_loop(check, plant)
+            loop = analysis.loop
+            unanswered |= _unanswered(log, analysis)
             if not knows_its_plant:  # a run's plant may have changed on the way
-                check = replace(check, plant_residual=plant_residual(log, plant))
-        check = _with_costs_and_margins(check, noise, sample_time)
-    return replace(check, internal_models=internal_models(fixed, check.loop))
+                residual = plant_residual(log, plant)
+        costs = loop_costs(loop, noise)
+        margins, reasons = channel_margins(loop, sample_time)
+        unanswered |= reasons
+        disk = multivariable_disk_margin(loop) if plant.l_u > 1 and loop.is_stable else None
+    return ControllerCheck(
+        log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
+        unanswered, is_fixed,
+    )  # fmt: skip
 
 
 def _log_of(signals: ArrayLike | ControllerLog, **arrays: Any) -> ControllerLog:
@@ -278,78 +329,50 @@ def _require_bounded(log: ControllerLog, fixed: Compensator) -> None:
         )
 
 
-def _with_log(
-    check: ControllerCheck, structure: Structure | None, k_w: int | None, tolerance: float | None
-) -> ControllerCheck:
+def _of_log(
+    log: ControllerLog,
+    fixed: Compensator,
+    structure: Structure | None,
+    k_w: int | None,
+    tolerance: float | None,
+) -> tuple[ControlReplay | None, Drift | None, dict[str, str]]:
     """What the log says by itself; with a structure its theta made u, else a compensator did."""
-    log, fixed = check.log, check.compensator
     if log.theta is not None and structure is not None:
         replayed = replay(log, structure, k_w=k_w, tolerance=tolerance)
         if log.theta.ndim == 2:
-            return replace(check, replay=replayed, drift=drift_of(log.theta))
-        reason = "theta was logged only once"
-        return replace(check, replay=replayed, unanswered={"convergence": reason})
+            return replayed, drift_of(log.theta), {}
+        return replayed, None, {"convergence": "theta was logged only once"}
     reason = "no theta was logged" if log.theta is None else "theta was not used"
     if log.steps > len(fixed.past_u):
         replayed = replay_compensator(log, fixed, k_w=k_w, tolerance=tolerance)
-        return replace(check, replay=replayed, unanswered={"convergence": reason})
+        return replayed, None, {"convergence": reason}
     short = f"the log of {log.steps} steps does not fill the controller's memory"
-    return replace(check, unanswered={"convergence": reason, "replay": short})
+    return None, None, {"convergence": reason, "replay": short}
 
 
-def _with_loop(check: ControllerCheck, plant: Plant) -> ControllerCheck:
-    """The loop with that plant: poles and zeros, and what it is beside the target model."""
-    require_widths(check.log, plant)
-    analysis = LoopAnalysis((plant, check.compensator), check.target)
-    check = replace(check, loop=analysis.loop)
-    if check.target is None:
-        nothing = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
-        check = replace(check, unanswered=check.unanswered | nothing)
+def _unanswered(log: ControllerLog, analysis: LoopAnalysis) -> dict[str, str]:
+    """What the loop does not answer, and why."""
+    if analysis.target is None:
+        reasons = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
     else:
-        check = _against_target(check, analysis)
-    if check.comparison is not None or plant.l_z == 1:
-        return replace(check, zeros=analysis.zeros)
-    reason = f"they are for one z, and the plant has l_z = {plant.l_z}"
-    return replace(check, unanswered=check.unanswered | {"zeros": reason})
+        reasons = {
+            "exact poles": attempted(lambda: analysis.comparison)[1],
+            "match": attempted(lambda: analysis.match)[1],
+            "split": attempted(lambda: split_of_log(log, analysis))[1],
+        }
+    several = f"they are for one z, and the plant has l_z = {analysis.plant.l_z}"
+    is_one = analysis.plant.l_z == 1
+    reasons["zeros"] = attempted(lambda: analysis.zeros)[1] if is_one else several
+    return {name: reason for name, reason in reasons.items() if reason}
 
 
-def _against_target(check: ControllerCheck, analysis: LoopAnalysis) -> ControllerCheck:
-    comparison, no_comparison = attempted(lambda: analysis.comparison)
-    match, no_match = attempted(lambda: analysis.match)
-    split, no_split = _split(check.log, analysis)
-    reasons = {"exact poles": no_comparison, "match": no_match, "split": no_split}
-    reasons = {name: reason for name, reason in reasons.items() if reason}
-    return replace(
-        check,
-        comparison=comparison,
-        match=match,
-        split=split,
-        unanswered=check.unanswered | reasons,
-    )
-
-
-def _split(log: ControllerLog, analysis: LoopAnalysis) -> tuple[ResidualSplit | None, str]:
-    """The split of the logged residual, or why there is none."""
+def split_of_log(log: ControllerLog, analysis: LoopAnalysis) -> ResidualSplit:
+    """The split of the logged residual."""
     if log.w is None:
-        return None, "the exogenous input w was not logged"
+        raise InputError("the exogenous input w was not logged")
     if log.z is None:
-        return None, "the performance z was not logged"
-    u, y, z, w, r = log.u, log.y, log.z, log.w, log.r
-    return attempted(lambda: analysis.split_of(u=u, y=y, z=z, w=w, r=r))
-
-
-def _with_costs_and_margins(
-    check: ControllerCheck, noise: NoiseIntensities | None, sample_time: float | None
-) -> ControllerCheck:
-    loop = check.loop
-    assert loop is not None
-    costs = loop_costs(loop, noise)
-    margins, reasons = channel_margins(loop, sample_time)
-    several = loop.plant.l_u > 1 and loop.is_stable
-    disk = multivariable_disk_margin(loop) if several else None
-    return replace(
-        check, costs=costs, margins=margins, disk=disk, unanswered=check.unanswered | reasons
-    )
+        raise InputError("the performance z was not logged")
+    return analysis.split_of(u=log.u, y=log.y, z=log.z, w=log.w, r=log.r)
 
 
 # A run of our own as what a check needs: its log, its controller, its plant.
