@@ -237,7 +237,7 @@ class HealthWarning:
         "saturated", "windup", "missed poles", "costly", "wrong sign", "wrong d_zu",
         "unmodelled zero"; of several inputs and outputs "zero in every channel",
         "zero in one channel", "zero on the input side", "zero in another direction"; of
-        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a
+        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a log "inconsistent log"; of a
         controller that is driven step by step "overflow", "missed samples", "stopped".
     sentence, next_step : str
         What was found, and what to try.

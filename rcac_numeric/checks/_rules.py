@@ -1,9 +1,10 @@
-"""When a loop is not healthy: the rules, their thresholds, and the remedy of each."""
+"""When a loop is not healthy: thresholds, and what is found; `_warnings` says it in words."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import MOST_STATES
 from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
-from rcac_numeric.checks._target_errors import TURNED, TargetError, target_errors, zeros_of
+from rcac_numeric.checks._target_errors import TURNED, target_errors, zeros_of
 from rcac_numeric.checks._trials import what_places_them
+from rcac_numeric.checks._warnings import RULES, Finding, warning_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._supervision import SupervisionRecord
@@ -41,28 +43,20 @@ GRAVE = 1e4  # |z| or |u| over what acts on the loop, whatever the loop does in 
 MISSED_SAMPLES = 0.05  # share of the steps
 SLOW = 0.5  # time constant of the slowest mode over the length of the run
 
-SOFTER = "a larger R_theta (100 times), or a later k_w"
-OUTCOMES = {
-    "overflow": "lambda = 1, or a reset: P grows in directions without excitation",
-    "unsupported R_theta": "a larger R_theta: the data cannot support this one",
-    "plant not finite": "smaller commands, or a saturation of u: the plant left float64",
-    "interrupted": "run it again",
-}
+T = TypeVar("T")
 
 
 def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarning, ...]:
     """Every warning of a run, the grave ones first."""
     run = found.run
-    errors = _target_errors(found)
-    learnt, directed = tuple(learning_warnings(run)), _direction_errors(found)
-    steps = [w.next_step for w in learnt] + [e.next_step for e in (*errors, *directed)]
-    remedies = [*dict.fromkeys(steps)]
-    at_first = [*_sampling_zeros(found), *remedies]  # before R_theta, which may make it worse
+    errors = _of_target(target_errors, found)
+    learnt, directed = learning_warnings(run), _of_target(direction_errors, found)
+    remedies = [*dict.fromkeys(one.next_step for one in (*learnt, *errors, *directed))]
     rules = (
-        _ended_badly(run, remedies),
-        _unstable(health, remedies),
-        _transients(health, run, at_first),
-        _control(health, run, found, at_first),
+        _ended_badly(run),
+        _unstable(health),
+        _transients(health, run),
+        _control(health, run, found),
         _worse(health, run),
         _wound_up(health),
         _missed(health, found),
@@ -73,53 +67,42 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
         _learning(health, run),
         _slow(health),
     )
-    warnings = [warning for rule in rules for warning in rule]
+    zeros = _of_target(sampling_zero_remedies, found)
+    is_fixed = isinstance(run.settings, FixedController)
+    warnings = [
+        warning_of(finding, remedies, zeros, is_fixed=is_fixed)
+        for rule in rules
+        for finding in rule
+    ]
     warnings += [w for w in learnt if warnings or w.code not in CAUSES]
     if warnings:  # a loop that does well with another G_f than the plant's needs no remedy
-        warnings += [_of_target(error) for error in errors]
-    warnings += [_of_target(error) for error in directed]  # what hides from z is said in any case
-    warnings = _with_road(warnings, found)
-    if isinstance(run.settings, FixedController):
-        warnings = [_of_fixed(warning) for warning in warnings]
+        warnings += errors
+    warnings += directed  # what hides from z is said in any case
+    return _by_gravity(_with_road(warnings, found))
+
+
+def _by_gravity(warnings: list[HealthWarning]) -> tuple[HealthWarning, ...]:
     return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))
 
 
-# What there is to change of a controller that does not adapt: it has no R_theta, no k_w, no G_f.
-OTHER = "another controller: design(plant), lqg_controller(plant), or a smaller gain of this one"
-OF_A_FIXED_ONE = {
-    "diverged": f"its sign, u = G_c y; then {OTHER}",
-    "unstable": f"its sign, u = G_c y, and the plant's; then {OTHER}",
-    "large transient": f"a saturation of u, handed over as u_applied; then {OTHER}",
-    "large control": f"a saturation of u, handed over as u_applied; then {OTHER}",
-    "worse than without control": f"its sign, u = G_c y; then {OTHER}",
-    "small margins": OTHER,
-    "costly": "lqg_controller(plant), whose cost it is measured by",
-    "saturated": "smaller commands or a stronger actuator; a smaller gain",
-    "slow": "more steps; a controller with faster closed-loop poles",
-    "inconsistent log": "its transfer function and sign, u = G_c y, what it reads, and the columns "
-    "of the log",
-}
-
-
-def _of_fixed(warning: HealthWarning) -> HealthWarning:
-    """The same of a controller that does not adapt: what can be done about it is another thing."""
-    interrupted = warning.next_step in (OUTCOMES["interrupted"], "correct the function that failed")
-    step = warning.next_step if interrupted else OF_A_FIXED_ONE.get(warning.code)
-    return warning if step is None else replace(warning, next_step=step)
+def _of_target(
+    ask: Callable[[Plant, TargetModel], tuple[T, ...]], found: LoopAnalysis
+) -> tuple[T, ...]:
+    """What there is to say of G_f beside its plant; nothing where one of them is not known."""
+    try:
+        return ask(found.plant, found.compared_with)
+    except CompensatorError:
+        return ()
 
 
 # Where settings that begin at theta = 0 went wrong, and the plant is known.
 
-BY_SETTINGS = (
-    "diverged", "unstable", "large transient", "large control", "worse than without control",
-    "small margins", "costly",
-)  # fmt: skip
 DAMPED, SOON = 0.2, 3  # damping of a pole, and steps until z feels u, below which FIR is a fair try
 
 
 def _with_road(warnings: list[HealthWarning], found: LoopAnalysis) -> list[HealthWarning]:
     """The same; the first that settings can be blamed for names `design`."""
-    blamed = [w for w in warnings if w.code in BY_SETTINGS]
+    blamed = [w for w in warnings if RULES[w.code].by_settings]
     settings = found.run.settings
     if not blamed or not isinstance(settings, ControllerSettings) or settings.theta_0.any():
         return warnings
@@ -157,44 +140,28 @@ def what_to_expect(plant: Plant, target: TargetModel) -> str:
 
 def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[HealthWarning, ...]:
     """Every warning of a logged controller, the grave ones first."""
-    found = [*_unstable(health, []), *_margins(health), *_slow(health)]
+    found = [*_unstable(health), *_margins(health), *_slow(health)]
     if not check.is_consistent:
-        found.append(HealthWarning(
-            "inconsistent log", "The logged u is not the output of the logged controller.",
-            "the structure, k_w, --k-c and the columns of the log", is_grave=True,
-        ))  # fmt: skip
+        found.append(("inconsistent log", {}))
     if check.drift is not None and check.drift.relative > UNSETTLED:
-        found.append(_unsettled(check.drift.relative))
-    if check.is_fixed:
-        found = [_of_fixed(warning) for warning in found]
-    return tuple(sorted(found, key=lambda warning: not warning.is_grave))
+        found.append(("unsettled", {"moved": check.drift.relative}))
+    return _by_gravity([warning_of(one, is_fixed=check.is_fixed) for one in found])
 
 
-def _ended_badly(run: Run, remedies: list[str]) -> Iterator[HealthWarning]:
-    if run.outcome == "completed":
-        return
-    sentence = f"The run ended at step {run.first_step + run.steps}: {run.outcome}."
-    if run.failure:
-        sentence = f"{sentence[:-1]} ({run.failure.rstrip('.')})."
-    if run.outcome in ("plant failed", "weight failed"):
-        step = "correct the function that failed"
-    else:
-        step = OUTCOMES.get(run.outcome) or _or(remedies, SOFTER, "the sign of H and d_zu")
-    yield HealthWarning("diverged", sentence, step, is_grave=run.outcome != "interrupted")
+def _ended_badly(run: Run) -> Iterator[Finding]:
+    if run.outcome != "completed":
+        failure = f" ({run.failure.rstrip('.')})" if run.failure else ""
+        key = f"diverged: {run.outcome}"
+        numbers = {"step": run.first_step + run.steps, "outcome": run.outcome, "failure": failure}
+        yield key if key in RULES else "diverged", numbers
 
 
-def _unstable(health: LoopHealth, remedies: list[str]) -> Iterator[HealthWarning]:
+def _unstable(health: LoopHealth) -> Iterator[Finding]:
     if health.is_stable is False:
-        yield HealthWarning(
-            "unstable",
-            "With the final controller held fixed the loop is unstable, spectral radius "
-            f"{health.spectral_radius:.6g}.",
-            _or(remedies, SOFTER, "the sign of H and d_zu", "a larger n_c", "more steps"),
-            is_grave=True,
-        )
+        yield "unstable", {"radius": health.spectral_radius}
 
 
-def _transients(health: LoopHealth, run: Run, remedies: list[str]) -> Iterator[HealthWarning]:
+def _transients(health: LoopHealth, run: Run) -> Iterator[Finding]:
     z = health.signals["z"]
     if z.after is None or z.late is None:
         return
@@ -202,13 +169,10 @@ def _transients(health: LoopHealth, run: Run, remedies: list[str]) -> Iterator[H
     scale = max(from_outside, z.late.peak, health.free.peak if health.free else 0.0)
     when = "Under control" if isinstance(run.settings, FixedController) else "While theta adapted"
     if scale and z.after.peak > TRANSIENT * scale:
-        yield HealthWarning(
-            "large transient",
-            f"{when} |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
-            "all that acts on the loop or is left at its end.",
-            _or(remedies, SOFTER, "a saturation of u, handed over as u_applied"),
-            is_grave=z.after.peak > GRAVE * scale or not _ends_well(health),
-        )
+        is_grave = z.after.peak > GRAVE * scale or not _ends_well(health)
+        peak = z.after.peak
+        numbers = {"when": when, "peak": peak, "times": peak / scale, "is_grave": is_grave}
+        yield "large transient", numbers
 
 
 def _ends_well(health: LoopHealth) -> bool:
@@ -224,9 +188,7 @@ def _largest(health: LoopHealth) -> float:
     return 0.0 if after is None else after.peak
 
 
-def _control(
-    health: LoopHealth, run: Run, found: LoopAnalysis, remedies: list[str]
-) -> Iterator[HealthWarning]:
+def _control(health: LoopHealth, run: Run, found: LoopAnalysis) -> Iterator[Finding]:
     u = health.signals["u"].after
     first = _first_gain(found)
     if u is None or run.saturation is not None or not first:
@@ -235,90 +197,58 @@ def _control(
     seen = [size.peak for size in (z.before, z.late, health.free) if size is not None]
     scale = max(_peak(run.w), _peak(run.x_0), *seen) * max(1.0, 1 / first)
     if scale and u.peak > LARGE_U * scale:
-        yield HealthWarning(
-            "large control",
-            f"|u| reached {u.peak:.3g}; {scale:.2g} moves z in one step by as much as w and z ask "
-            "for.",
-            _or(remedies, SOFTER, "a saturation of u, handed over as u_applied", "a weight R_u"),
-            is_grave=u.peak > GRAVE * scale or not _ends_well(health),
-        )
+        is_grave = u.peak > GRAVE * scale or not _ends_well(health)
+        yield "large control", {"peak": u.peak, "scale": scale, "is_grave": is_grave}
 
 
-def _worse(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
+def _worse(health: LoopHealth, run: Run) -> Iterator[Finding]:
     late, free = health.signals["z"].late, health.free
     if late is None or free is None or run.outcome != "completed" or not free.rms:
         return
     idle = IDLE * max(_peak(run.w), _largest(health))
     if late.rms > max(WORSE * free.rms, idle):
-        yield HealthWarning(
-            "worse than without control",
-            f"At the end rms z is {late.rms:.3g}, and {free.rms:.3g} with u = 0.",
-            "the sign of H and d_zu, a larger n_c, a larger R_theta",
-            is_grave=late.rms > TRANSIENT * free.rms,
-        )
+        is_grave = late.rms > TRANSIENT * free.rms
+        numbers = {"late": late.rms, "free": free.rms, "is_grave": is_grave}
+        yield "worse than without control", numbers
 
 
-def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
+def _wound_up(health: LoopHealth) -> Iterator[Finding]:
     """By trial where the plant is known; else by the growth of P alone."""
     record, kick = health.supervision, health.next_disturbance
-    grown = "" if record is None else f"P grew to {record.growth:.2g} times P(0), and "
-    remedy = "CappedForgetting or SubspaceForgetting in the place of lambda, or lambda = 1"
-    if record is None or record.growth <= 1:
-        grown = ""
-        remedy = (
-            "a larger R_theta, or a dither: P(0) is what directions without excitation still have"
-        )
+    growth = 0.0 if record is None else record.growth
     if kick is not None and kick.ratio > KICKED:
         reached = "leaves float64" if not np.isfinite(kick.adapting) else f"{kick.adapting:.3g}"
-        yield HealthWarning(
-            "windup",
-            _capital(f"{grown}the next disturbance, a fifth of w at most, may take z to {reached}, "
-                     f"and to {kick.frozen:.3g} with theta held."),
-            remedy,
-            is_grave=kick.ratio > FAR,
-        )  # fmt: skip
+        numbers = {"growth": growth, "reached": reached, "frozen": kick.frozen}
+        key = "windup: P grew" if growth > 1 else "windup"
+        yield key, {**numbers, "is_grave": kick.ratio > FAR}
     elif kick is None and record is not None and (count := record.troubles.get("windup")):
-        yield HealthWarning(
-            "windup",
-            f"From step {count.first} on, in {count.steps} steps, P was up to {count.worst:.2g} "
-            "times P(0): the next disturbance meets a gain that no data support.",
-            remedy,
-            is_grave=not {"bounded", "frozen", "reset", "to fallback"} & set(record.troubles),
-        )
+        numbers = {"first": count.first, "steps": count.steps, "worst": count.worst}
+        is_grave = not {"bounded", "frozen", "reset", "to fallback"} & set(record.troubles)
+        key = "windup: noted, P grew" if growth > 1 else "windup: noted"
+        yield key, {**numbers, "is_grave": is_grave}
 
 
-def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
+def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[Finding]:
     missed = health.missed_by
     if missed is None or health.outcome != "completed" or health.is_held:
         return
     comparison = found.comparison
     if comparison.is_reached:
         return
-    cure = what_places_them(found)
-    usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
-    structure = found.structure
+    numbers: dict[str, Any] = {"missed": missed, "error": comparison.backward_error}
+    structure, cure = found.structure, what_places_them(found)
     if structure is not None and comparison.can_be_placed_by(structure) is False:
         cure = (
             f"another structure or target, where these poles matter: no theta of {structure.name} "
             f"with {structure.l_theta} coefficients places them; iir with n_c = "
             f"{comparison.plant.n} has enough"
         )
-    yield HealthWarning(
-        "missed poles",
-        f"A pole that the target asks for is missed by {missed:.2g}; the closed-loop polynomial "
-        f"differs by {comparison.backward_error:.2g} of itself.",
-        cure or usual,
-    )
+    yield "missed poles", numbers | ({"next_step": cure} if cure else {})
 
 
-def _costly(health: LoopHealth) -> Iterator[HealthWarning]:
+def _costly(health: LoopHealth) -> Iterator[Finding]:
     if health.cost_ratio is not None and health.cost_ratio > COSTLY:
-        yield HealthWarning(
-            "costly",
-            f"For the noise of the run the final controller costs {health.cost_ratio:.3g} times "
-            "what LQG does.",
-            "more steps, a larger n_c, another R_theta",
-        )
+        yield "costly", {"ratio": health.cost_ratio}
 
 
 def warnings_of_controller(
@@ -327,70 +257,34 @@ def warnings_of_controller(
     """Every warning of a controller that is driven step by step, the grave ones first."""
     found = [*_wound_up(health)]
     if count := record.troubles.get("overflow"):
-        found.append(HealthWarning(
-            "overflow",
-            f"{count.steps} updates left float64, the last at step {count.last}; theta went back "
-            "to that of the last look without trouble.",
-            "lambda = 1 or CappedForgetting, a larger R_theta, the sign of H and d_zu",
-            is_grave=True,
-        ))  # fmt: skip
+        found.append(("overflow", {"count": count.steps, "last": count.last}))
     if (count := record.troubles.get("missed sample")) and (
         count.steps > MISSED_SAMPLES * max(health.steps, 1)
     ):
-        found.append(HealthWarning(
-            "missed samples",
-            f"{count.steps} of {health.steps} samples were missed; u was held there.",
-            "a slower sample time, or a fallback for missed samples",
-        ))  # fmt: skip
+        found.append(("missed samples", {"count": count.steps, "steps": health.steps}))
     if count := record.troubles.get("saturated"):
-        found.append(HealthWarning(
-            "saturated",
-            f"The actuator did not apply u for up to {count.worst:.0f} steps on end.",
-            "smaller commands or a stronger actuator, a larger R_theta",
-        ))  # fmt: skip
+        found.append(("saturated: on end", {"steps": count.worst}))
     if record.in_fallback or record.is_frozen:
-        words = "the fallback makes u" if record.in_fallback else "theta is held"
-        found.append(HealthWarning(
-            "stopped", f"By the policy of the supervision {words}.",
-            "correct what its record reports, then Controller.resume()",
-        ))  # fmt: skip
+        how = "the fallback makes u" if record.in_fallback else "theta is held"
+        found.append(("stopped", {"how": how}))
     if health.guard_count:
-        found.append(HealthWarning(
-            "rounding", f"{health.guard_count} updates were decided by rounding.",
-            "a larger R_theta",
-        ))  # fmt: skip
-    return tuple(sorted(found, key=lambda warning: not warning.is_grave))
+        found.append(("rounding: of a live controller", {"count": health.guard_count}))
+    return _by_gravity([warning_of(one) for one in found])
 
 
-def _arithmetic(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
+def _arithmetic(health: LoopHealth, run: Run) -> Iterator[Finding]:
     if run.guard_count:
-        yield HealthWarning(
-            "rounding",
-            f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided "
-            "by rounding: the data cannot support this R_theta.",
-            "a larger R_theta",
-        )
+        yield "rounding", {"count": run.guard_count, "first": run.guard_first_step}
     found = health.excitation
     if found is not None and found.drift > DRIFT:
-        yield HealthWarning(
-            "rounding",
-            f"Rounding moved theta by {found.drift:.1g} of its size along directions that nothing "
-            "excites, where exact arithmetic keeps theta(0): z does not tell apart what these "
-            "coefficients do.",
-            "a larger R_theta (the drift is proportional to 1/R_theta), or a controller without "
-            "the inputs or measurements that repeat others",
-        )
+        yield "rounding: drift", {"drift": found.drift}
 
 
-def _margins(health: LoopHealth) -> Iterator[HealthWarning]:
+def _margins(health: LoopHealth) -> Iterator[Finding]:
     for name, margins in health.margins.items():
         if words := small_margins(margins):
             at = "" if len(health.margins) == 1 else f" at {name}"
-            yield HealthWarning(
-                "small margins",
-                f"The margins{at} are small: {', '.join(words)}.",
-                "a larger R_theta or a weight R_u, a larger n_c",
-            )
+            yield "small margins", {"at": at, "margins": ", ".join(words)}
 
 
 def small_margins(margins: Margins) -> list[str]:
@@ -410,27 +304,19 @@ def small_margins(margins: Margins) -> list[str]:
     return words
 
 
-def _saturated(run: Run) -> Iterator[HealthWarning]:
+def _saturated(run: Run) -> Iterator[Finding]:
     if run.saturation is None or not run.steps:
         return
     last = slice(-max(run.steps // 10, 1), None)
     share = float(np.mean((run.u[last] != run.u_applied[last]).any(axis=1)))
     if share > SATURATED:
-        yield HealthWarning(
-            "saturated",
-            f"In {share:.0%} of the last tenth of the steps the actuator did not apply u.",
-            "smaller commands or a stronger actuator, a larger R_theta",
-        )
+        yield "saturated", {"share": share}
 
 
-def _learning(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
+def _learning(health: LoopHealth, run: Run) -> Iterator[Finding]:
     excitation = health.excitation
     if excitation is not None and not excitation.outweighed and run.steps > health.k_w:
-        yield HealthWarning(
-            "no excitation",
-            "The data never outweighed R_theta: theta hardly left theta(0).",
-            "a smaller R_theta, more steps, a command or disturbance that moves the loop",
-        )
+        yield "no excitation", {}
     if (
         run.settings.l_theta
         and run.stride == 1
@@ -439,54 +325,15 @@ def _learning(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
     ):
         moved = drift_of(run.theta).relative
         if moved > UNSETTLED:
-            yield _unsettled(moved)
+            yield "unsettled", {"moved": moved}
 
 
-def _unsettled(moved: float) -> HealthWarning:
-    return HealthWarning(
-        "unsettled",
-        f"theta still moved by {moved:.2g} of its size in the last tenth of the steps; what is "
-        "said of the final controller is said of one moment.",
-        "more steps, a larger R_theta, or lambda = 1",
-    )
-
-
-def _slow(health: LoopHealth) -> Iterator[HealthWarning]:
+def _slow(health: LoopHealth) -> Iterator[Finding]:
     radius = health.spectral_radius
     if health.is_stable and radius is not None and radius > 0 and health.steps > 1:
-        steps = -1 / np.log(radius) if radius < 1 else np.inf
-        if steps > SLOW * health.steps:
-            yield HealthWarning(
-                "slow",
-                f"The slowest mode decays within {steps:.3g} steps by e, and the record has "
-                f"{health.steps}.",
-                "more steps, a target with faster poles, a smaller R_theta",
-            )
-
-
-def _target_errors(found: LoopAnalysis) -> tuple[TargetError, ...]:
-    try:
-        return target_errors(found.plant, found.compared_with)
-    except CompensatorError:
-        return ()
-
-
-def _sampling_zeros(found: LoopAnalysis) -> tuple[str, ...]:
-    try:
-        return sampling_zero_remedies(found.plant, found.compared_with)
-    except CompensatorError:
-        return ()
-
-
-def _direction_errors(found: LoopAnalysis) -> tuple[TargetError, ...]:
-    try:
-        return direction_errors(found.plant, found.compared_with)
-    except CompensatorError:
-        return ()
-
-
-def _of_target(error: TargetError) -> HealthWarning:
-    return HealthWarning(error.code, _capital(error.sentence), error.next_step)
+        decay = -1 / np.log(radius) if radius < 1 else np.inf
+        if decay > SLOW * health.steps:
+            yield "slow", {"decay": decay, "steps": health.steps}
 
 
 def _first_gain(found: LoopAnalysis) -> float:
@@ -506,31 +353,19 @@ def _peak(values: np.ndarray | None) -> float:
     return 0.0 if values is None else float(np.abs(values).max(initial=0.0))
 
 
-def _or(*steps: list[str] | str) -> str:
-    """The remedies that the evidence names, and otherwise the usual ones in their order."""
-    named = [step for group in steps if isinstance(group, list) for step in group]
-    usual = [step for step in steps if isinstance(step, str)]
-    return "; then ".join([*named, *usual][:3])
-
-
-def _capital(sentence: str) -> str:
-    return sentence[:1].upper() + sentence[1:]
-
-
 # Where a target model for several inputs and outputs loses zeros and their directions.
 
 LARGEST = 10  # states of a plant whose zeros and directions are asked for, exactly, in a second
 CODES = {
-    "not a zero": "unmodelled zero",
+    "not a zero": "unmodelled zero: of several channels",
     "in every channel": "zero in every channel",
     "in one channel": "zero in one channel",
     "on the input side": "zero on the input side",
     "in another direction": "zero in another direction",
 }
-REMEDY = 'zero_direction_target(plant), in a file model = "zero directions"'
 
 
-def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
+def direction_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...]:
     """What `check_directions` finds of a square G_zu with several inputs; nothing of others.
 
     They are said of loops that look well too: a zero that is lost hides an instability from z.
@@ -540,7 +375,7 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ..
     check = check_directions(target, plant)
     forms = [form for form in check.forms if form != "kept"]
     return tuple(
-        TargetError(CODES[form], f"{sentence}.", REMEDY)
+        warning_of((CODES[form], {"sentence": sentence[:1].upper() + sentence[1:]}))
         for form, sentence in zip(forms, check.warnings, strict=True)
     )
 
@@ -564,50 +399,34 @@ class _Look:
     visible: bool
 
 
-def learning_warnings(run: Run) -> Iterator[HealthWarning]:
+def learning_warnings(run: Run) -> tuple[HealthWarning, ...]:
     """The warnings of a run with `DataDriven`, `CAUSES` first where they explain others."""
     settings = run.settings
-    if not isinstance(settings, ControllerSettings) or settings.learning is None:
-        return
-    learning = settings.learning
-    if run.first_step or run.steps <= learning.order + 1:
-        return
-    yield from _unstable_start(run, learning)
-    if run.steps <= learning.start:
-        return
+    learning = settings.learning if isinstance(settings, ControllerSettings) else None
+    if learning is None or run.first_step or run.steps <= learning.order + 1:
+        return ()
+    findings = [*_unstable_start(run, learning)]
+    if run.steps > learning.start:
+        findings += _badly_learnt(run, learning)
+    return tuple(map(warning_of, findings))
+
+
+def _badly_learnt(run: Run, learning: DataDriven) -> Iterator[Finding]:
     if not run.changes:
-        yield HealthWarning(
-            "nothing learnt",
-            f"In {run.steps} steps u was not seen to act on z: there is no target model, and u is "
-            "the dither alone.",
-            f"a larger dither than {learning.dither:.3g}, ten times the noise in z; then a later "
-            "start",
-            is_grave=True,
-        )
+        yield "nothing learnt", {"steps": run.steps, "dither": learning.dither}
         return
-    looks = _looks(run, learning)
+    looks, numbers = _looks(run, learning), dict[str, float]()
     coloured = [look for look in looks if look.visible and look.whiteness < WHITE]
     if coloured:
-        first = coloured[0]
-        yield HealthWarning(
-            "low order",
-            f"The residuals of the ARX({learning.order}) are not white after {first.steps} steps "
-            f"(probability {first.whiteness:.1g}): the order is below that of the plant and its "
-            "noise, or the plant changed, and the zeros that were learnt may be wrong.",
-            f"order = {2 * learning.order}; for a plant that changes lambda = 0.999 and a running "
-            "dither",
-        )
+        order, first = learning.order, coloured[0]
+        numbers = {"order": order, "twice": 2 * order, "whiteness": first.whiteness}
+        yield "low order", {**numbers, "steps": first.steps}
     if looks and looks[0].excitation > POOR:
-        yield HealthWarning(
-            "poor excitation",
-            f"In the {looks[0].steps} steps of the start the dither of {learning.dither:.3g} did "
-            "not excite every coefficient of the model: of the worst, "
-            f"{looks[0].excitation:.0%} of what is known comes from its R_theta.",
-            "a larger dither, a later start, or a smaller order",
-        )
+        numbers = {"steps": looks[0].steps, "dither": learning.dither}
+        yield "poor excitation", {**numbers, "excitation": looks[0].excitation}
 
 
-def _unstable_start(run: Run, learning: DataDriven) -> Iterator[HealthWarning]:
+def _unstable_start(run: Run, learning: DataDriven) -> Iterator[Finding]:
     try:
         plant = plant_at(run.plant, 0)
     except CompensatorError:  # no linear plant is known
@@ -617,13 +436,8 @@ def _unstable_start(run: Run, learning: DataDriven) -> Iterator[HealthWarning]:
         growth = np.float64(radius) ** learning.start
     if radius > 1 and growth > GROWTH:
         least = max(learning.order + 1, int(np.log(1e3) / np.log(radius)))
-        yield HealthWarning(
-            "unstable start",
-            f"The plant is unstable, spectral radius {radius:.4g}: in the {learning.start} steps "
-            f"with the dither alone a mode grows {growth:.2g} times.",
-            f"start = {least} or so, the least order, a dither ten times the noise, and d_zu and H "
-            "told",
-        )
+        numbers = {"radius": radius, "start": learning.start, "growth": growth, "least": least}
+        yield "unstable start", numbers
 
 
 def _looks(run: Run, learning: DataDriven) -> list[_Look]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import require_dense
+from rcac_numeric.checks._health import HealthWarning
+from rcac_numeric.checks._warnings import Finding, warning_of
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 
@@ -16,23 +16,14 @@ LARGEST = 20  # states of a plant whose numerator is asked for
 NEAR = 0.05  # a zero of G_f this near, relatively, stands for one of the plant
 
 
-@dataclass(frozen=True)
-class TargetError:
-    """A contradiction between G_f and G_zu."""
-
-    code: str
-    sentence: str
-    next_step: str
-
-
-def target_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
+def target_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...]:
     """What of G_f contradicts a plant with one u and one z."""
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()
     require_dense(plant.n, "the plant")
     require_dense(target.n_f, "the target model")
     response = _impulse_response(plant)
-    found: list[TargetError] = []
+    found: list[Finding] = []
     d_zu = _first(response)
     if d_zu is None:
         return ()
@@ -40,28 +31,15 @@ def target_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
     zeros = zeros_of(plant)
     zeros = zeros[np.abs(zeros) > 1 + TURNED]
     if d_f == d_zu and lead * response[d_zu] < 0:
-        found.append(TargetError(
-            "wrong sign",
-            f"G_f begins with {lead:.4g} q^-{d_f}, the plant with {response[d_zu]:.4g} "
-            f"q^-{d_zu}: the sign differs.",
-            "turn the sign of H (or of the target's numerator)",
-        ))  # fmt: skip
+        found.append(("wrong sign", {"lead": lead, "delay": d_zu, "plant": response[d_zu]}))
     elif d_f != d_zu:
-        found.append(TargetError(
-            "wrong d_zu",
-            f"G_f answers u after {d_f} steps, the plant after {d_zu}.",
-            f"give the target d_zu = {d_zu}",
-        ))  # fmt: skip
+        found.append(("wrong d_zu", {"delay": d_f, "d_zu": d_zu}))
     modelled = np.roots(target.numerator[d_f:, 0, 0])
     missing = [z for z in zeros if not (np.abs(modelled - z) <= NEAR * np.abs(z)).any()]
     if missing:
         words = ", ".join(f"{z.real:.4g}" if abs(z.imag) < TURNED else f"{z:.4g}" for z in missing)
-        found.append(TargetError(
-            "unmodelled zero",
-            f"the plant has nonminimum-phase zeros that G_f lacks: {words}.",
-            f"give them to the target: nmp_zeros = [{words}]",
-        ))  # fmt: skip
-    return tuple(found)
+        found.append(("unmodelled zero", {"zeros": words}))
+    return tuple(map(warning_of, found))
 
 
 def _impulse_response(plant: Plant) -> Array:

@@ -10,6 +10,7 @@ from rcac_numeric import (
     Compensator,
     ControllerSettings,
     FixedController,
+    HealthWarning,
     Saturation,
     Step,
     WhiteNoise,
@@ -21,7 +22,9 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.checks._rules import OF_A_FIXED_ONE
+from rcac_numeric.checks._warnings import RULES
+
+OF_A_FIXED_ONE = {key: rule.fixed for key, rule in RULES.items() if rule.fixed}
 
 OF_ADAPTATION = re.compile(r"R_theta|k_w|n_c|k_c|lambda|theta|G_f|\bH\b|d_zu|target|R_u|dither")
 PLANTS = (
@@ -81,3 +84,19 @@ def test_an_adapting_one_still_gets_it():
 @pytest.mark.parametrize("code", sorted(OF_A_FIXED_ONE))
 def test_every_remedy_of_the_table_is_for_a_fixed_one(code):
     assert not OF_ADAPTATION.search(OF_A_FIXED_ONE[code])
+
+
+def test_every_rule_is_a_warning_that_is_documented():
+    """Its code is a rule by itself, stands in the documentation, and its numbers fill it in."""
+
+    class AnyNumber(dict):
+        def __missing__(self, name):
+            return 0.5
+
+    for key, rule in RULES.items():
+        code = key.partition(":")[0]
+        assert code in RULES, key
+        assert f'"{code}"' in HealthWarning.__doc__, code
+        for words in (rule.sentence, *rule.steps):
+            assert "{" not in words.format_map(AnyNumber(count=1, steps=1)), key
+        assert rule.sentence.endswith(".") and not rule.fixed.endswith(".")
