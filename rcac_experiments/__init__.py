@@ -10,9 +10,6 @@ import compensator_theory as _exact
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 del lazy_loader
 
-# The table of what shows the results of this package.
-DISPLAYS = "rcac_experiments.reports._displays"
-
 
 def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""

@@ -23,7 +23,7 @@ from rcac_experiments.judging._measures import MEASURES, OF_PLANT
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import integer
 from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -400,9 +400,14 @@ class Verification(Result):
         """Names of the runs that did not end as their specification says."""
         return [name for name, result in self.results.items() if not result.as_expected]
 
+    def _sheet(self) -> Any:
+        from rcac_experiments.reports._verification import verification_sheet
+
+        return verification_sheet(self)
+
     def report(self) -> str:
         """The whole verification in words and numbers."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()
@@ -412,7 +417,7 @@ class Verification(Result):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and, where something ran, its sheet of pictures."""
-        return notebook_of(self, self.plot if self.results else None)
+        return notebook_of(self._sheet(), self.plot if self.results else None)
 
     @property
     def figure_requests(self) -> tuple[FigureRequest, ...]:
@@ -428,7 +433,9 @@ class Verification(Result):
 
         `figure_requests` are those that an example asks for, or the usual ones.
         """
-        return picture_of(self, request, width=width)
+        from rcac_experiments.plots._requested import plot_verification
+
+        return plot_verification(self, request, width=width)
 
     @property
     def exit_status(self) -> int:

@@ -12,10 +12,10 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.experiments._experiment import Verification
 from rcac_experiments.judging._claim import HOLDS, MISPRINT, REPRODUCED, Verdict
+from rcac_experiments.reports._single import page_figures
 from rcac_experiments.reports._verification import map_lines, verification_sheet
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.arrays._wording import in_a_line, shortened
-from rcac_numeric.reports._displays import small_pictures_of
 from rcac_numeric.reports._rendering import HOME, sheet_html, whole_page
 from rcac_numeric.reports._sheet import Sheet
 from rcac_numeric.reports._svg import svg_of
@@ -175,7 +175,7 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
         return ()
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", name)
     try:
-        drawn = small_pictures_of(verification)
+        drawn = page_figures(verification)
     except CompensatorError as error:
         return (Picture(f"No picture: {shortened(str(error))}", ""),)
     return tuple(

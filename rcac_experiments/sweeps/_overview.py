@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._statistics import SweepSummary, summarise
@@ -72,9 +73,14 @@ class SweepOverview(Result):
         """What was recorded beside the outcomes, and how often, the most frequent first."""
         return dict(Counter(e for e in self.table["failure"].tolist() if e).most_common())
 
+    def _sheet(self) -> Any:
+        from rcac_experiments.reports._studies import sweep_sheet
+
+        return sweep_sheet(self)
+
     def report(self) -> str:
         """The study, its outcomes and statistics in words and numbers."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()

@@ -74,9 +74,14 @@ class ReplayedRun(Result):
         """One sheet: response, coefficients, poles and zeros, and the intercalated match."""
         return self.analysed.plot(title or f"run {self.number}")
 
+    def _sheet(self) -> Any:
+        from rcac_experiments.reports._studies import replay_sheet
+
+        return replay_sheet(self)
+
     def report(self) -> str:
         """What was run, and whether it is what the store holds."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()

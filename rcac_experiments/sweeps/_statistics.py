@@ -14,7 +14,6 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_experiments.sweeps._table import Columns, SweepTable
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import instance_of, items, number
 from rcac_numeric.arrays._values import Result
 
@@ -111,7 +110,9 @@ class SweepSummary(Result):
 
     def plot(self) -> figures.Figure:
         """The share of runs that did not complete, and the median, over one axis or two."""
-        return picture_of(self)
+        from rcac_experiments.plots._sweep import plot_summary
+
+        return plot_summary(self)
 
 
 def summarise(

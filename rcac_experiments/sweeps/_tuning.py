@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -23,7 +24,7 @@ from rcac_experiments.sweeps._stored_trials import stored
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import member
 from rcac_numeric.arrays._seeds import JUDGING
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -124,17 +125,24 @@ class Tuned(Result):
         """Write `to_toml()` into a file, whole or not at all."""
         save_design(self.design, path)
 
+    def _sheet(self) -> Any:
+        from rcac_experiments.reports._tuned import tuned_sheet
+
+        return tuned_sheet(self)
+
     def report(self) -> str:
         """The held-out verdict, what tuning brought over the rule, and the best candidates."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def plot(self) -> figures.Figure:
         """The cost of every candidate against its robustness."""
-        return picture_of(self)
+        from rcac_experiments.plots._tuned import plot_tuned
+
+        return plot_tuned(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and the picture."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def __str__(self) -> str:
         return self.report()

@@ -20,7 +20,7 @@ from rcac_numeric.analysis._disk import DiskMargin, disk_margin_of
 from rcac_numeric.analysis._loop_analysis import attempted
 from rcac_numeric.analysis._opened_loop import OpenedLoop, broken_loop
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._showing import notebook_of, picture_of
+from rcac_numeric.arrays._showing import notebook_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._foreign import agreed_times
 
@@ -115,9 +115,14 @@ class Margins(Result):
         ]
         return "\n".join(lines)
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._check import margins_sheet
+
+        return margins_sheet(self)
+
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of margins and the Nyquist curve."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def plot(self, view: str = "all", **options: Any) -> figures.Figure:
         """Nyquist's curve and Bode's plot of L with the margins marked.
@@ -152,7 +157,9 @@ class Margins(Result):
         >>> [axis.get_title() for axis in margins.plot("bode").axes]
         ['gain margin 4 at 3.14', 'phase margin 75.5 degrees at 0.505']
         """
-        return picture_of(self, view, **options)
+        from rcac_numeric.plots._margins import plot_margins
+
+        return plot_margins(self, view, **options)
 
 
 def stability_margins(

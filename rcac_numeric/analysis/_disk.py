@@ -16,7 +16,6 @@ from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.analysis._opened_loop import OpenedLoop
 from rcac_numeric.analysis._peaks import Matrices, hinf_norm, level_crossings, response_of
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import one_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
@@ -209,7 +208,9 @@ class DiskMargin(Result):
 
     def plot(self, **options: Any) -> figures.Figure:
         """The gains and turns of phase that may change together; options `ax` and `width`."""
-        return picture_of(self, **options)
+        from rcac_numeric.plots._margins import plot_disk_margin
+
+        return plot_disk_margin(self, **options)
 
     def __str__(self) -> str:
         low, high = self.gain

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from sympy import Poly
@@ -14,7 +15,7 @@ from compensator_theory import figures
 from compensator_theory.errors import Advice, CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._pairing import pairing
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._structure import Structure
@@ -60,9 +61,14 @@ class ExactComparison(Result):
     zeros: dict[str, ComplexArray]
     target_poles: ComplexArray
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._loop import comparison_sheet
+
+        return comparison_sheet(self)
+
     def report(self) -> str:
         """The polynomials, poles and zeros in words and numbers; missed poles first."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()
@@ -73,11 +79,13 @@ class ExactComparison(Result):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and the map of poles."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def plot(self, *, width: float = 5.0) -> figures.Figure:
         """The closed-loop poles and zeros beside the poles that the target asks for."""
-        return picture_of(self, width=width)
+        from rcac_numeric.plots._run import plot_comparison
+
+        return plot_comparison(self, width=width)
 
     @property
     def asked_poles(self) -> ComplexArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from rcac_numeric.analysis._match import (
     split_residual,
 )
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
@@ -248,9 +248,14 @@ class LoopAnalysis(Value):
             y = np.hstack([y, w @ plant.D_2[self.plant.l_y :].T if r is None else r])
         return split_residual(plant, self.compensator, target, u=u, y=y, z=z, w=w)
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._loop import analysis_sheet
+
+        return analysis_sheet(self)
+
     def report(self) -> str:
         """The loop beside theory: poles and zeros, the intercalated match, the split residual."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()
@@ -260,11 +265,13 @@ class LoopAnalysis(Value):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and the sheet of pictures."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def plot(self, title: str = "") -> figures.Figure:
         """One sheet: response, coefficients, poles and zeros, the intercalated match."""
-        return picture_of(self, title)
+        from rcac_numeric.plots._run import plot_sheet
+
+        return plot_sheet(self, title)
 
 
 def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensator]) -> ClosedLoop:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from rcac_numeric.analysis._state_space import StateSpace, state_space_latex
 from rcac_numeric.arrays import _frames as frames
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import notebook_of, picture_of
+from rcac_numeric.arrays._showing import notebook_of
 from rcac_numeric.arrays._validation import one_of
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator
@@ -124,11 +125,18 @@ class LQG(Value):
 
     def plot(self) -> figures.Figure:
         """The closed-loop poles by what made them, and the gain and phase of the controller."""
-        return picture_of(self)
+        from rcac_numeric.plots._lqg import plot_lqg
+
+        return plot_lqg(self)
+
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._lqg import lqg_sheet
+
+        return lqg_sheet(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: cost, margins and the picture."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def _repr_latex_(self) -> str:
         return rf"$\displaystyle J = {self.cost.value:.6g}, {state_space_latex(self.state_space)}$"

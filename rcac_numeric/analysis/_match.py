@@ -10,7 +10,6 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis._closed_loop import ClosedLoop, linear_states
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import instance_of, integer, signal_array
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
@@ -54,7 +53,9 @@ class IntercalatedMatch(Result):
 
     def plot(self) -> figures.Figure:
         """Gain and phase of both, on one branch."""
-        return picture_of(self)
+        from rcac_numeric.plots._run import plot_match
+
+        return plot_match(self)
 
     def __repr__(self) -> str:
         return f"IntercalatedMatch(worst={self.worst:.3g}, median={self.median:.3g})"

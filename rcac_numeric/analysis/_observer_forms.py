@@ -20,7 +20,6 @@ from compensator_theory.polynomials._ball_precision import ball_precision
 from compensator_theory.roots._certified import root_balls
 from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer, number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.arrays._wording import matrix_latex
@@ -165,7 +164,9 @@ class NumericObserverForms(Result):
 
     def plot(self) -> figures.Figure:
         """The closed-loop roots, divided into regulator and observer roots form by form."""
-        return picture_of(self)
+        from rcac_numeric.plots._observer_forms import plot_observer_forms
+
+        return plot_observer_forms(self)
 
     def _repr_latex_(self) -> str:
         forms = []

@@ -1,34 +1,26 @@
-"""How a result shows itself without importing what shows it."""
+"""How a result shows itself: its sheet in words, and on a notebook's page.
+
+A method `plot` or `_sheet` imports what shows the result when it is asked, so that a result loads
+neither Matplotlib nor templates: with the two functions below the only imports that go upwards.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from compensator_theory import figures
 
-# Pictures and reports stand above every result and import it. A result asks their table, which is
-# imported when the first result is shown: the one import that goes upwards, and by name.
-TABLE = "rcac_numeric.reports._displays"
+
+def report_of(sheet: Any) -> str:
+    """A report in words and numbers."""
+    from rcac_numeric.reports._terminal import as_text
+
+    return as_text(sheet)
 
 
-def picture_of(result: object, *arguments: Any, **options: Any) -> figures.Figure:
-    """The picture of a result."""
-    drawn: figures.Figure = import_module(TABLE).picture_of(result, *arguments, **options)
-    return drawn
-
-
-def sheet_of(result: object) -> Any:
-    """The report of a result as data."""
-    return import_module(TABLE).sheet_of(result)
-
-
-def report_of(result: object) -> str:
-    """The report of a result in words and numbers."""
-    return str(import_module(TABLE).report_of(result))
-
-
-def notebook_of(result: object, draw: Callable[[], figures.Figure] | None = None) -> str:
+def notebook_of(sheet: Any, draw: Callable[[], figures.Figure] | None = None) -> str:
     """What a notebook shows of a result: its report and, where it has one, its picture."""
-    return str(import_module(TABLE).notebook_of(result, draw))
+    from rcac_numeric.reports._displays import notebook_html
+
+    return notebook_html(sheet, draw)

@@ -22,7 +22,7 @@ from rcac_numeric.analysis._loop_costs import LoopCosts, loop_costs
 from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._array_types import ComplexArray
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._hypotheses import Decision
@@ -170,9 +170,14 @@ class ControllerCheck(Result):
         """False where the logged u is not the output of the logged coefficients."""
         return self.replay is None or self.replay.agrees
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._check import check_sheet
+
+        return check_sheet(self)
+
     def report(self) -> str:
         """The whole check in words and numbers."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()
@@ -184,11 +189,13 @@ class ControllerCheck(Result):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
-        return picture_of(self)
+        from rcac_numeric.plots._check import plot_check
+
+        return plot_check(self)
 
 
 def check_controller(

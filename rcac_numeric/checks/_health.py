@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._showing import notebook_of, sheet_of
+from rcac_numeric.arrays._showing import notebook_of
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._trials import NextDisturbance
 from rcac_numeric.controllers._compensator import Compensator
@@ -237,8 +238,9 @@ class HealthWarning:
         "saturated", "windup", "missed poles", "costly", "wrong sign", "wrong d_zu",
         "unmodelled zero"; of several inputs and outputs "zero in every channel",
         "zero in one channel", "zero on the input side", "zero in another direction"; of
-        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a log "inconsistent log"; of a
-        controller that is driven step by step "overflow", "missed samples", "stopped".
+        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a log
+        "inconsistent log"; of a controller that is driven step by step "overflow",
+        "missed samples", "stopped".
     sentence, next_step : str
         What was found, and what to try.
     is_grave : bool
@@ -342,13 +344,18 @@ class LoopHealth(Result):
         """Whether there is no warning."""
         return not self.warnings
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._loop import health_sheet
+
+        return health_sheet(self)
+
     def report(self) -> str:
         """The health in words and numbers, a line for each."""
-        return "\n".join(line.words for line in sheet_of(self).health)
+        return "\n".join(line.words for line in self._sheet().health)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the lines of the report, the warnings in colour."""
-        return notebook_of(self)
+        return notebook_of(self._sheet())
 
     def __str__(self) -> str:
         return self.report()

@@ -16,7 +16,7 @@ from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
-from rcac_numeric.arrays._showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer, items, number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._diagnosis import loop_health
@@ -265,17 +265,24 @@ class Design(Result):
         """What the verdict says to use, for `Controller`, `simulate` and exports."""
         return self.settings if self.verdict.use == RCAC else self.frozen
 
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._design import design_sheet
+
+        return design_sheet(self)
+
     def report(self) -> str:
         """The verdict, what was assumed, and why each setting is what it is."""
-        return report_of(self)
+        return report_of(self._sheet())
 
     def plot(self) -> figures.Figure:
         """The error of one nominal run, and the rms on every plant."""
-        return picture_of(self)
+        from rcac_numeric.plots._design import plot_design
+
+        return plot_design(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and the picture."""
-        return notebook_of(self, self.plot)
+        return notebook_of(self._sheet(), self.plot)
 
     def __str__(self) -> str:
         return self.report()

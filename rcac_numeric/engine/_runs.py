@@ -16,7 +16,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays._record_files import read_record, write_record
 from rcac_numeric.arrays._records import Records, require_declared
-from rcac_numeric.arrays._showing import notebook_of, picture_of
+from rcac_numeric.arrays._showing import notebook_of
 from rcac_numeric.arrays._validation import (
     instance_of,
     integer,
@@ -253,11 +253,18 @@ class Run(Value):
         signals, width, ax
             As for `plot_runs`: what is drawn, how wide, and in which axes.
         """
-        return picture_of(self, signals=signals, width=width, ax=ax)
+        from rcac_numeric.plots._runs import plot_runs
+
+        return plot_runs([self], signals=signals, width=width, ax=ax)
+
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._loop import run_sheet
+
+        return run_sheet(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how it ended, and its pictures."""
-        return notebook_of(self, self.plot if self.steps else None)
+        return notebook_of(self._sheet(), self.plot if self.steps else None)
 
     def __repr__(self) -> str:
         return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"

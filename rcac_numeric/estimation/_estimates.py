@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory import figures
 from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import float_array, real_array, signal_array
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.compiled._estimators import estimation_failure
@@ -160,7 +159,9 @@ class ModeEstimates(Result):
 
     def plot(self) -> figures.Figure:
         """The estimate with two deviations on either side, and the probabilities of the modes."""
-        return picture_of(self)
+        from rcac_numeric.plots._modes import plot_modes
+
+        return plot_modes(self)
 
 
 @overload

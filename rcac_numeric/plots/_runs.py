@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -134,11 +133,6 @@ def plot_runs(
         axes[-1].locator_params(axis="x", nbins=4)  # steps may have six digits
         figure.align_ylabels(axes)
     return figure
-
-
-def plot_run(run: Run, **options: Any) -> Figure:
-    """The signals z and u and the coefficients theta; options as for `plot_runs`."""
-    return plot_runs([run], **options)
 
 
 def _period(runs: Sequence[Run]) -> float | None:

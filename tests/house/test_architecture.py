@@ -18,13 +18,16 @@ WITHOUT_ENGINE = ("analysis",)
 # Imports by name in the packages: commands, entries of tables that are tested, optional libraries.
 BY_NAME = {
     "rcac_numeric/arrays/_frames.py",
-    "rcac_numeric/arrays/_showing.py",
     "rcac_experiments/cli/__main__.py",
     "rcac_experiments/cli/_main.py",
     "rcac_experiments/dissertation/_checking.py",
-    "rcac_numeric/reports/_displays.py",
     "rcac_experiments/sweeps/_versions.py",
 }
+
+# Who may import what shows a result, late: its methods, the two functions of `arrays._showing` and
+# who draws results of the exact half. A result is imported by what shows it, never the reverse.
+SHOWING = ("plot", "_sheet", "report_of", "notebook_of", "picture_of")
+SHOWN_IN = ("plots", "reports")
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
 SOURCES = [p for p in FILES if p.name != "__init__.py"]
@@ -39,7 +42,10 @@ def folder(module):
 
 @cache
 def imports(path):
-    """(line, module, name of the function around it) for every import of this project."""
+    """(line, module, name of the function around it) for every import of this project.
+
+    But for what a method imports to show its result.
+    """
     return tuple(_imports(path))
 
 
@@ -64,7 +70,8 @@ def _imports(path):
             yield from visit(child, inside)
 
     for line, module, function in visit(ast.parse(path.read_text()), ""):
-        if module.split(".")[0] in PACKAGES:
+        shows = function in SHOWING and folder(module).rpartition(".")[2] in SHOWN_IN
+        if module.split(".")[0] in PACKAGES and not shows:
             yield line, module, function
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import array_like, matrix, optional_array_like
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.plants._linear import Plant
@@ -92,7 +91,9 @@ class ContinuousPlant(Value):
 
     def plot(self, periods: Sequence[float]) -> figures.Figure:
         """Poles and zeros, step response, and the sampled zeros against the period in s."""
-        return picture_of(self, periods)
+        from rcac_numeric.plots._plants import plot_continuous_plant
+
+        return plot_continuous_plant(self, periods)
 
     def __repr__(self) -> str:
         n, l_u, l_y = len(self.A), self.B.shape[1], len(self.C)

@@ -12,7 +12,6 @@ import compensator_theory as exact
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
-from rcac_numeric.arrays._showing import picture_of
 from rcac_numeric.arrays._validation import integer, items
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.plants._foreign import linear_plant
@@ -47,7 +46,9 @@ class ZeroPath(Result):
 
     def plot(self) -> figures.Figure:
         """The zeros in the plane and their moduli over the steps, figures 3.4 and 3.5."""
-        return picture_of(self)
+        from rcac_numeric.plots._plants import plot_zero_path
+
+        return plot_zero_path(self)
 
 
 def plant_zeros(plant: Plant) -> ComplexArray:

@@ -30,7 +30,6 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.analysis._noise import with_oscillation
-from rcac_numeric.arrays._showing import sheet_of
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._design import verdict_of
 from rcac_numeric.designing._expected import KINDS, read_expected
@@ -197,7 +196,7 @@ def test_limits_at_the_working_point_are_the_first_line(limits, command, words):
     """Of a heater of 0 to 100 %: counted from its working point it can only be turned up."""
     found = design("0.9/(175*s + 1)", sample_time=5.0, disturbance=0.44, noise=0.1,
                    u_limits=limits, command=command, seeds=1, steps=100)  # fmt: skip
-    first = sheet_of(found).health[0]
+    first = found._sheet().health[0]
     assert (words in found.no_room) if words else not found.no_room
     assert (first.words == found.no_room) == bool(words)
 

@@ -6,7 +6,6 @@ import pytest
 from compensator_theory.errors import InputError
 from rcac_numeric import Compensator, FixedController, Recorded, Step, design, pid, simulate
 from rcac_numeric.arrays._seeds import JUDGING
-from rcac_numeric.arrays._showing import sheet_of
 
 QUICK = {"seeds": 2, "steps": 400}
 SQUARE = Recorded(np.tile([1.0, 1.0, -1.0, -1.0], 1000))  # faster than any loop with dead time
@@ -29,7 +28,7 @@ def test_where_u_zero_is_better_the_first_line_and_the_status_say_so(lag):
     idle = FixedController(Compensator(np.zeros((1, 1, 1)), np.zeros((2, 1, 1))))
     chosen = found.settings if found.verdict.use == "RCAC" else found.fixed
     own = size_of(found, chosen) / size_of(found, idle)
-    first, *rest = sheet_of(found).health
+    first, *rest = found._sheet().health
     assert found.verdict.is_worse_than_none == (found.verdict.over_none > 1.005)
     if own > 1.005:
         assert first.words.startswith("Use no controller") and first.level == "bad"

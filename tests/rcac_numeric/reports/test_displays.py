@@ -1,20 +1,49 @@
-"""What shows a result is found through one table, whose entries are what they say."""
+"""What shows a result is imported by the method that shows it, when it is asked."""
 
+import ast
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 
 import rcac_numeric
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import _showing as showing
 from rcac_numeric.reports import _displays as displays
-from tests.support.displays import entries_of, standing_of
+from rcac_numeric.reports._sheet import Sheet
 
-test_an_entry_takes_the_type_that_it_stands_for = entries_of(displays)
-test_every_result_that_asks_the_table_stands_in_it = standing_of(
-    ("compensator_theory", "rcac_numeric"), displays
-)
+ROOT = Path(__file__).parents[3]
+
+
+def showing():
+    """(class, method, what it imports to show a result) in all packages."""
+    for package in ("rcac_numeric", "rcac_experiments"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+            for kind in ast.walk(ast.parse(path.read_text())):
+                methods = kind.body if isinstance(kind, ast.ClassDef) else ()
+                for method in methods:
+                    if getattr(method, "name", "") in ("plot", "_sheet"):
+                        late = [n for n in ast.walk(method) if isinstance(n, ast.ImportFrom)]
+                        if late:
+                            (one,) = late
+                            shows = (one.module, one.names[0].name)
+                            yield pytest.param(
+                                module, kind.name, method.name, *shows,
+                                id=f"{kind.name}.{method.name}",
+                            )  # fmt: skip
+
+
+@pytest.mark.parametrize(("module", "kind", "method", "home", "function"), [*showing()])
+def test_what_a_method_imports_makes_what_it_answers(module, kind, method, home, function):
+    """One import, of a function that makes a sheet or a figure of that class."""
+    shows = getattr(import_module(home), function)
+    hints = get_type_hints(shows)
+    made = hints.pop("return")
+    assert made is Sheet if method == "_sheet" else "Figure" in str(made)
+    assert kind in str(next(iter(hints.values()))) and getattr(import_module(module), kind)
 
 
 def test_what_is_derived_is_shown_like_its_base():
@@ -22,15 +51,12 @@ def test_what_is_derived_is_shown_like_its_base():
         pass
 
     health = Derived(True, 0.5, "completed", 10, 0, {})
-    assert showing.sheet_of(health).health[0].words.startswith("The closed loop is stable")
+    assert health._sheet().health[0].words.startswith("The closed loop is stable")
 
 
-@pytest.mark.parametrize(
-    "ask", [showing.picture_of, showing.sheet_of, showing.report_of, showing.notebook_of]
-)
-def test_what_has_no_entry_is_refused_by_its_type(ask):
+def test_what_is_no_result_of_the_exact_half_is_refused_by_its_type():
     with pytest.raises(InputError, match="a complex cannot be shown"):
-        ask(1j)
+        displays.picture_of(1j)
 
 
 @pytest.mark.costly
