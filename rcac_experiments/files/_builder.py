@@ -32,11 +32,11 @@ from rcac_experiments.format._tables import Raw, Table
 from rcac_experiments.format._values import ListOf
 from rcac_experiments.judging._claim import Claim, OpenItem
 from rcac_experiments.judging._reading import (
-    OpenItems,
     claims_of,
     completed_runs,
     completion_name,
     opens,
+    tables_of,
 )
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import PlantSchedule
@@ -142,7 +142,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    items = OpenItems.of(read.open)
+    items, tables = tuple(read.open), tables_of(read.open)
     claims = [c for one in read.claims for c in claims_of(one, names, items, STANDARD_CLAIMS)]
     errors, plants = Errors(), []
     common: Plant | PlantSchedule | None = None  # made once for all that take it as it is
@@ -167,7 +167,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     of_run = dict(zip(names, overrides, strict=True))
     completions = {}
     for base, values in completed_runs(claims, items):
-        changes = [items.tables[value] for value in values]
+        changes = [tables[value] for value in values]
         name = completion_name(base, values)
         completed = read_run(table, _override_of(name, of_run[base], changes), file)
         assert completed is not None, "no table of it is wrong"
@@ -179,7 +179,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
         **read.words(file),
         runs=made,
         claims=claims,
-        open=items.items,
+        open=items,
         completions=completions,
         figures=read.figures,
         description=_description(table),

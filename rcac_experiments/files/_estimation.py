@@ -26,7 +26,6 @@ from rcac_experiments.format._tables import Deferred, Kinds, Raw, Table
 from rcac_experiments.format._values import Choice, Integer, ListOf, String
 from rcac_experiments.judging._claim import Claim, OpenItem
 from rcac_experiments.judging._reading import (
-    OpenItems,
     check_table,
     claim_table,
     claims_of,
@@ -34,6 +33,7 @@ from rcac_experiments.judging._reading import (
     completion_name,
     opens,
     require_run,
+    tables_of,
 )
 from rcac_numeric.arrays._values import Value
 
@@ -183,14 +183,14 @@ def estimation_experiment(table: Raw, file: str, budget: ExperimentBudget) -> Ex
             studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
     errors.raise_any()
     _require_budget(studies, budget)
-    items = OpenItems.of(read.open)
+    items, of_value = tuple(read.open), tables_of(read.open)
     claims = [claim for one in read.claims for claim in claims_of(one, tuple(studies), items)]
     completions = {}
     for of_run, values in completed_runs(claims, items):
         tables = raw[of_run]
         for value in values:  # what a value names it replaces as a whole
             tables = {
-                key: {**inner, **items.tables[value].get(key, {})} for key, inner in tables.items()
+                key: {**inner, **of_value[value].get(key, {})} for key, inner in tables.items()
             }
         name = completion_name(of_run, values)
         completions[name] = _study(name, tables, file, studies[of_run].correction)
@@ -199,7 +199,7 @@ def estimation_experiment(table: Raw, file: str, budget: ExperimentBudget) -> Ex
         runs={},
         studies=studies,
         claims=claims,
-        open=items.items,
+        open=items,
         completions=completions,
         figures=[estimation_figure(figure, list(studies)) for figure in read.figures],
         description={"truth": _words(table["estimation"])},

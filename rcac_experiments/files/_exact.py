@@ -14,7 +14,7 @@ from rcac_experiments.format._places import Place
 from rcac_experiments.format._tables import Kinds, Table
 from rcac_experiments.format._values import ListOf
 from rcac_experiments.judging._claim import Claim
-from rcac_experiments.judging._reading import OpenItems, claim_table, claims_of
+from rcac_experiments.judging._reading import claim_table, claims_of
 
 # Every statement with its arguments; the system itself is given.
 STATEMENT_KINDS: Kinds[Any] = Kinds(
@@ -50,7 +50,7 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     for one in read.claims:
         checks: Sequence[Any] = one.checks
         decided = [attrs.evolve(check, system=read.exact) for check in checks]
-        claims += claims_of(attrs.evolve(one, checks=decided), (), OpenItems((), {}))
+        claims += claims_of(attrs.evolve(one, checks=decided), (), ())
     return Experiment(
         **read.words(file),
         runs={},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -21,7 +20,6 @@ from rcac_experiments.judging._claim import (
     Claim,
     OpenItem,
 )
-from rcac_numeric.arrays._values import Value
 
 REST = "the rest"
 MOST = 200  # completions of one file
@@ -71,7 +69,7 @@ def claim_table(
 def claims_of(
     read: Claim,
     runs: Sequence[str],
-    items: OpenItems,
+    items: Sequence[OpenItem],
     standards: Mapping[str, Claim] | None = None,
 ) -> list[Claim]:
     """What a claim of a file claims of these runs: itself, or one of each variant that it names."""
@@ -137,12 +135,12 @@ def _checks_of(
     return own
 
 
-def _map(read: Claim, run: str, runs: Sequence[str], items: OpenItems) -> dict[str, str]:
+def _map(read: Claim, run: str, runs: Sequence[str], items: Sequence[OpenItem]) -> dict[str, str]:
     """From the name of each completion of a run to its outcome of record."""
-    known = {item.what for item in items.items if item.completions}
+    known = {item.what for item in items if item.completions}
     axes = [name for name in read.open if name in known]
-    items.combinations([name for name in read.open if name not in known])
-    values = ["; ".join(values) for values in items.combinations(axes)] if axes else []
+    combinations([name for name in read.open if name not in known], items)
+    values = ["; ".join(values) for values in combinations(axes, items)] if axes else []
     named = {name: outcome for name, outcome in read.over.items() if name != REST}
     for name in named:
         if name not in values:
@@ -164,52 +162,45 @@ def opens(value: Table[Any]) -> ListOf:
     return ListOf(open_table(value), needed="an array of tables, [[open]]")
 
 
-@dataclass(frozen=True, eq=False)
-class OpenItems(Value):
-    """What a source leaves open, with the tables of each value as they stand in the file."""
+def tables_of(items: Sequence[OpenItem]) -> dict[str, dict[str, Any]]:
+    """The tables of each value of [[open]] as they stand in the file, by the value's name."""
+    tables: dict[str, dict[str, Any]] = {}
+    for value in (value for item in items for value in item.values):
+        changes = attrs.asdict(value, recurse=False)
+        name = changes.pop("name")
+        if name in tables:
+            raise InputError(f"[[open]] has two values {brief(name)}; name each its own.")
+        tables[name] = {key: v for key, v in changes.items() if v is not None}
+    whats = [item.what for item in items]
+    if twice := next((what for what in whats if whats.count(what) > 1), None):
+        raise InputError(f"[[open]] names {brief(twice)} twice; give each item its own name.")
+    return tables
 
-    items: tuple[OpenItem, ...]
-    tables: Mapping[str, Mapping[str, Any]]
 
-    @classmethod
-    def of(cls, items: Sequence[OpenItem]) -> OpenItems:
-        """From the items of [[open]]."""
-        tables: dict[str, dict[str, Any]] = {}
-        for value in (value for item in items for value in item.values):
-            changes = attrs.asdict(value, recurse=False)
-            name = changes.pop("name")
-            if name in tables:
-                raise InputError(f"[[open]] has two values {brief(name)}; name each its own.")
-            tables[name] = {key: v for key, v in changes.items() if v is not None}
-        whats = [item.what for item in items]
-        if twice := next((what for what in whats if whats.count(what) > 1), None):
-            raise InputError(f"[[open]] names {brief(twice)} twice; give each item its own name.")
-        return cls(tuple(items), tables)
-
-    def combinations(self, names: Iterable[str]) -> list[tuple[str, ...]]:
-        """Every combination of the values of these items, but for that of all that is chosen."""
-        known = {item.what: item for item in self.items}
-        for name in names:
-            if name not in known:
-                raise InputError(
-                    f"a claim is open in {brief(name)}; [[open]] has {', '.join(known) or 'none'}."
-                    f"{did_you_mean(name, known)}"
-                )
-        sets = [("", *known[name].completions) for name in names]
-        made = [tuple(filter(None, values)) for values in product(*sets)]
-        if len(made) > MOST:
-            raise InputError(f"a claim is open in {len(made)} completions; {MOST} are allowed.")
-        return [values for values in made if values]
+def combinations(names: Sequence[str], items: Sequence[OpenItem]) -> list[tuple[str, ...]]:
+    """Every combination of the values of the items of these names, but for all that is chosen."""
+    known = {item.what: item for item in items}
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"a claim is open in {brief(name)}; [[open]] has {', '.join(known) or 'none'}."
+                f"{did_you_mean(name, known)}"
+            )
+    sets = [("", *known[name].completions) for name in names]
+    made = [tuple(filter(None, values)) for values in product(*sets)]
+    if len(made) > MOST:
+        raise InputError(f"a claim is open in {len(made)} completions; {MOST} are allowed.")
+    return [values for values in made if values]
 
 
 def completed_runs(
-    claims: Iterable[Claim], items: OpenItems
+    claims: Iterable[Claim], items: Sequence[OpenItem]
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
     """The runs and the values of [[open]] that claims are judged over, each pair once."""
     seen = set()
     for claim in claims:
         runs = dict.fromkeys([claim.run, *(run for check in claim.checks for run in check.runs)])
-        for values in items.combinations(claim.open) if claim.open else ():
+        for values in combinations(claim.open, items) if claim.open else ():
             for run in runs:
                 if (run, values) not in seen:
                     seen.add((run, values))

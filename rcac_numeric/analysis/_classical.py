@@ -33,7 +33,7 @@ class Margins(Result):
     ----------
     loop : OpenedLoop
     is_stable : bool
-        Whether the nominal loop is stable, by `decide_stability`. An unstable loop has no
+        Whether the nominal loop is stable, as `ClosedLoop.is_stable`. An unstable loop has no
         margins: they are None.
     spectral_radius : float
         Of the nominal loop, from computed eigenvalues.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.analysis._stability import decide_stability
+from rcac_numeric.analysis._stability import is_schur_stable
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._frames import StateSpace, control_state_space
@@ -141,9 +141,9 @@ class ClosedLoop(Value):
     def is_stable(self) -> bool:
         """Whether every pole of the float64 loop is inside the unit circle, as a decision.
 
-        By `decide_stability`: powers, eigenvalues with their bound, or an exact count.
+        By powers, by eigenvalues with their bound, or by an exact count.
         """
-        return decide_stability(self.matrices[0]).is_stable
+        return is_schur_stable(self.matrices[0])
 
     def frequency_response(self, omega: ArrayLike) -> ComplexArray:
         """The response (2.9) from w to z; shape (len(omega), l_z, l_w), omega in rad/sample."""

@@ -14,7 +14,7 @@ from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.analysis._gramians import PRECISIONS, enclosed_gramians, rational, stein_solution
 from rcac_numeric.analysis._loop_analysis import closed_loop
 from rcac_numeric.analysis._noise import NoiseInputs, NoiseIntensities, noise_inputs
-from rcac_numeric.analysis._stability import EPS, counted_stable, decide_stability
+from rcac_numeric.analysis._stability import EPS, counted_stable, is_schur_stable
 from rcac_numeric.analysis._state_space import StateSpace, state_space_of
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array
@@ -110,7 +110,7 @@ def h2_cost(
 
     Notes
     -----
-    Stability is decided by `decide_stability`, never by the computed radius; J is taken from
+    Stability is decided as `ClosedLoop.is_stable`, never by the computed radius; J is taken from
     float64 where its error is at most 1e-9 by the bound, else from ball arithmetic.
     Source: (4.20)-(4.23). Errata: (4.21) leaves out the cross term, which is zero for R_12 = 0
     only, and the direct term.
@@ -147,7 +147,7 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     u_x, u_w = plant.E_2 @ K_x, plant.E_2 @ K_w
     rounding = loop_rounding(plant, compensator, inputs)
     try:
-        if not decide_stability(A, rounding[0]).is_stable:
+        if not is_schur_stable(A, rounding[0]):
             return _infinite(inputs, radius)
     except IllConditionedError:
         return _enclosed(plant, compensator, inputs, radius)

@@ -25,7 +25,7 @@ from rcac_numeric.analysis._resolvents import (
     inverse_norms,
     responses,
 )
-from rcac_numeric.analysis._stability import decide_stability
+from rcac_numeric.analysis._stability import is_schur_stable
 from rcac_numeric.analysis._state_space import StateSpace
 from rcac_numeric.arrays._algebraic_loops import closes
 from rcac_numeric.arrays._array_types import Array, ComplexArray
@@ -144,7 +144,7 @@ class OpenedLoop(Value):
     def is_stable(self) -> bool:
         """Whether the loop is stable when it is closed as it is, decided for its float64 matrix."""
         direct = 1 + self.D[0, 0]
-        return bool(direct) and decide_stability(self.A - self.B @ self.C / direct).is_stable
+        return bool(direct) and is_schur_stable(self.A - self.B @ self.C / direct)
 
     def delayed(self, steps: int) -> OpenedLoop:
         """The same loop with `steps` more steps of delay."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from flint import fmpq_mat
 from scipy.linalg import matrix_balance
@@ -13,7 +11,6 @@ import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.analysis._gramians import rational
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import Value
 
 EPS = float(np.finfo(float).eps)
 # Squarings that are tried: 2^64 steps, more than float64 entries ask for.
@@ -22,24 +19,7 @@ SQUARINGS = 64
 LARGEST = 150
 
 
-@dataclass(frozen=True, eq=False)
-class Stability(Value):
-    """Whether every eigenvalue is inside the unit circle, and how that is known.
-
-    Attributes
-    ----------
-    is_stable : bool
-    evidence : {"powers", "eigenvalues", "exact count"}
-        A power of the matrix with norm below 1, or with a trace above n, rounding included; the
-        computed eigenvalues, which are further from the circle than rounding has moved them; or
-        the exact count of roots of the characteristic polynomial.
-    """
-
-    is_stable: bool
-    evidence: str
-
-
-def decide_stability(A: Array, uncertainty: Array | None = None) -> Stability:
+def is_schur_stable(A: Array, uncertainty: Array | None = None) -> bool:
     """Decide whether the spectral radius of A is below 1, for these float64 numbers.
 
     The computed eigenvalues of a strongly non-normal matrix are wrong by far more than rounding,
@@ -60,20 +40,18 @@ def decide_stability(A: Array, uncertainty: Array | None = None) -> Stability:
             f"whether the eigenvalues of a {len(A)} x {len(A)} matrix are inside the unit circle "
             "is decided by rounding. Scale the states to like size, or use exact data."
         )
-    return Stability(counted_stable(rational(A)), "exact count")
+    return counted_stable(rational(A))
 
 
-def _decided(A: Array, uncertainty: Array) -> Stability | None:
+def _decided(A: Array, uncertainty: Array) -> bool | None:
     """By floating point alone, for every matrix within the uncertainty; None where it cannot."""
     if not A.size:
-        return Stability(True, "powers")
+        return True
     with np.errstate(all="ignore"):  # what overflows decides nothing
         scaled, (scale, _) = matrix_balance(A, permute=False, separate=True)
         off = float(np.linalg.norm(uncertainty * scale / scale[:, None]))
-        verdict, evidence = _by_powers(scaled, off), "powers"
-        if verdict is None:
-            verdict, evidence = _by_eigenvalues(scaled, off), "eigenvalues"
-    return None if verdict is None else Stability(verdict, evidence)
+        verdict = _by_powers(scaled, off)
+        return _by_eigenvalues(scaled, off) if verdict is None else verdict
 
 
 def _by_powers(A: Array, off: float) -> bool | None:

@@ -21,8 +21,8 @@ from rcac_numeric.compiled import _kernel
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._updates import (
     Event,
-    KernelUpdate,
     initial_variances,
+    kernel_arguments_of,
     kernel_update,
     require_kind,
 )
@@ -115,7 +115,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, A
         channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
         filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
     longest = max(model.n_f for model in models)
-    return _arguments(
+    return dict(
         update,
         l_u=structure.l_u,
         l_y=structure.l_y,
@@ -133,7 +133,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, A
         k_filter=settings.k_filter,
         filter_form=settings.form == "filter",
         reflect_poles=settings.reflect_poles,
-        events=_events(settings, update),
+        events=_events(settings, update["events"]),
         theta_0=settings.theta_0,
         dither=_dither(settings.learning),
         **_additions(settings),
@@ -155,8 +155,8 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
         of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
     theta = np.concatenate(columns)
     size = len(theta)
-    return _arguments(
-        KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),
+    return dict(
+        kernel_arguments_of(Gradient.name, P_0=np.zeros((size, size))),
         l_u=c.l_u,
         l_y=c.l_y - controller.l_r,
         l_r=controller.l_r,
@@ -173,7 +173,6 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
         k_filter=NEVER,
         filter_form=False,
         reflect_poles=False,
-        events=[],
         theta_0=theta,
     )
 
@@ -259,23 +258,9 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
             require_kind(weight, name, (SignalWeight,), who)
 
 
-def _arguments(update: KernelUpdate, **arguments: Any) -> dict[str, Any]:
-    return {
-        "update": update.name,
-        "P_0": update.P_0,
-        "forgetting_factor": update.forgetting_factor,
-        "forgetting": update.forgetting,
-        "reset": update.reset,
-        "noise": update.noise,
-        "window": update.window,
-        "step_size": update.step_size,
-        **arguments,
-    }
-
-
-def _events(settings: ControllerSettings, update: KernelUpdate) -> list[Event]:
+def _events(settings: ControllerSettings, of_update: Sequence[Event]) -> list[Event]:
     """What is scheduled, by step: (step, kind, lambda or the number of the target model)."""
-    events: list[Event] = list(update.events)
+    events = [*of_update]
     for start, stop in _merged(settings.freeze):
         events.append((start, "freeze", 0.0))
         if stop is not None:

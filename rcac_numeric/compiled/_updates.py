@@ -6,8 +6,7 @@ subclasses of what is: the engine would run them without what they add.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, get_args
 
 import numpy as np
@@ -37,37 +36,33 @@ from rcac_numeric.controllers._update import Update
 Event = tuple[int, str, float]
 
 
-@dataclass(frozen=True)
-class KernelUpdate:
-    """What `_kernel.controller` wants to know of an update.
+def kernel_arguments_of(
+    update: str,
+    P_0: Array,
+    *,
+    forgetting_factor: float = 1.0,
+    forgetting: tuple[int, int, float, float] = (0, 0, 0.0, 1.0),
+    reset: tuple[int, float, float, int, int] = (0, 0.0, 0.0, 10, 100),
+    noise: Array | None = None,
+    events: Sequence[Event] = (),
+    window: int = 0,
+    step_size: float = 0.0,
+) -> dict[str, Any]:
+    """What `_kernel.controller` wants to know of an update, by its names.
 
-    Attributes
-    ----------
-    name : str
-        The kernel's name of it.
-    P_0 : array, shape (l_theta, l_theta)
-    forgetting_factor : float
-        lambda at step 0.
-    forgetting, reset : tuples
-        Of variable-rate forgetting and of covariance resets; the defaults do nothing.
-    noise : array, shape (rank of Q, l_theta) or empty
-        Rows a with Q = sum a'a.
-    events : list of (step, kind, number)
-        Scheduled changes of lambda and resets.
+    `update` is the kernel's name of it, `forgetting_factor` lambda at step 0; `forgetting` and
+    `reset` belong to variable-rate forgetting and to covariance resets, and do nothing by default.
+    `noise` has rows a with Q = sum a'a; `events` are scheduled changes of lambda and resets.
     """
-
-    name: str
-    P_0: Array
-    forgetting_factor: float = 1.0
-    forgetting: tuple[int, int, float, float] = (0, 0, 0.0, 1.0)
-    reset: tuple[int, float, float, int, int] = (0, 0.0, 0.0, 10, 100)
-    noise: Array = field(default_factory=lambda: np.zeros(0))
-    events: tuple[Event, ...] = ()
-    window: int = 0
-    step_size: float = 0.0
+    noise = np.zeros(0) if noise is None else noise
+    return {
+        "update": update, "P_0": P_0, "forgetting_factor": forgetting_factor,
+        "forgetting": forgetting, "reset": reset, "noise": noise, "window": window,
+        "step_size": step_size, "events": list(events),
+    }  # fmt: skip
 
 
-def kernel_update(update: Update, l_theta: int) -> KernelUpdate:
+def kernel_update(update: Update, l_theta: int) -> dict[str, Any]:
     """The kernel's arguments for an update of l_theta coefficients."""
     require_kind(update, "update", ARGUMENTS)
     return ARGUMENTS[type(update)](update, l_theta)
@@ -83,8 +78,8 @@ def require_kind(value: object, name: str, kinds: Iterable[type], who: str = "en
         )
 
 
-def _window(update: SlidingWindow, l_theta: int) -> KernelUpdate:
-    return KernelUpdate(
+def _window(update: SlidingWindow, l_theta: int) -> dict[str, Any]:
+    return kernel_arguments_of(
         update.name,
         P_0=initial_covariance(update.R_theta, l_theta),
         forgetting_factor=update.lambda_,
@@ -92,8 +87,8 @@ def _window(update: SlidingWindow, l_theta: int) -> KernelUpdate:
     )
 
 
-def _joint(update: JointUD, l_theta: int) -> KernelUpdate:
-    return KernelUpdate(
+def _joint(update: JointUD, l_theta: int) -> dict[str, Any]:
+    return kernel_arguments_of(
         update.name,
         P_0=initial_covariance(update.R_theta, l_theta),
         window=update.n_d,
@@ -101,12 +96,14 @@ def _joint(update: JointUD, l_theta: int) -> KernelUpdate:
     )
 
 
-def _instantaneous(update: Instantaneous, l_theta: int) -> KernelUpdate:
-    return KernelUpdate(update.name, P_0=initial_covariance(update.R_theta, l_theta))
+def _instantaneous(update: Instantaneous, l_theta: int) -> dict[str, Any]:
+    return kernel_arguments_of(update.name, P_0=initial_covariance(update.R_theta, l_theta))
 
 
-def _gradient(update: Gradient, l_theta: int) -> KernelUpdate:
-    return KernelUpdate(update.name, P_0=np.zeros((l_theta, l_theta)), step_size=update.step_size)
+def _gradient(update: Gradient, l_theta: int) -> dict[str, Any]:
+    return kernel_arguments_of(
+        update.name, P_0=np.zeros((l_theta, l_theta)), step_size=update.step_size
+    )
 
 
 def initial_covariance(R_theta: float | Array, l_theta: int) -> Array:
@@ -130,35 +127,34 @@ def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
     return 1.0 if isinstance(lambda_, VariableRateForgetting) else lambda_
 
 
-def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
-    rule, reset = update.lambda_, update.reset or CovarianceReset()
+def _recursive(update: RecursiveLeastSquares, l_theta: int) -> dict[str, Any]:
+    rule, reset, beside = update.lambda_, update.reset, dict[str, Any]()
     require_kind(rule, "lambda_", (float, *get_args(Forgetting)))
-    require_kind(reset, "reset", (CovarianceReset,))
-    events: list[Event] = [(k, "reset", 0.0) for k in reset.at]
+    events: list[Event] = []
+    if reset is not None:
+        require_kind(reset, "reset", (CovarianceReset,))
+        events += [(k, "reset", 0.0) for k in reset.at]
+        beside["reset"] = reset.every, reset.trace_below, reset.growth, reset.short, reset.long
     if isinstance(rule, ScheduledForgetting):
         events += [(k, "forgetting", value) for k, value in rule.changes.items()]
-    noise = np.zeros(0)
     if update.process_noise is not None:
         Q = full_weight(update.process_noise, l_theta)
-        noise = np.ascontiguousarray(square_root_columns(Q).T)
-    forgetting = (0, 0, 0.0, 1.0)
+        beside["noise"] = np.ascontiguousarray(square_root_columns(Q).T)
     if isinstance(rule, VariableRateForgetting):
-        forgetting = (rule.short, rule.long, rule.gain, rule.smallest)
+        beside["forgetting"] = rule.short, rule.long, rule.gain, rule.smallest
     name = update.name
     if isinstance(rule, SubspaceForgetting | CappedForgetting):
         name = "ud, subspace" if isinstance(rule, SubspaceForgetting) else "ud, capped"
-    return KernelUpdate(
+    return kernel_arguments_of(
         name,
         P_0=initial_covariance(update.R_theta, l_theta),
         forgetting_factor=initial_forgetting_factor(rule),
-        forgetting=forgetting,
-        reset=(reset.every, reset.trace_below, reset.growth, reset.short, reset.long),
-        noise=noise,
-        events=tuple(events),
+        events=events,
+        **beside,
     )
 
 
-ARGUMENTS: dict[type[Update], Callable[[Any, int], KernelUpdate]] = {
+ARGUMENTS: dict[type[Update], Callable[[Any, int], dict[str, Any]]] = {
     UD: _recursive,
     Covariance: _recursive,
     SlidingWindow: _window,
