@@ -1,5 +1,7 @@
 """The check of a controller: a log of another program, our own logs, and what cannot be said."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 import scipy.io
@@ -16,6 +18,7 @@ from rcac_numeric import (
     Harmonic,
     Plant,
     Step,
+    TargetModel,
     WhiteNoise,
     check_controller,
     exogenous,
@@ -153,6 +156,48 @@ def test_last_coefficients_alone_are_compared_with_the_last_tenth():
     check = check_controller(run.u, run.y, theta=run.theta_final, structure=iir(n_c=2))
     assert check.replay.start == 1800 and check.unanswered["convergence"]
     assert len(check.plot().axes) == 3
+
+
+# From what a check answers to the names under which the reason stands where it does not.
+REASONS = {
+    "comparison": {"poles", "target", "exact poles"},
+    "match": {"match"},
+    "split": {"split"},
+    "zeros": {"poles", "zeros"},
+    "loop": {"poles"},
+    "costs": {"costs"},
+    "margins": {"margins", "margins at u", "margins at u1", "margins at u2"},
+    "drift": {"convergence"},
+    "replay": {"replay"},
+}
+PARTS = ("plant", "target", "w", "z", "theta")
+
+
+CASES = [
+    (width, gone) for width in (1, 2) for n in range(4 - width) for gone in combinations(PARTS, n)
+]
+
+
+@pytest.mark.parametrize(("width", "left_out"), CASES, ids=str)
+def test_what_is_not_answered_has_its_reason(width, left_out):
+    """Whatever is not known, of one channel or two: an answer, or a sentence why there is none."""
+    plant = standard_plant("1/(q - 0.5)")
+    if width == 2:
+        plant = Plant(A=np.eye(2) / 2, B=np.eye(2), D_1=np.eye(2), C=np.eye(2))
+    target = fir_target(plant) if width == 1 else TargetModel([np.zeros((2, 2)), np.eye(2)])
+    settings = ControllerSettings(structure=iir(2, width, width), target=target, update=UD(1e-2))
+    run = simulate(plant, settings, exogenous([WhiteNoise()] * width, 60, 1))
+    given = {"plant": plant, "target": target, "w": run.w, "z": run.z, "theta": run.theta}
+    given = {name: value for name, value in given.items() if name not in left_out}
+    which = {"structure": settings.structure} if "theta" in given else {}
+    check = check_controller(run.u, run.y, **given, **(which or {"compensator": run.compensator}))
+    for name, reasons in REASONS.items():
+        found = getattr(check, name)
+        is_answered = bool(found) if isinstance(found, dict) else found is not None
+        assert is_answered or reasons & check.unanswered.keys(), name
+    assert check.plant is given.get("plant") and check.target is given.get("target")
+    words = " ".join(check.report().split())
+    assert all(f"{name}: {why}." in words for name, why in check.unanswered.items())
 
 
 def test_what_a_harmonic_leaves_in_the_controller():
