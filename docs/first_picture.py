@@ -1,7 +1,7 @@
-"""The picture of the README and of the first page; `python -m docs.first_picture` draws it anew.
+"""The pictures of the README and of the first page; `python -m docs.first_picture` draws them anew.
 
-The run of their ten lines, which is the first scene of the explorer, in the ink of a light and of a
-dark page: the performance with RCAC and without, and the closed-loop poles on the places that
+The block diagram of the loop, with its signs. Then the run of their ten lines, which is the first
+scene of the explorer: the performance with RCAC and without, and the closed-loop poles on the places that
 theory predicts.
 """
 
@@ -11,7 +11,7 @@ import attrs
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Rectangle
 
 import rcac_experiments.explorer
 from rcac_experiments import load_experiment
@@ -73,14 +73,54 @@ def first_picture(
     return figure
 
 
+def block_diagram(*, ink: str, reached: str, faint: str, **_: str) -> Figure:
+    """The standard problem: plant and controller, with positive feedback u = Phi theta."""
+    figure = Figure(figsize=(7.6, 2.1))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(-6, 84), ylim=(0, 23))
+    axes.axis("off")
+    for left, low, width, text, colour in (
+        (29, 12, 18, "plant $G$", ink),
+        (29, 1, 18, "controller $\\theta$\n(RCAC)", reached),
+    ):
+        axes.add_patch(
+            Rectangle((left, low), width, 9, fill=False, edgecolor=colour, linewidth=1.6)
+        )
+        axes.text(left + width / 2, low + 4.5, text, ha="center", va="center", color=colour, size=12)
+    for path in (
+        [(12, 19), (29, 19)],  # w
+        [(47, 19), (64, 19)],  # z
+        [(47, 14), (56, 14), (56, 4), (47, 4)],  # y
+        [(29, 5.5), (20, 5.5), (20, 14), (29, 14)],  # u
+        [(52, 19), (52, 8), (47, 8)],  # z to the adaptation
+    ):
+        axes.plot(*zip(*path, strict=True), color=ink, linewidth=1.3)
+        axes.annotate(
+            "", xy=path[-1], xytext=path[-2],
+            arrowprops={"arrowstyle": "-|>", "color": ink, "linewidth": 1.3},
+        )  # fmt: skip
+    for x, y, text, where in (
+        (11, 19, "$w$: command,\ndisturbance, noise", "right"),
+        (65, 19, "$z$: performance,\nnot the z-transform", "left"),
+        (57, 10, "$y$: measurement", "left"),
+        (19, 10, "$u$: control,\npositive feedback", "right"),
+    ):
+        axes.text(x, y, text, ha=where, va="center", color=ink, size=10)
+    return figure
+
+
 def main() -> None:
     """Draw it for both pages."""
     found = load_experiment(CASE).main_run.execute().first
     with matplotlib.rc_context({"svg.hashsalt": "first", "svg.fonttype": "path"}):
         for page, inks in INKS.items():
-            first_picture(found, **inks).savefig(
-                FOLDER / f"first-{page}.svg", transparent=True, metadata={"Date": None}
-            )
+            for name, figure in (
+                ("first", first_picture(found, **inks)),
+                ("loop", block_diagram(**inks)),
+            ):
+                figure.savefig(
+                    FOLDER / f"{name}-{page}.svg", transparent=True, metadata={"Date": None}
+                )
 
 
 if __name__ == "__main__":
