@@ -231,7 +231,7 @@ class StabilityMargins(ExactValue):
 
     @property
     def phase(self) -> Margin | None:
-        """The lesser of lag and lead: the phase margin, at most 180 degrees."""
+        """The lesser of lag and lead, at most 180 degrees; None for an unstable loop."""
         lag, lead = self.phase_lag, self.phase_lead
         if lag is None or lead is None:
             return None
