@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from rcac_experiments.sweeps._folder import CHUNKS, Folder, fault_words
+from rcac_experiments.sweeps._folder import CHUNKS, Folder
 from rcac_numeric.arrays._values import Value
 
 
@@ -95,7 +95,7 @@ def check_store(store: str | Path) -> StoreCheck:
         for chunk in opened.read():
             if chunk.fault:
                 damaged.append((chunk.first, chunk.last))
-                faults.append(fault_words(chunk))
+                faults.append(chunk.fault_words)
             else:
                 done += chunk.last - chunk.first + 1
                 failed += chunk.failed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.sweeps._study import Coordinates
@@ -17,15 +17,9 @@ REFUSED = "refused"
 FUNCTION_FAILED, MEASURE_FAILED = "function failed", "measure failed"
 OUT_OF_MEMORY, TIMED_OUT, WORKER_DIED = "out of memory", "timed out", "worker died"
 FAILED = (
-    FUNCTION_FAILED,
-    MEASURE_FAILED,
-    "plant failed",
-    "weight failed",
-    "reducer failed",
-    OUT_OF_MEMORY,
-    TIMED_OUT,
-    WORKER_DIED,
-)
+    FUNCTION_FAILED, MEASURE_FAILED, "plant failed", "weight failed", "reducer failed",
+    OUT_OF_MEMORY, TIMED_OUT, WORKER_DIED,
+)  # fmt: skip
 LONGEST_TEXT = 2000  # characters of an error that are stored
 
 
@@ -44,33 +38,16 @@ def error_text(error: BaseException) -> str:
 
 
 def storable(text: str) -> str:
-    r"""Any text as SQLite and a terminal take it: bounded, control characters written out.
-
-    Examples
-    --------
-    >>> from rcac_experiments.sweeps._chunk import storable
-    >>> storable("a\0b\udcff"), len(storable("x" * 10**6))
-    ('a\\x00b\\udcff', 2000)
-    """
+    """Any text as a file and a terminal take it: bounded, control characters written out."""
     return shortened(printable(shortened(text, LONGEST_TEXT)), LONGEST_TEXT)
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkTask(Value):
-    """Some runs of a study.
+    """Some runs of a study, as (coordinates, list of (run, repetition)) cell by cell.
 
-    Attributes
-    ----------
-    study : bytes
-        The study, pickled by who runs it; a worker reads it once.
-    fingerprint : str
-        What the worker knows it by.
-    instruction_set : str
-        The instructions that all runs of the study use; empty for whatever there are.
-    runs : list of (coordinates, list of (run, repetition))
-        Cell by cell.
-    at_once : int
-        Runs in memory at a time.
+    The study is pickled by who runs it, and a worker knows it by its fingerprint; `instruction_set`
+    is empty for whatever there is, and `at_once` how many runs are in memory at a time.
     """
 
     study: bytes
@@ -86,32 +63,15 @@ class ChunkTask(Value):
 
     def only(self, numbers: Collection[int]) -> ChunkTask:
         """The same with some of its runs."""
-        runs = [
-            (coordinates, [pair for pair in some if pair[0] in numbers])
-            for coordinates, some in self.runs
-        ]
-        return ChunkTask(
-            self.study,
-            self.fingerprint,
-            self.instruction_set,
-            [(coordinates, some) for coordinates, some in runs if some],
-            self.at_once,
-        )
+        runs = [(where, [pair for pair in some if pair[0] in numbers]) for where, some in self.runs]
+        return replace(self, runs=[(where, some) for where, some in runs if some])
 
 
 @dataclass(frozen=True, eq=False)
 class RunRecord(Value):
-    """What is kept of one run.
+    """What is kept of one run: a value for each measure, NaN where it has none; none if it failed.
 
-    Attributes
-    ----------
-    run : int
-        Its number in the store.
-    outcome, error : str
-    values : list of float
-        One for each measure, NaN where a result has none; none at all where the run failed.
-    signals : dict from names to arrays
-        Those that were asked for.
+    `signals` are those that were asked for, by name.
     """
 
     run: int

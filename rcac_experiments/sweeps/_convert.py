@@ -77,7 +77,7 @@ class _Old:
             if bound != _digest([self.origin, (number, first, last, tries, failed, seconds), rows]):
                 raise _Damaged("they are not what was stored")
             # From here on only who can compute digests comes: the numbers are what he wrote.
-            if [row[:3] for row in rows] != self.about.plan.places(first, last):
+            if [row[:3] for row in rows] != self.about.plan.places(number):
                 raise _Damaged("they are not those of the study")
             return [self._record(row) for row in rows]
         except sqlite3.Error as error:
@@ -179,7 +179,7 @@ def _opened(path: Path) -> Iterator[_Old]:
     try:
         try:
             about, origin = _study(connection)
-            if max(about.plan.chunks, about.plan.cells) > size:  # each takes some bytes
+            if max(about.plan.chunks, about.plan.stages[-1].cells) > size:  # each takes some bytes
                 raise ValueError(f"{size} bytes cannot hold its chunks and cells")
         except (sqlite3.Error, *NO_STUDY) as error:
             raise StoreError(

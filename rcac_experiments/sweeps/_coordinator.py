@@ -34,52 +34,68 @@ PATIENCE, ANSWER = 0.25, 60.0
 class Pool:
     """The executor of a study: one of ours, one of others, or what a function makes again."""
 
-    def __init__(self, make: Callable[[], Executor], *, own: bool, renewable: bool) -> None:
-        self._make, self._own, self.renewable = make, own, renewable
+    def __init__(
+        self, given: Executor | Callable[[], Executor] | None, workers: int,
+        time_limit: float | None = None,
+    ) -> None:  # fmt: skip
+        if given is not None and not isinstance(given, Executor) and not callable(given):
+            raise InputError(f"executor = {given!r} is no concurrent.futures.Executor.")
+        self._given, self._workers, self._limit = given, workers, time_limit
+        # There each task has a worker, and a fate, of its own.
+        self.is_ours = given is None or isinstance(given, WorkerPool | InProcess)
+        self.renewable = given is not None and not isinstance(given, Executor)
         self._executor: Executor | None = None
 
     @property
     def executor(self) -> Executor:
         """Made when the first run is to be run."""
         if self._executor is None:
-            self._executor = self._make()
+            if isinstance(self._given, Executor):
+                self._executor = self._given
+            elif self._given is not None:
+                self._executor = self._given()
+            elif self._workers:
+                self._executor = WorkerPool(self._workers, self._limit)
+            else:
+                self._executor = InProcess(self._limit)
         return self._executor
 
     def renew(self) -> None:
         """Let go of one that broke; the next is made when it is needed."""
-        if self._executor is not None:
-            _cancel(self._executor)
+        self.leave()
         self._executor = None
 
     def end(self) -> None:
         """Let it end; what somebody else made, somebody else ends."""
-        if self._own and self._executor is not None:
+        if self._executor is not None and self._executor is not self._given:
             self._executor.shutdown()
 
     def leave(self) -> None:
         """Let go of it at once."""
-        if isinstance(self._executor, WorkerPool) and self._own:
-            self._executor.leave()
-        elif self._own and self._executor is not None:
-            _cancel(self._executor)
+        executor = self._executor
+        if executor is None or executor is self._given:
+            return
+        if isinstance(executor, WorkerPool):
+            executor.leave()
+            return
+        try:
+            executor.shutdown(wait=False, cancel_futures=True)
+        except TypeError:  # loky's does not know it
+            executor.shutdown(wait=False)
 
 
-def _cancel(executor: Executor) -> None:
-    try:
-        executor.shutdown(wait=False, cancel_futures=True)
-    except TypeError:  # loky's does not know it
-        executor.shutdown(wait=False)
+class _Gone(Exception):
+    """The executor takes nothing more; of what kind the error was that said so."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Work:
     """A chunk that is being run, and what there is of it so far."""
 
     number: int
     missing: set[int]
     records: list[RunRecord] = field(default_factory=list)
-    # How often runs were lost with a worker that surely was theirs, by themselves, or failed.
-    lost: Counter[int] = field(default_factory=Counter)
+    # How often runs were lost by themselves, and failed.
     alone: Counter[int] = field(default_factory=Counter)
     failed: Counter[int] = field(default_factory=Counter)
 
@@ -91,11 +107,6 @@ class ChunkPart:
     work: Work
     task: ChunkTask
     by_itself: bool = False
-
-    @property
-    def is_alone(self) -> bool:
-        """Whether it is one run."""
-        return len(self.task.numbers) == 1
 
     def only(self, numbers: Collection[int]) -> ChunkPart:
         """The same with some of its runs."""
@@ -126,6 +137,7 @@ class Coordinator:
         self.waiting: deque[ChunkPart] = deque()  # what goes once more
         self.todo: list[int] = []
         self._absent: set[int] = set()
+        self._suspects: list[Work] = []  # of which something was lost, over an executor of others
         self._ended = time.monotonic()  # when something ended last
 
     def run(self, absent: Iterable[int], again: Iterable[int] = ()) -> None:
@@ -133,6 +145,18 @@ class Coordinator:
         self._absent = set(absent)
         self.todo = [*self._absent, *again]
         SystemRandom().shuffle(self.todo)
+        try:
+            self._work()
+        except _Gone as gone:
+            raise self._given_up(str(gone)) from None
+
+    def leave(self) -> None:
+        """Let go of the executor at once."""
+        for future in self.in_flight:
+            future.cancel()
+        self.pool.leave()
+
+    def _work(self) -> None:
         while True:
             self._fill()
             if not self.in_flight:
@@ -143,28 +167,17 @@ class Coordinator:
             self._require_alive(bool(done))
             self.progress(self.meter.now())
 
-    def leave(self) -> None:
-        """Let go of the executor at once."""
-        for future in self.in_flight:
-            future.cancel()
-        self.pool.leave()
-
-    @property
-    def _shared(self) -> bool:
-        """Whether workers may share a fate: there what is suspected runs by itself."""
-        return not isinstance(self.pool.executor, WorkerPool | InProcess)
-
     def _fill(self) -> None:
         """Submit what may be."""
         while len(self.in_flight) < self.window:
             if any(part.by_itself for part, _ in self.in_flight.values()):
                 return
             if self.waiting:
-                if self.waiting[0].by_itself and self.in_flight:
-                    return
+                if self.waiting[0].by_itself:
+                    if self.in_flight:
+                        return
+                    self._require_answer()  # dask gives up workers that are lost while they start
                 part = self.waiting.popleft()
-                if part.by_itself:  # dask gives up workers that are lost while they start
-                    self._require_answer()
             elif (number := self._next()) is not None:
                 task = self.task_of(number)
                 part = ChunkPart(Work(number, set(task.numbers)), task)
@@ -198,24 +211,14 @@ class Coordinator:
                     raise self._broken(error) from None
                 self.pool.renew()
 
-    def _broken(self, error: Exception) -> Exception:
-        if isinstance(self.pool.executor, WorkerPool):
-            return InputError(
-                f"worker processes cannot be started: {error} workers=0 does all in one process."
-            )
-        return StoreError(
-            f"the executor broke: it takes nothing more ({type(error).__name__}). What had ended "
-            "is kept; go on with a new one. Where a run ends its worker, processes of our own "
-            "(workers=2) find it, or a function that makes the executor, executor=lambda: "
-            "ProcessPoolExecutor(2) for instance: then it is made again."
-        )
-
     def _end(self, future: Future[ChunkResult]) -> None:
         part, executor = self.in_flight.pop(future)
         try:
             result = future.result()
         except BrokenExecutor as error:
             if not self.pool.renewable:
+                parts = [part, *(one for one, _ in self.in_flight.values())]
+                self._suspects += [one.work for one in parts]
                 raise self._broken(error) from None
             if executor is self.pool.executor:
                 self.pool.renew()
@@ -230,11 +233,15 @@ class Coordinator:
             self._keep(part, result.records)
 
     def _lose(self, part: ChunkPart, outcome: str, words: str) -> None:
-        """Run it again, in halves if it was lost before; a run by itself is given up at last."""
-        work, numbers, shared = part.work, part.task.numbers, self._shared
-        surely = part.by_itself or not shared
-        work.lost.update(numbers if surely else ())
-        if part.is_alone and surely:
+        """Run it again, in pieces; a run by itself is given up at last.
+
+        A worker of ours was at nothing else, so that its runs go one by one. One of others may
+        share its fate with what else was under way: that goes by itself, and is then halved.
+        """
+        work, numbers, shared = part.work, part.task.numbers, not self.pool.is_ours
+        if shared:
+            self._suspects.append(work)
+        if len(numbers) == 1 and (part.by_itself or not shared):
             (number,) = numbers
             work.alone[number] += 1
             if outcome == TIMED_OUT or work.alone[number] >= ALONE:
@@ -242,14 +249,14 @@ class Coordinator:
                     self._require_answer()
                 self._keep(part, [failure(number, outcome, words)])
                 return
-        half = len(numbers)
-        if outcome == TIMED_OUT:
-            half = 1
-        elif surely and (shared or work.lost[numbers[0]] > 1):  # once it may have been killed
-            half = (half + 1) // 2
+        size = len(numbers)
+        if not shared:
+            size = 1
+        elif part.by_itself:
+            size = (size + 1) // 2
         self.waiting.extend(
-            ChunkPart(work, part.task.only(numbers[i : i + half]), shared)
-            for i in range(0, len(numbers), half)
+            ChunkPart(work, part.task.only(numbers[i : i + size]), shared)
+            for i in range(0, len(numbers), size)
         )
 
     def _require_answer(self) -> None:
@@ -269,7 +276,7 @@ class Coordinator:
         One that lost its scheduler may forget what it was given, and say so only then.
         """
         now = time.monotonic()
-        if progressed or not self._shared:
+        if progressed or self.pool.is_ours:
             self._ended = now
         elif now - self._ended > ANSWER:
             self._ended = now
@@ -277,6 +284,41 @@ class Coordinator:
                 self.pool.executor.submit(os.getpid).cancel()
             except Exception as error:
                 raise self._broken(error) from None
+
+    def _broken(self, error: Exception) -> Exception:
+        if not self.pool.is_ours:
+            return _Gone(type(error).__name__)
+        return InputError(
+            f"worker processes cannot be started: {error} workers=0 does all in one process."
+        )
+
+    def _given_up(self, why: str) -> StoreError:
+        """That an executor of others is gone, and which run it was that ended its workers.
+
+        A process of ours runs what was lost with it, the last first, until it has found the run.
+        """
+        self.pool.leave()
+        self.pool, self.in_flight, self.todo = Pool(None, 1), {}, []
+        words = "Go on with a new one."
+        for work in dict.fromkeys(reversed(self._suspects)):
+            task = self.task_of(work.number)
+            if work.missing:
+                self.waiting = deque([ChunkPart(work, task.only(work.missing))])
+                self._work()
+            if died := [one.run for one in work.records if one.outcome == WORKER_DIED]:
+                where = next(at for at, some in task.runs if died[0] in dict(some))
+                named = ", ".join(f"{name} = {value}" for name, value in where.items())
+                words = (
+                    f"The run {died[0]} ({named}) ends its worker, one of ours too, and is stored "
+                    "as failed: go on with a new executor. Processes of our own (workers=2) lose "
+                    "that run alone, and a function that makes the executor, executor=lambda: "
+                    "ProcessPoolExecutor(2) for instance, makes it again."
+                )
+                break
+        self.pool.end()
+        return StoreError(
+            f"the executor broke: it takes nothing more ({why}). What had ended is kept. {words}"
+        )
 
     def _keep(self, part: ChunkPart, records: list[RunRecord]) -> None:
         work = part.work

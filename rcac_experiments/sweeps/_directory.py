@@ -1,4 +1,8 @@
-"""A folder whose members are read and written by their names in it, through no link."""
+"""A folder whose files are read and written by their names in it, whole, sealed, through no link.
+
+Every file carries the digest of its own bytes, the digest's own places taken as zeros: so whatever
+changed is seen before anything interprets it.
+"""
 
 from __future__ import annotations
 
@@ -8,22 +12,43 @@ import secrets
 import stat
 import time
 from contextlib import suppress
+from hashlib import blake2b
 from pathlib import Path
 
-from rcac_experiments.sweeps._problems import StoreError
+from rcac_experiments.sweeps._problems import Damaged, StoreError
 
 # So that nothing but what stands there itself is opened, and a pipe does not wait.
 NOT_THROUGH = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 BINARY = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 PART = ".part"  # what the hidden name of a file that is being written ends in
 ABANDONED = 3600.0  # seconds after which nobody writes it any more
-HAS_HANDLES = {os.open, os.link, os.mkdir, os.rename, os.unlink, os.stat} <= os.supports_dir_fd
+HAS_HANDLES = {os.open, os.mkdir, os.rename, os.unlink, os.stat} <= os.supports_dir_fd
 FULL = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
-NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
+# Where a file has its digest; nothing that a user chose comes after it.
+MARK, ZEROS = b'"digest": "', b"0" * 32
 
 
-class NotOurs(Exception):
-    """What stands there is no file that was written here; why."""
+def sealed(data: bytes) -> bytes:
+    """The bytes of a file with their digest in its place."""
+    place = data.rindex(MARK + ZEROS) + len(MARK)
+    return data[:place] + _digest(data) + data[place + len(ZEROS) :]
+
+
+def require_sealed(data: bytes) -> None:
+    """Refuse bytes that are not what `sealed` made."""
+    place = data.rfind(MARK) + len(MARK)
+    end = place + len(ZEROS)
+    if place < len(MARK) or data[place:end] != _digest(data[:place] + ZEROS + data[end:]):
+        raise Damaged("it is not what was written")
+
+
+def _digest(data: bytes) -> bytes:
+    return blake2b(data, digest_size=len(ZEROS) // 2).hexdigest().encode()
+
+
+def is_part(name: str) -> bool:
+    """Whether a file of this name is one that was being written."""
+    return name.startswith(".") and name.endswith(PART)
 
 
 class Directory:
@@ -55,9 +80,8 @@ class Directory:
     def make(self, name: str) -> None:
         """Make a folder in it, unless something is there."""
         try:
-            os.mkdir(self._at(name), dir_fd=self.handle)
-        except FileExistsError:
-            return
+            with suppress(FileExistsError):
+                os.mkdir(self._at(name), dir_fd=self.handle)
         except OSError as error:
             raise self._unwritten(name, error) from None
 
@@ -70,41 +94,34 @@ class Directory:
         return os.stat(self._at(name), dir_fd=self.handle, follow_symlinks=False)
 
     def read(self, name: str, at_most: int) -> bytes:
-        """An ordinary file; raises FileNotFoundError, or `NotOurs` for what is none."""
-        handle = None
+        """A sealed file as it was written; raises FileNotFoundError, or `Damaged`."""
         try:
-            handle = self._open(name, os.O_RDONLY)
-            about = os.fstat(handle)
-            if not stat.S_ISREG(about.st_mode):
-                raise NotOurs("it is no ordinary file")
-            if about.st_size > at_most:
-                raise NotOurs(f"it has {about.st_size} bytes, and at most {at_most} are read")
-            with open(handle, "rb", closefd=False) as file:
-                return file.read(about.st_size)
+            with open(self._open(name, os.O_RDONLY), "rb") as file:
+                about = os.fstat(file.fileno())
+                if not stat.S_ISREG(about.st_mode):
+                    raise Damaged("it is no ordinary file")
+                if about.st_size > at_most:
+                    raise Damaged(f"it has {about.st_size} bytes, and at most {at_most} are read")
+                data = file.read(about.st_size)
         except FileNotFoundError:
             raise
         except OSError as error:
-            raise NotOurs(f"it cannot be read ({error.strerror})") from None
-        finally:
-            if handle is not None:
-                os.close(handle)
+            raise Damaged(f"it cannot be read ({error.strerror})") from None
+        require_sealed(data)
+        return data
 
-    def put(self, name: str, data: bytes, *, new: bool = False) -> bool:
-        """Write a file, whole or not at all; `new` leaves one that is there, and returns False.
-
-        Both the file and its name are on the disk when this returns.
-        """
+    def put(self, name: str, data: bytes) -> None:
+        """Write a file, sealed, whole or not at all; it is on the disk when this returns."""
         part = f".{name}.{secrets.token_hex(4)}{PART}"
         try:
             with open(self._open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL), "wb") as file:
-                file.write(data)
+                file.write(sealed(data))
                 file.flush()
                 os.fsync(file.fileno())
-            if not new or not self._link(part, name):
-                if new and self._is_there(name):
-                    return False
-                self._rename(part, name)
-            if self.handle is not None:
+            if self.handle is None:
+                os.replace(self._at(part), self._at(name))
+            else:
+                os.rename(part, name, src_dir_fd=self.handle, dst_dir_fd=self.handle)
                 with suppress(OSError):  # some file systems have none for a folder
                     os.fsync(self.handle)
         except OSError as error:
@@ -112,48 +129,20 @@ class Directory:
         finally:
             with suppress(OSError):
                 os.unlink(self._at(part), dir_fd=self.handle)
-        return True
 
     def remove_abandoned(self) -> None:
         """Remove what a process that was killed an hour ago or more was writing."""
-        for name in self.names():
-            if name.startswith(".") and name.endswith(PART):
-                with suppress(OSError):
-                    about = self.about(name)
-                    if stat.S_ISREG(about.st_mode) and time.time() - about.st_mtime > ABANDONED:
-                        os.unlink(self._at(name), dir_fd=self.handle)
+        for name in filter(is_part, self.names()):
+            with suppress(OSError):
+                about = self.about(name)
+                if stat.S_ISREG(about.st_mode) and time.time() - about.st_mtime > ABANDONED:
+                    os.unlink(self._at(name), dir_fd=self.handle)
 
     def _open(self, name: str, flags: int) -> int:
         return os.open(self._at(name), flags | NOT_THROUGH | BINARY, 0o666, dir_fd=self.handle)
 
     def _at(self, name: str) -> str:
         return str(self.path / name) if self.handle is None else name
-
-    def _is_there(self, name: str) -> bool:
-        with suppress(FileNotFoundError):
-            self.about(name)
-            return True
-        return False
-
-    def _rename(self, part: str, name: str) -> None:
-        """In one step, whatever ordinary file or link had the name."""
-        if self.handle is None:
-            os.replace(self._at(part), self._at(name))
-        else:
-            os.rename(part, name, src_dir_fd=self.handle, dst_dir_fd=self.handle)
-
-    def _link(self, part: str, name: str) -> bool:
-        """Give it a name that nothing has; False where something has it, or there are no links."""
-        here = self.handle
-        try:
-            os.link(self._at(part), self._at(name), src_dir_fd=here, dst_dir_fd=here)
-        except FileExistsError:
-            return False
-        except OSError as error:
-            if error.errno not in NO_LINKS:
-                raise
-            return False
-        return True
 
     def _unwritten(self, name: str, error: OSError) -> StoreError:
         path = self.path / name

@@ -1,4 +1,4 @@
-"""The store of a study: a folder with study.toml, and a file for each chunk of runs that has ended.
+"""The store of a study: a folder with study.json, and a file for each chunk of runs that has ended.
 
 Results are deterministic. So nothing is locked, leased or repaired: a chunk that is computed twice
 is the same chunk, and one that is missing or damaged is computed again.
@@ -27,24 +27,22 @@ from rcac_experiments.sweeps._chunk_files import (
     TEXT,
     TRUTH,
     Columns,
-    Damaged,
     Layout,
     encode,
 )
-from rcac_experiments.sweeps._directory import PART, Directory, NotOurs
-from rcac_experiments.sweeps._problems import StoreError
+from rcac_experiments.sweeps._directory import Directory, is_part
+from rcac_experiments.sweeps._problems import Damaged, StoreError
 from rcac_experiments.sweeps._reader import file_of, read_guarded, read_here
 from rcac_experiments.sweeps._study import Study
 from rcac_experiments.sweeps._study_file import (
     LARGEST_FILE,
     NO_STUDY,
     StoredStudy,
-    begun,
     read_text,
     text_of,
 )
 
-STUDY, CHUNKS = "study.toml", "chunks"
+STUDY, CHUNKS = "study.json", "chunks"
 SQLITE = b"SQLite format 3\0"
 EXACT = 2**53  # integers up to it are float64
 
@@ -64,6 +62,11 @@ class Chunk:
         """How many of its runs failed."""
         return sum(outcome in FAILED for outcome in self.columns.get("outcome", ()))
 
+    @property
+    def fault_words(self) -> str:
+        """Which runs are damaged, and how."""
+        return f"the runs {self.first} to {self.last} ({file_of(self.number)}): {self.fault}"
+
 
 class Folder:
     """An open store."""
@@ -71,47 +74,55 @@ class Folder:
     def __init__(self, path: str | Path, make: bool = False) -> None:
         self.path = Path(path)
         self._about: StoredStudy | None = None
-        self._text = b""
-        _require_folder(self.path, make)
-        try:
-            self.directory = Directory(self.path)
-        except (OSError, ValueError) as error:
-            words = getattr(error, "strerror", None) or error
-            raise StoreError(f"{str(path)!r} cannot be read: {words}.") from None
         self._chunks: Directory | None = None
-        self._layouts: dict[int, Layout] = {}
-
-    def close(self) -> None:
-        """Let go of it."""
-        if self._chunks is not None:
-            self._chunks.close()
-        self.directory.close()
+        self._layouts: dict[tuple[int, ...], Layout] = {}
+        try:
+            if make and not os.path.lexists(self.path):
+                self.path.mkdir(exist_ok=True)
+            elif not self.path.is_dir():
+                raise _no_folder(self.path)
+            self.directory = Directory(self.path)
+        except StoreError:
+            raise
+        except (OSError, ValueError) as error:  # a null character in the path is the latter
+            raise StoreError(
+                f"{str(path)!r} cannot be made or read ({getattr(error, 'strerror', error)}): is "
+                "there such a folder, and may you write to it?"
+            ) from None
 
     def __enter__(self) -> Folder:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.close()
+        if self._chunks is not None:
+            self._chunks.close()
+        self.directory.close()
 
     # The study.
 
     @property
     def is_new(self) -> bool:
         """Whether no study is in it yet; a folder with other things in it is refused."""
+        return self._read() is None
+
+    def _read(self) -> StoredStudy | None:
         try:
-            self._text = self.directory.read(STUDY, LARGEST_FILE)
-        except NotOurs as fault:
-            raise StoreError(self._without_study(str(fault))) from None
+            return read_text(self.directory.read(STUDY, LARGEST_FILE))
+        except (Damaged, *NO_STUDY) as fault:
+            raise StoreError(
+                f"{self.path} is damaged or no store of a study: its {STUDY} is none ({fault}). "
+                "Nothing was changed. Without its study nothing in it can be checked; take it from "
+                "a copy, or run the study into another folder."
+            ) from None
         except FileNotFoundError:
-            others = [n for n in self.directory.names() if n != CHUNKS and not _is_part(n)]
+            others = [n for n in self.directory.names() if n != CHUNKS and not is_part(n)]
             if others or self.numbers():
                 raise StoreError(
                     f"{self.path} is no store of a study: it has no {STUDY}, and other things are "
                     "in it. Nothing was changed. Give a folder of its own, which `rcac sweep` "
                     "makes; a store whose study was lost is taken from a copy."
                 ) from None
-            return True
-        return False
+            return None
 
     @property
     def study(self) -> StoredStudy:
@@ -120,39 +131,22 @@ class Folder:
 
     def refreshed(self) -> StoredStudy:
         """What is said of the study now: another process may have made it grow."""
-        before = self._text
-        if self.is_new:
+        about = self._read()
+        if about is None:
             raise StoreError(
                 f"{self.path} is empty: no study was stored in it. If a sweep into it was killed "
                 "at its beginning, give the same `rcac sweep` again."
             )
-        if self._about is None or self._text != before:
-            try:
-                self._about, self._layouts = read_text(self._text), {}
-            except NO_STUDY as error:
-                raise StoreError(self._without_study(str(error))) from None
-        return self._about
-
-    @property
-    def text(self) -> bytes:
-        """study.toml as it was last read."""
-        return self._text
-
-    def create(self, study: Study, instruction_set: str, chunk_size: int) -> None:
-        """Write down the study, unless another process just did."""
-        self.begin(begun(study, instruction_set, chunk_size))
+        if about != self._about:
+            self._about, self._layouts = about, {}
+        return about
 
     def begin(self, about: StoredStudy) -> None:
-        """The same of a study that was begun elsewhere."""
-        text = text_of(about)
-        self.directory.make(CHUNKS)
-        self.directory.put(STUDY, text.encode(), new=True)
-
-    def write(self, about: StoredStudy) -> None:
-        """Put what is said of the study in the place of what was said."""
-        if about != self.study:
+        """Write down the study, unless another process just did."""
+        data = text_of(about)
+        if self.is_new:
             self.directory.make(CHUNKS)
-            self.directory.put(STUDY, text_of(about).encode())
+            self.directory.put(STUDY, data)
 
     def grow(self, study: Study, mixed: Sequence[str] = (), *, among_others: bool = False) -> None:
         """Add what the study asks for and the store has not, and what was mixed into it."""
@@ -161,6 +155,11 @@ class Folder:
         new = about.grown(self.path, study, among_others=among_others)
         self.write(replace(new, mixed=words))
         self.refreshed()
+
+    def write(self, about: StoredStudy) -> None:
+        """Put what is said of the study in the place of what was said."""
+        if about != self.study:
+            self.directory.put(STUDY, text_of(about))
 
     # The chunks.
 
@@ -173,35 +172,27 @@ class Folder:
 
     def numbers(self) -> list[int]:
         """The chunks of which there is a file."""
-        found = (_number(name) for name in (self.chunks.names() if self.chunks else ()))
-        return sorted(number for number in found if number is not None)
+        return sorted(filter(None, map(_number, self.chunks.names() if self.chunks else ())))
 
     def strangers(self) -> list[str]:
         """What is beside the files of chunks, and would be read with them by others."""
-        names = self.chunks.names() if self.chunks else []
-        most = self.study.plan.chunks
-        return sorted(
-            name for name in names if not _is_part(name) and not 0 < (_number(name) or 0) <= most
-        )
+        names, most = self.chunks.names() if self.chunks else [], self.study.plan.chunks
+        return sorted(n for n in names if not is_part(n) and not 0 < (_number(n) or 0) <= most)
 
     def layout(self, number: int) -> Layout:
         """The columns of a chunk."""
-        stage = self.study.plan.stage_of(number)
-        if stage not in self._layouts:
-            self._layouts[stage] = self._layout(number)
-        return self._layouts[stage]
-
-    def _layout(self, number: int) -> Layout:
-        about = self.study
-        values = about.plan.values_of(number)
-        signals = about.resolved["keep_signals"]
-        return Layout(about.name, (
-            ("run", INTEGER), ("cell", INTEGER), ("repetition", INTEGER),
-            *((name, _kind(known)) for name, known in values.items()),
-            ("outcome", TEXT), ("failure", TEXT), *((name, NUMBER) for name in about.measures),
-            *((f"{name}.values", NUMBERS) for name in signals),
-            *((f"{name}.shape", INTEGERS) for name in signals),
-        ))  # fmt: skip
+        about, values = self.study, self.study.plan.values_of(number)
+        lengths = tuple(map(len, values.values()))
+        if lengths not in self._layouts:
+            signals = about.resolved["keep_signals"]
+            self._layouts[lengths] = Layout(about.name, (
+                ("run", INTEGER), ("cell", INTEGER), ("repetition", INTEGER),
+                *((name, _kind(known)) for name, known in values.items()),
+                ("outcome", TEXT), ("failure", TEXT), *((name, NUMBER) for name in about.measures),
+                *((f"{name}.values", NUMBERS) for name in signals),
+                *((f"{name}.shape", INTEGERS) for name in signals),
+            ))  # fmt: skip
+        return self._layouts[lengths]
 
     def put(self, number: int, records: Iterable[RunRecord]) -> None:
         """Write the file of a chunk."""
@@ -214,16 +205,19 @@ class Folder:
             "outcome": [record.outcome for record in records],
             "failure": [record.error for record in records],
         }
-        for i, name in enumerate(about.measures):
-            columns[name] = [_stored(r.values[i]) if r.values else None for r in records]
+        for i, name in enumerate(about.measures):  # a result without a number is a null
+            columns[name] = [
+                r.values[i] + 0.0 if r.values and not math.isnan(r.values[i]) else None
+                for r in records
+            ]
         for name in about.resolved["keep_signals"]:
             kept = [record.signals.get(name) for record in records]
             columns[f"{name}.values"] = [None if a is None else np.ravel(a) for a in kept]
             columns[f"{name}.shape"] = [None if a is None else a.shape for a in kept]
-        first, last = about.plan.chunk(number)
         try:
             data = encode(layout, number, columns)
         except Damaged as fault:
+            first, last = about.plan.chunk(number)
             raise StoreError(
                 f"{self.path}: the runs {first} to {last} cannot be stored: {fault}. Keep fewer "
                 "signals, or run fewer steps."
@@ -237,23 +231,16 @@ class Folder:
         With `guarded` in a child with limits: who made the folder is not known.
         """
         about = self.study
-        plan = about.plan
-        wanted = self.numbers() if numbers is None else list(numbers)
-        wanted = [n for n in wanted if 0 < n <= plan.chunks]
-        if self.chunks is None or not wanted:
+        wanted = self.numbers() if numbers is None else numbers
+        chunks = {n: about.plan.chunk(n) for n in wanted if 0 < n <= about.plan.chunks}
+        if self.chunks is None or not chunks:
             return
-        jobs = []
-        for number in wanted:
-            first, last = plan.chunk(number)
-            jobs.append((number, last - first + 1, self.layout(number)))
-        found = (read_guarded if guarded else read_here)(self.chunks, jobs)
-        for number, columns in found:
-            first, last = plan.chunk(number)
-            fault = columns if isinstance(columns, str) else ""
-            if not isinstance(columns, str):
+        jobs = [(n, last - first + 1, self.layout(n)) for n, (first, last) in chunks.items()]
+        for number, found in (read_guarded if guarded else read_here)(self.chunks, jobs):
+            columns, fault = ({}, found) if isinstance(found, str) else (found, "")
+            if columns:
                 fault = _fault(about, number, self.layout(number), columns)
-            known = {} if isinstance(columns, str) else columns
-            yield Chunk(number, first, last, known, fault)
+            yield Chunk(number, *chunks[number], columns, fault)
 
     def results(
         self, numbers: Iterable[int] | None = None, guarded: bool = True
@@ -262,7 +249,7 @@ class Folder:
         for chunk in self.read(numbers, guarded):
             if chunk.fault:
                 raise StoreError(
-                    f"{self.path} is damaged: {fault_words(chunk)}. Nothing was changed. The same "
+                    f"{self.path} is damaged: {chunk.fault_words}. Nothing was changed. The same "
                     "`rcac sweep` (run_study) computes again what is damaged; `rcac store check` "
                     "(check_store) names all of it."
                 )
@@ -274,27 +261,14 @@ class Folder:
         by_axis = zip(plan.values.items(), plan.indices(cells), strict=True)
         return {name: column(values)[places] for (name, values), places in by_axis}
 
-    def _without_study(self, what: str) -> str:
-        return (
-            f"{self.path} is damaged or no store of a study: its {STUDY} is none ({what}). Nothing "
-            "was changed. Without its study nothing in it can be checked; take it from a copy, or "
-            "run the study into another folder."
-        )
-
-
-def fault_words(chunk: Chunk) -> str:
-    """Which runs are damaged, and how."""
-    return f"the runs {chunk.first} to {chunk.last} ({file_of(chunk.number)}): {chunk.fault}"
-
 
 def _fault(about: StoredStudy, number: int, layout: Layout, columns: Columns) -> str:
     """What is wrong with rows whose digest is right: only who can compute digests comes here."""
     for name, values in _planned(about, number, layout).items():
         if list(columns[name]) != list(values):
             return f"its column {name} is not that of the study"
-    for outcome, words in zip(columns["outcome"], columns["failure"], strict=True):
-        if outcome is None or words is None:
-            return "a run has no outcome"
+    if None in columns["outcome"] or None in columns["failure"]:
+        return "a run has no outcome"
     failed = np.array([outcome in FAILED for outcome in columns["outcome"]])
     if any(not np.isnan(columns[name][failed]).all() for name in about.measures):
         return "a run that failed has a number"
@@ -304,10 +278,9 @@ def _fault(about: StoredStudy, number: int, layout: Layout, columns: Columns) ->
 def _planned(about: StoredStudy, number: int, layout: Layout) -> dict[str, list[Any]]:
     """The columns of a chunk that follow from the plan."""
     plan, kinds = about.plan, dict(layout.columns)
-    places = plan.places(*plan.chunk(number))
-    by_name = zip(("run", "cell", "repetition"), zip(*places, strict=True), strict=True)
-    columns = {name: list(values) for name, values in by_name}
-    coordinates = plan.coordinates(columns["cell"])
+    run, cell, repetition = map(list, zip(*plan.places(number), strict=True))
+    columns = {"run": run, "cell": cell, "repetition": repetition}
+    coordinates = plan.coordinates(cell)
     return columns | {
         name: [_coordinate(where[name], kinds[name]) for where in coordinates]
         for name in plan.values
@@ -329,11 +302,6 @@ def _coordinate(value: Any, kind: str) -> Any:
     return float(value) if kind == NUMBER else value
 
 
-def _stored(value: float) -> float | None:
-    """No NaN and no negative zero: a result without a number is a null."""
-    return None if math.isnan(value) else float(value) + 0.0
-
-
 def column(values: list[Any]) -> NDArray[Any]:
     """An array of one kind: integers, floats, texts, truth values; else of objects."""
     kinds = {type(value) for value in values}
@@ -346,46 +314,24 @@ def column(values: list[Any]) -> NDArray[Any]:
     return array
 
 
-def _is_part(name: str) -> bool:
-    return name.startswith(".") and name.endswith(PART)
-
-
 def _number(name: str) -> int | None:
     """The number of a chunk's file; None for another name."""
-    if not re.fullmatch(r"[0-9]{8,18}\.parquet", name):
-        return None
-    number = int(name.partition(".")[0])
-    return number if file_of(number) == name else None
+    number = int(name[:-8]) if re.fullmatch(r"[0-9]{8,18}\.parquet", name) else 0
+    return number if number and file_of(number) == name else None
 
 
-def _require_folder(path: Path, make: bool) -> None:
-    """Refuse what is no folder; make one where there is none."""
-    head, is_there = b"", True
-    try:
-        if path.is_dir():
-            return
-        is_there = os.path.lexists(path)
-        if not is_there and make:
-            path.mkdir(exist_ok=True)
-            return
-        if path.is_file():
-            with path.open("rb") as file:
-                head = file.read(len(SQLITE))
-    except ValueError as error:  # a null character in the path
-        raise StoreError(f"{str(path)!r} cannot be read: {error}.") from None
-    except OSError as error:
-        raise StoreError(
-            f"{path} cannot be made or read ({error.strerror}): is there such a folder, and may "
-            "you write to it?"
-        ) from None
-    if not is_there:
-        raise StoreError(f"{path} cannot be read: there is no such folder.")
-    if head == SQLITE:
-        raise StoreError(
-            f"{path} is a store of an earlier version, an SQLite file: `rcac store convert {path} "
-            "-o FOLDER` (convert_store) makes a folder of it."
-        )
-    raise StoreError(
+def _no_folder(path: Path) -> StoreError:
+    """Why something that is no folder is no store."""
+    if not os.path.lexists(path):
+        return StoreError(f"{path} cannot be read: there is no such folder.")
+    if path.is_file():
+        with path.open("rb") as file:
+            if file.read(len(SQLITE)) == SQLITE:
+                return StoreError(
+                    f"{path} is a store of an earlier version, an SQLite file: `rcac store convert "
+                    f"{path} -o FOLDER` (convert_store) makes a folder of it."
+                )
+    return StoreError(
         f"{path} is no store of a study: it is a file, and a store a folder with a {STUDY}. "
         "Nothing was changed. `rcac sweep` makes stores; `rcac verify` runs an experiment's .toml."
     )

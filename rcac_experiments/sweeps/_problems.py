@@ -1,4 +1,4 @@
-"""What is wrong with the folder of a study, in words that help."""
+"""What can be wrong with a store: an error for who calls, and a word among its readers."""
 
 from __future__ import annotations
 
@@ -7,3 +7,7 @@ from compensator_theory.errors import InputError
 
 class StoreError(InputError):
     """The store of a study cannot be used: it is damaged, full, or of another study."""
+
+
+class Damaged(Exception):
+    """A file is not what was written; why."""

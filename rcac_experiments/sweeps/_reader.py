@@ -8,19 +8,22 @@ from __future__ import annotations
 
 import json
 import os
+import queue
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from rcac_experiments.sweeps._chunk_files import MOST_BYTES, Columns, Damaged, Layout, decode
-from rcac_experiments.sweeps._directory import Directory, NotOurs
-from rcac_experiments.sweeps._problems import StoreError
+from rcac_experiments.sweeps._chunk_files import MOST_BYTES, Columns, Layout, decode
+from rcac_experiments.sweeps._directory import Directory
+from rcac_experiments.sweeps._problems import Damaged, StoreError
 
 MEMORY = 2**30  # bytes of the child, and four times what of a file is beyond 64 MiB
 SECONDS = 1.0  # of processor for a chunk, and one for each 64 MiB of its file
 LARGE = 2**26
+SILENCE = 60.0  # seconds of the clock, after which a drive or a file is taken for dead
 DEATHS = 2  # of children, after which the rest of the folder is not read
 ENVIRONMENT = {"ARROW_DEFAULT_MEMORY_POOL": "system", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1"}  # fmt: skip
@@ -42,7 +45,7 @@ def read_here(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
             yield number, decode(layout, number, rows, data)
         except FileNotFoundError:
             continue
-        except (Damaged, NotOurs) as fault:
+        except Damaged as fault:
             yield number, str(fault)
 
 
@@ -74,19 +77,40 @@ def _tried(folder: Directory, wanted: Sequence[Wanted]) -> dict[int, str]:
         "layouts": [[layout.study, layout.columns] for layout in layouts],
         "chunks": [[number, rows, layouts.index(layout)] for number, rows, layout in wanted],
     }  # fmt: skip
-    child = subprocess.run(
+    child = subprocess.Popen(
         # -P: nothing is imported from the folder that this process is in.
-        [sys.executable, "-P", "-m", __name__], input=json.dumps(task).encode(), check=False,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **ENVIRONMENT},
+        [sys.executable, "-P", "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL, env={**os.environ, **ENVIRONMENT},
         pass_fds=() if folder.handle is None else (folder.handle,),
     )  # fmt: skip
-    ready, *answers = child.stdout.splitlines() or [b""]
-    if ready != b"ready":
+    said: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(child, task, said), daemon=True).start()
+    answers = []
+    try:
+        with suppress(queue.Empty):  # it hangs: nobody waits for a process that a drive holds
+            while line := said.get(timeout=SILENCE):
+                answers.append(line)
+    finally:
+        child.kill()
+    if answers[:1] != [b"ready\n"]:
         raise StoreError(
             f"{folder.path} cannot be read: the process that tries the chunks of others does not "
             f"start ({sys.executable} -m {__name__})."
         )
-    return dict(map(json.loads, answers))
+    return dict(map(json.loads, answers[1:]))
+
+
+def _listen(child: subprocess.Popen[bytes], task: object, said: queue.SimpleQueue[bytes]) -> None:
+    """Give a child its task and hand on line by line what it says; nothing when it ends."""
+    assert child.stdin is not None and child.stdout is not None
+    with suppress(OSError):
+        child.stdin.write(json.dumps(task).encode())
+        child.stdin.close()
+    for line in child.stdout:
+        said.put(line)
+    child.wait()
+    child.stdout.close()
+    said.put(b"")
 
 
 def _serve() -> None:

@@ -25,7 +25,7 @@ from rcac_experiments.sweeps._pools import InProcess, WorkerLost, WorkerPool
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Meter, Progress
 from rcac_experiments.sweeps._study import Coordinates, Study, require_meant
-from rcac_experiments.sweeps._study_file import LARGEST_CHUNK
+from rcac_experiments.sweeps._study_file import LARGEST_CHUNK, StoredStudy, begun
 from rcac_experiments.sweeps._versions import differing, versions
 from rcac_experiments.sweeps._worker import KeyWatch, run_chunk
 from rcac_numeric.arrays._validation import instance_of, integer, number
@@ -156,7 +156,7 @@ def run_study(
     instance_of(retry_failed, "retry_failed", bool)
     usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
     under_way = usual if window is None else integer(window, "window", at_least=1)
-    pool = _pool(executor, count, limit)
+    pool = Pool(executor, count, limit)
     require_library("pyarrow")
     first = tried(study)
     with Folder(store, make=True) as opened, KeyWatch():
@@ -164,13 +164,13 @@ def run_study(
         try:
             if opened.is_new:
                 size = _chunk_size(study, first, pool)
-                opened.create(study, instruction_set(), size)
+                opened.begin(begun(study, instruction_set(), size))
             _tidy(opened)
-            before: bytes | None = None
-            while before != opened.text:  # another process may have made the study grow
+            before: StoredStudy | None = None
+            while before != opened.refreshed():  # another process may have made the study grow
                 differences = _require_same(opened, mixed)
                 opened.grow(study, differences, among_others=before is not None)
-                before = opened.text
+                before = opened.study
                 absent, anew = _scan(opened, meter, retry_failed)
                 if progress is not None:
                     progress(meter.now())
@@ -181,7 +181,6 @@ def run_study(
                         under_way, again, meter, progress or _silence,
                     )  # fmt: skip
                     coordinator.run(absent, anew)
-                opened.refreshed()
             pool.end()
             return meter.now()
         except BaseException as error:
@@ -223,7 +222,7 @@ def _tasks(
 
     def task_of(chunk: int) -> ChunkTask:
         plan = folder.study.plan
-        places = plan.places(*plan.chunk(chunk))
+        places = plan.places(chunk)
         by_cell = groupby(places, key=lambda place: place[1])
         runs = [[(run, repetition) for run, _, repetition in some] for _, some in by_cell]
         cells = plan.coordinates(range(places[0][1], places[-1][1] + 1))
@@ -234,32 +233,17 @@ def _tasks(
     return task_of
 
 
-def _pool(
-    executor: Executor | Callable[[], Executor] | None, workers: int, time_limit: float | None
-) -> Pool:
-    if isinstance(executor, Executor):
-        return Pool(lambda: executor, own=False, renewable=False)
-    if executor is not None:
-        if not callable(executor):
-            raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
-        return Pool(executor, own=True, renewable=True)
-    if workers == 0:
-        return Pool(lambda: InProcess(time_limit), own=True, renewable=False)
-    return Pool(lambda: WorkerPool(workers, time_limit), own=True, renewable=False)
-
-
 def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
     """As many runs as take a fraction of a second, found by running a few; their memory too.
 
     They are run where all others will be, as long as that can be made again: they may end it.
     """
-    is_ours = isinstance(pool.executor, WorkerPool | InProcess) or pool.renewable
     runs, seconds = 1, 0.0
     for attempt in range(5):
         numbers = [(i, i % study.repetitions) for i in range(runs)]
         task = ChunkTask(pickle.dumps(study), study.fingerprint, instruction_set(),
                          [(first.coordinates, numbers)])  # fmt: skip
-        ours = pool.executor if is_ours else InProcess()
+        ours = pool.executor if pool.is_ours or pool.renewable else InProcess()
         try:
             future: Future[ChunkResult] = ours.submit(run_chunk, task)
             while not wait([future], timeout=0.1).done:

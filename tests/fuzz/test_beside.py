@@ -89,8 +89,8 @@ COMMANDS = {
 }
 # Names in a store, and one beside it that a killed process left, or says that it did.
 CHUNK = "s/chunks/00000001.parquet"
-NAMES = ("s/study.toml", "s/chunks", CHUNK, "s/chunks/.00000001.parquet.0badcafe.part")
-NAMES += ("s/chunks/notes.parquet", "s/.study.toml.0badcafe.part", ".s.rcac-0badcafe.csv")
+NAMES = ("s/study.json", "s/chunks", CHUNK, "s/chunks/.00000001.parquet.0badcafe.part")
+NAMES += ("s/chunks/notes.parquet", "s/.study.json.0badcafe.part", ".s.rcac-0badcafe.csv")
 
 
 def outside(folder):
@@ -141,7 +141,7 @@ def test_what_lies_in_a_store_leads_nowhere(store, places, command, name):
         if name == CHUNK:
             expected = {"sweep": 2 * (kind == "folder"), "check": 1}.get(command, 2)
             assert status == expected, (kind, status, said)
-        elif name == "s/study.toml":
+        elif name == "s/study.json":
             assert status == 2, (kind, said)
         elif name.endswith((".part", ".csv")):
             assert status == 0, (kind, said)

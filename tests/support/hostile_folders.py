@@ -1,11 +1,19 @@
 """Folders of studies that were damaged, or made to harm: one change each, of a whole copy."""
 
 import io
+import json
 import os
+import re
 import shutil
 
-from rcac_experiments.sweeps._chunk_files import KEY, decode, encode
+from rcac_experiments.sweeps._chunk_files import INTEGERS, KEY, NUMBERS, decode, encode
+from rcac_experiments.sweeps._directory import MARK, ZEROS, sealed
 from rcac_experiments.sweeps._folder import Folder
+
+
+def sealed_again(data):
+    """Bytes that were edited by somebody who computes their digest anew."""
+    return sealed(re.sub(MARK + rb"[0-9a-f]{32}", MARK + ZEROS, data))
 
 
 def chunk_of(folder, rng):
@@ -49,11 +57,11 @@ def bytes_of_the_footer(folder, rng, victim):
 
 
 def bits_of_the_study(folder, rng, victim):
-    changed_bits(folder / "study.toml", rng)
+    changed_bits(folder / "study.json", rng)
 
 
 def truncated(folder, rng, victim):
-    path = rng.choice([chunk_of(folder, rng), folder / "study.toml"])
+    path = rng.choice([chunk_of(folder, rng), folder / "study.json"])
     data = path.read_bytes()
     path.write_bytes(data[: rng.randrange(len(data))])
 
@@ -80,7 +88,7 @@ def of_another_study(folder, rng, victim):
     data = path.read_bytes()
     with Folder(folder) as store:
         name = store.study.name.encode()
-    path.write_bytes(data.replace(name, name[::-1]))
+    path.write_bytes(sealed_again(data.replace(name, name[::-1])))
 
 
 def link_to_a_chunk(folder, rng, victim):
@@ -91,7 +99,7 @@ def link_to_a_chunk(folder, rng, victim):
 
 def replaced_by(make):
     def change(folder, rng, victim):
-        path = rng.choice([chunk_of(folder, rng), folder / "study.toml"])
+        path = rng.choice([chunk_of(folder, rng), folder / "study.json"])
         path.unlink()
         make(path, victim)
 
@@ -122,13 +130,14 @@ def other_file(make):
 
         path = chunk_of(folder, rng)
         table = parquet.read_table(path)
-        about = parquet.ParquetFile(path).metadata.metadata[KEY]
+        about = json.loads(parquet.ParquetFile(path).metadata.metadata[KEY.encode()])
         table, options = make(table)
         out = io.BytesIO()
         with parquet.ParquetWriter(out, table.schema, store_schema=False, **options) as writer:
             writer.write_table(table, row_group_size=10**9)
-            writer.add_key_value_metadata({KEY.decode(): about.decode()})
-        path.write_bytes(out.getvalue())
+            about["digest"] = ZEROS.decode()
+            writer.add_key_value_metadata({KEY: json.dumps(about)})
+        path.write_bytes(sealed(out.getvalue()))
 
     return change
 
@@ -161,7 +170,7 @@ def of_claimed_rows(folder, rng, victim):
         first, last = store.study.plan.chunk(int(path.stem))
     foot = footer_of(data)
     tail = data[foot:-8].replace(varint(last - first + 1), varint(10**9))
-    path.write_bytes(data[:foot] + tail + len(tail).to_bytes(4, "little") + b"PAR1")
+    path.write_bytes(sealed_again(data[:foot] + tail + len(tail).to_bytes(4, "little") + b"PAR1"))
 
 
 def varint(number):
@@ -183,44 +192,45 @@ def with_digests(edit):
     """Columns edited by somebody who computes every digest anew."""
 
     def change(folder, rng, victim):
+        from pyarrow import parquet
+
         with Folder(folder) as store:
             path = chunk_of(folder, rng)
             number = int(path.stem)
             first, last = store.study.plan.chunk(number)
             layout = store.layout(number)
             columns = decode(layout, number, last - first + 1, path.read_bytes())
-            path.write_bytes(encode(layout, number, edit(columns)))
+            signals = parquet.read_table(path, columns=layout.of(NUMBERS, INTEGERS)).to_pydict()
+            path.write_bytes(sealed(encode(layout, number, edit({**columns, **signals}))))
 
     return change
 
 
 def study_with_digest(edit):
-    """study.toml edited by somebody who computes its digest anew."""
+    """study.json edited by somebody who computes its digest anew."""
 
     def change(folder, rng, victim):
-        import tomllib
-
-        from rcac_experiments.sweeps import _study_file as form
-
-        document = tomllib.loads((folder / "study.toml").read_text())
-        del document["digest"], document["format"]
+        document = json.loads((folder / "study.json").read_bytes())
         edit(document)
-        body = "\n".join(form._lines(document, ()))
-        found = form._digest(tomllib.loads(body))
-        (folder / "study.toml").write_text(f'{form.HEAD}digest = "{found}"\n{body}\n')
+        raw_study(document)(folder, rng, victim)
 
     return change
 
 
-def raw_study(text):
+def raw_study(document):
+    """Any text, or data, with a right digest."""
+
     def change(folder, rng, victim):
-        (folder / "study.toml").write_text(text)
+        text = document
+        if not isinstance(text, str):
+            text = json.dumps({**document, "digest": ZEROS.decode()})
+        (folder / "study.json").write_bytes(sealed(text.encode()))
 
     return change
 
 
 def repetitions(document):
-    document["study"]["repetitions"] = document["stages"][-1]["repetitions"] = 10**15
+    document["study"]["repetitions"] = document["stages"][-1][1] = 10**15
 
 
 def escaping(document):
@@ -237,6 +247,7 @@ def a_function(document):
 
 DAMAGE = (bits, bits_of_pages, bits_of_the_footer, bytes_of_the_footer, bits_of_the_study,
           truncated, overwritten)  # fmt: skip
+END = f'"digest": "{ZEROS.decode()}"}}'
 HOSTILE = {
     "a chunk in another's place": swapped,
     "a chunk of another study": of_another_study,
@@ -269,8 +280,9 @@ HOSTILE = {
     "a signal's name that leads out": study_with_digest(escaping),
     "a measure's name that leads out": study_with_digest(a_measure_that_escapes),
     "a function of its own": study_with_digest(a_function),
-    "3*10^7 characters of numbers": raw_study("a = [" + "1.25, " * (5 * 10**6) + "]"),
-    "10^5 brackets": raw_study("a = " + "[" * 10**5 + "]" * 10**5),
-    "a key of 10^5 dots": raw_study("a." * 10**5 + "a = 1"),
-    "nothing in study.toml": raw_study(""),
+    "3*10^7 characters of numbers": raw_study({"a": [1.25] * (5 * 10**6)}),
+    "10^7 lists": raw_study({"a": [[]] * 10**7}),
+    "10^5 brackets": raw_study(f'{{"a": {"[" * 10**5 + "]" * 10**5}, {END}'),
+    "a number of 10^6 digits": raw_study(f'{{"a": {"9" * 10**6}, {END}'),
+    "nothing in study.json": raw_study({}),
 }  # fmt: skip

@@ -6,9 +6,11 @@ from contextlib import closing
 from hashlib import blake2b
 
 import numpy as np
+import pyarrow
+from pyarrow import parquet
 
 from rcac_experiments.sweeps._chunk import FAILED
-from rcac_experiments.sweeps._chunk_files import decode
+from rcac_experiments.sweeps._chunk_files import INTEGERS, NUMBERS, decode
 from rcac_experiments.sweeps._folder import Folder
 from rcac_experiments.sweeps._reader import file_of
 
@@ -66,15 +68,17 @@ def chunk(connection, store, number):
     connection.execute(free, (number, first, last))
     if number not in store.numbers():
         return
-    data = store.chunks.read(file_of(number), 10**9)
-    columns = decode(store.layout(number), number, last - first + 1, data)
+    data, layout = store.chunks.read(file_of(number), 10**9), store.layout(number)
+    columns = decode(layout, number, last - first + 1, data)
+    signals = parquet.read_table(pyarrow.BufferReader(data), columns=layout.of(NUMBERS, INTEGERS))
+    columns |= signals.to_pydict()
     rows = []
-    for i, place in enumerate(about.plan.places(first, last)):
+    for i, place in enumerate(about.plan.places(number)):
         signals = []
         for name in sorted(about.resolved["keep_signals"]):
             if (shape := columns[f"{name}.shape"][i]) is not None:
                 values = np.asarray(columns[f"{name}.values"][i]).astype("<f8").tobytes()
-                signals.append((name, ",".join(map(str, shape.tolist())), values))
+                signals.append((name, ",".join(map(str, shape)), values))
         for signal in signals:
             connection.execute("INSERT INTO trajectory VALUES (?, ?, ?, ?)", (place[0], *signal))
         numbers = [float(columns[name][i]) for name in about.measures]

@@ -421,7 +421,7 @@ def test_two_coordinators_leave_out_what_the_other_has_written(tmp_path, small_c
 
 
 def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chunks):
-    """Who wrote study.toml last has the plan; the other sees it, and computes what it lost."""
+    """Who wrote study.json last has the plan; the other sees it, and computes what it lost."""
 
     def study(values, repetitions):
         axis = Axis("R_theta", values, sets="controller.R_theta")
@@ -433,7 +433,7 @@ def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chun
     def other(progress):
         if not seen and progress.done > 9:
             seen.append(1)
-            with Folder(store) as opened:  # as it does that read study.toml before we wrote it
+            with Folder(store) as opened:  # as it does that read study.json before we wrote it
                 opened.write(before)
             run_study(study([1.0, 2.0], 9), store, workers=0)
 
