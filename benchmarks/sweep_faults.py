@@ -1,7 +1,7 @@
 """Studies under faults: each ends with the table of the undisturbed run, or names what is missing.
 
 Workers and coordinators are killed at random and around the rename of a chunk, two at a time; the
-disk is full; the folder may only be read; a worker hangs; memory is limited; a run ends its worker
+disk is full, or slow; the folder may only be read; a worker hangs; memory is limited; a run ends its worker
 under each executor; dask loses a worker, and its scheduler; the studies among the examples on every
 executor, and made of old stores; folders that are damaged or made to harm. As a table of Markdown.
 
@@ -106,6 +106,21 @@ def killed_around_a_rename():
     directory.os.rename = rename
 
 
+def slow_disk():
+    """Whatever is written, renamed or brought to the disk takes a quarter of a second, or two."""
+    rng = random.SystemRandom()
+
+    def slowed(real):
+        def call(*given, **where):
+            time.sleep(rng.choice([0.05, 0.1, 0.25, 0.25, 2.0]))
+            return real(*given, **where)
+
+        return call
+
+    for name in ("rename", "fsync", "open"):
+        setattr(directory.os, name, slowed(getattr(os, name)))
+
+
 def coordinate(store, workers, kind="rms", *words, **limits):
     """A coordinator as a process of its own."""
     command = [sys.executable, "-m", "benchmarks.sweep_faults", "--coordinate", str(store)]
@@ -126,6 +141,8 @@ def coordinated(store, workers, kind, *words):
         which, _, most = word.partition("=")
         if which == "renames":
             killed_around_a_rename()
+        elif which == "slow":
+            slow_disk()
         else:
             resource.setrlimit(getattr(resource, which), (int(most), int(most)))
     try:
@@ -204,6 +221,24 @@ def kills(folder, reference, count):
             assert process.returncode == 0 and "Traceback" not in said, said
         words = ", ".join(f"{what} {number}" for what, number in sorted(ended.items()))
         verdict(f"of two coordinators killed so far: {words}", store, reference)
+
+
+def slow_disks(folder, reference):
+    """Two coordinators over a disk that hardly answers, of which one is killed."""
+    store, rng, killed = folder / "slow", random.Random(4), 0
+    started = [coordinate(store, 1, "rms", "slow") for _ in range(2)]
+    start = time.perf_counter()
+    while any(process.poll() is None for process in started):
+        time.sleep(rng.uniform(2.0, 8.0))
+        if killed < 4 and started[0].poll() is None and (store / "chunks").exists():
+            started[0].kill()
+            started[0].communicate()
+            started[0] = coordinate(store, 1, "rms", "slow")
+            killed += 1
+    said = [process.communicate()[1] for process in started]
+    assert all(process.returncode == 0 for process in started), said
+    words = f"two coordinators on a slow disk, one killed {killed} times, {since(start)}"
+    verdict(words, store, reference)
 
 
 def two(folder, reference):
@@ -288,14 +323,16 @@ def deadly(folder):
         try:
             run_study(whole, folder / "broken", executor=pool)
         except StoreError as error:
-            say("the same; one ProcessPoolExecutor", f"refused: {str(error)[:60]}...")
+            assert f"R_theta = {studies.DEADLY}" in str(error), error
+            say("the same; one ProcessPoolExecutor", "refused, and the run named")
     with cluster(2, 0) as client:
         start, how = time.perf_counter(), client.get_executor(pure=False)
         try:
             run_study(whole, folder / "dask", executor=how)
             said = "those 2 named"
-        except StoreError as error:  # its nannies give up
-            said = f"refused: {str(error)[:60]}...; then on processes of ours: those 2 named"
+        except StoreError as error:  # its nannies gave up
+            assert f"R_theta = {studies.DEADLY}" in str(error), error
+            said = "refused, and the run named; then on processes of ours: those 2 named"
             run_study(whole, folder / "dask", workers=2)
         table = read_table(folder / "dask")
         assert set(table.failed["R_theta"]) == {studies.DEADLY} and table.failures == 2
@@ -535,7 +572,7 @@ def main():
     parser.add_argument("--old", type=Path, help="SQLite stores of the reduced studies, by name.")
     parser.add_argument(
         "--only",
-        default="kills,two,disk,readonly,deadly,hang,memory,dask,executors,hostile,damaged",
+        default="kills,slow,two,disk,readonly,deadly,hang,memory,dask,executors,hostile,damaged",
     )
     parser.add_argument("--coordinate", nargs="+")
     chosen = parser.parse_args()
@@ -546,6 +583,7 @@ def main():
         folder = Path(name)
         scenarios = {
             "kills": lambda: kills(folder, reference, chosen.kills),
+            "slow": lambda: slow_disks(folder, reference),
             "two": lambda: two(folder, reference),
             "disk": lambda: disk(folder, reference),
             "readonly": lambda: readonly(folder, reference),

@@ -13,4 +13,4 @@ from .files._case_files import check_arguments as check_arguments
 from .files._design_files import design_toml as design_toml
 from .files._design_files import save_design as save_design
 from .files._schema import json_schema as json_schema
-from .sweeps._tuning import tune as tune
+from .tuning._tuning import tune as tune

@@ -7,4 +7,4 @@ from .explorer._display import ExplorerPage as ExplorerPage
 from .sweeps._overview import SweepOverview as SweepOverview
 from .sweeps._replay import ReplayedRun as ReplayedRun
 from .sweeps._statistics import SweepSummary as SweepSummary
-from .sweeps._tuning import Tuned as Tuned
+from .tuning._tuning import Tuned as Tuned

@@ -21,7 +21,7 @@ from rcac_experiments.cli._output import as_json_option, picture_option, show
 from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
 from rcac_experiments.sweeps._progress import ProgressLine
-from rcac_experiments.sweeps._tuning import Tuned, tune
+from rcac_experiments.tuning._tuning import Tuned, tune
 from rcac_numeric.checks._logs import ControllerLog, read_log
 from rcac_numeric.controllers._kinds import fir, fir_integrator, pid
 from rcac_numeric.controllers._structure import Structure

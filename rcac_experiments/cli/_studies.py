@@ -220,7 +220,24 @@ def functions_in(path: Path) -> dict[str, Callable[..., Any]]:
     return {key: value for key, value in vars(module).items() if callable(value)}
 
 
-@click.group("store")
+# A word that was a command of `rcac store`, and what is given in its place.
+INSTEAD = {
+    "repair": "`rcac sweep FILE -o FOLDER`, the command that made the store, computes again what "
+    "is missing or damaged in it; `rcac store check FOLDER` names that",
+}
+
+
+class StoreCommands(click.Group):
+    """A group that says of an earlier command what does its work now."""
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """As click does it."""
+        if args[0] in INSTEAD:
+            raise click.UsageError(f"There is no `rcac store {args[0]}`: {INSTEAD[args[0]]}.", ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group("store", cls=StoreCommands)
 def store() -> None:
     """Check the store of a study, or make one of an SQLite file of an earlier version."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_experiments.sweeps._tuning import ROUNDS, RULE, Tuned
+from rcac_experiments.tuning._tuning import ROUNDS, RULE, Tuned
 from rcac_numeric.designing._trials import FIXED
 from rcac_numeric.plots._library import Figure
 from rcac_numeric.plots._style import line_style

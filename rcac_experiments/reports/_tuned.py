@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 
-from rcac_experiments.sweeps._tuning import RULE, Candidate, Tuned
+from rcac_experiments.tuning._tuning import RULE, Candidate, Tuned
 from rcac_numeric.reports._design import design_sheet
 from rcac_numeric.reports._sheet import Section, Sheet, SheetTable, Text, cells
 

@@ -86,18 +86,18 @@ class Plan:
 
     def chunk(self, number: int) -> tuple[int, int]:
         """The first and the last run of a chunk."""
-        block = self._block(number, "first_chunk")
+        block = self._block_with(number)
         first = block.first_run + (number - block.first_chunk) * self.chunk_size
         return first, min(first + self.chunk_size, block.first_run + block.runs) - 1
 
     def chunk_of(self, run: int) -> int:
         """The number of the chunk that a run is in."""
-        block = self._block(run, "first_run")
+        block = self._block_of(run)
         return block.first_chunk + (run - block.first_run) // self.chunk_size
 
     def place(self, run: int) -> tuple[int, int]:
         """Cell and repetition of a run."""
-        block = self._block(run, "first_run")
+        block = self._block_of(run)
         cell, repetition = divmod(run - block.first_run, block.repetitions)
         return block.first_cell + cell, block.first_repetition + repetition
 
@@ -108,7 +108,7 @@ class Plan:
 
     def values_of(self, number: int) -> dict[str, list[Any]]:
         """The values that each axis had when a chunk was planned: a file's columns follow them."""
-        lengths = self.stages[self._block(number, "first_chunk").stage].lengths
+        lengths = self.stages[self._block_with(number).stage].lengths
         of_axes = zip(self.values.items(), lengths, strict=True)
         return {name: values[:length] for (name, values), length in of_axes}
 
@@ -140,14 +140,12 @@ class Plan:
             for where in self.indices(cells).T.tolist()
         ]
 
-    def _block(self, number: int, of: str) -> Block:
-        firsts = self._firsts[of]
-        return self.blocks[bisect_right(firsts, number) - 1]
+    def _block_of(self, run: int) -> Block:
+        return self.blocks[bisect_right(self.blocks, run, key=lambda block: block.first_run) - 1]
 
-    @cached_property
-    def _firsts(self) -> dict[str, list[int]]:
-        names = ("first_run", "first_chunk")
-        return {name: [getattr(block, name) for block in self.blocks] for name in names}
+    def _block_with(self, chunk: int) -> Block:
+        blocks = self.blocks
+        return blocks[bisect_right(blocks, chunk, key=lambda block: block.first_chunk) - 1]
 
 
 def stage_of(resolved: Resolved) -> Stage:

@@ -128,7 +128,8 @@ def plan_of(resolved: Resolved, stages: tuple[Stage, ...], chunk_size: int) -> P
 def text_of(about: StoredStudy) -> bytes:
     """The bytes of study.json, not sealed yet."""
     document = {
-        "format": FORMAT, **{name: getattr(about, name) for name in KEPT},
+        "format": FORMAT, "title": about.title, "file": about.file, "created": about.created,
+        "instruction_set": about.instruction_set, "mixed": about.mixed, "versions": about.versions,
         "chunk_size": about.plan.chunk_size,
         "stages": [[list(stage.lengths), stage.repetitions] for stage in about.plan.stages],
         "study": about.resolved, "digest": ZEROS.decode(),
@@ -146,20 +147,15 @@ def read_text(data: bytes) -> StoredStudy:
     document = json.loads(data)
     if document.pop("format", None) != FORMAT:
         raise ValueError(f"it is of no format that this version reads, which is {FORMAT}")
-    study, kept = document["study"], {name: document[name] for name in KEPT}
-    mixed = tuple(kept.pop("mixed"))
-    texts = [kept[name] for name in kept if name != "versions"]
-    texts += [*kept["versions"], *kept["versions"].values(), *mixed]
-    if not all(type(text) is str for text in texts) or type(document["mixed"]) is not list:
+    study, made_with, mixed = document["study"], document["versions"], document["mixed"]
+    said = {name: document[name] for name in ("file", "title", "instruction_set", "created")}
+    texts = [*said.values(), *made_with, *made_with.values(), *mixed]
+    if not all(type(text) is str for text in texts) or type(mixed) is not list:
         raise TypeError("something in it is of another kind")
     canonical_json(study)
     stages = tuple(Stage(tuple(lengths), count) for lengths, count in document["stages"])
     plan = plan_of(study, stages, document["chunk_size"])
-    return StoredStudy(resolved=study, plan=plan, mixed=mixed, **kept)
-
-
-# What stands in the file as it stands in `StoredStudy`.
-KEPT = ("title", "file", "instruction_set", "created", "versions", "mixed")
+    return StoredStudy(study, plan=plan, versions=made_with, mixed=tuple(mixed), **said)
 
 
 def _entries(text: bytes) -> int:

@@ -13,7 +13,7 @@ HOUSE = {
         < plots, reports
     """,
     "rcac_experiments": """
-        format < judging < experiments < files < sweeps, explorer < plots < reports
+        format < judging < experiments < files < sweeps, explorer < tuning < plots < reports
         < dissertation < cli
     """,
 }

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from rcac_experiments.cli._main import main
 from rcac_experiments.sweeps import read_table
 from rcac_experiments.sweeps._chunk_files import decode, encode
+from rcac_experiments.sweeps._directory import sealed
 from rcac_experiments.sweeps._folder import Folder
 from tests.support import old_stores, studies
 
@@ -88,7 +89,7 @@ def test_a_run_that_is_not_what_is_stored_ends_with_1(store, tmp_path):
         layout, (first, last) = opened.layout(1), opened.study.plan.chunk(1)
         file = path / "chunks" / "00000001.parquet"
         columns = decode(layout, 1, last - first + 1, file.read_bytes())
-        file.write_bytes(encode(layout, 1, {**columns, "rms": 2 * columns["rms"]}))
+        file.write_bytes(sealed(encode(layout, 1, {**columns, "rms": 2 * columns["rms"]})))
     result = rcac("replay", path, 0)
     assert result.exit_code == 1 and "Not the run that is stored: rms." in result.stdout
 
@@ -149,3 +150,9 @@ def test_an_old_store_is_converted(store, tmp_path):
     assert result.exit_code == 1 and "computed again by the same `rcac sweep`" in result.stdout
     assert rcac("sweep", store.parent / "study.toml", "-o", new, "--workers", 0).exit_code == 0
     assert studies.contents(new) == studies.contents(store)
+
+
+def test_what_replaces_a_repair_is_named():
+    result = rcac("store", "repair", "gain")
+    assert result.exit_code == 2 and "`rcac sweep FILE -o FOLDER`" in result.stderr
+    assert "No such command" in rcac("store", "mend", "gain").stderr

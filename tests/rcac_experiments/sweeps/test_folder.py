@@ -136,7 +136,8 @@ def test_things_of_others_are_left_alone(tmp_path):
     (tmp_path / "case" / "study.toml").write_text(studies.FILE % {"steps": 50, "repetitions": 1})
     before = studies.contents(tmp_path)
     for name, words in (
-        ("full", "other things are in it"), ("text", "it is a file"), ("case", "other things are in it"),
+        ("full", "other things are in it"), ("text", "it is a file"),
+        ("case", "other things are in it"),
         ("old", "rcac store convert"), ("nowhere/else", "is there such a folder"),
     ):  # fmt: skip
         with pytest.raises(StoreError, match=words) as caught:

@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError
 from rcac_experiments import load_experiment, tune
 from rcac_experiments.sweeps import read_table
 from rcac_experiments.sweeps._problems import StoreError
-from rcac_experiments.sweeps._tuning import LEARNING, RULE, Candidate, _judged, drawn
+from rcac_experiments.tuning._tuning import LEARNING, RULE, Candidate, _judged, drawn
 from rcac_numeric import Uncertainty, design, pid
 from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._design import compared

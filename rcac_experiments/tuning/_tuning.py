@@ -20,7 +20,7 @@ from rcac_experiments.files._design_files import design_toml, save_design
 from rcac_experiments.sweeps._folder import STUDY
 from rcac_experiments.sweeps._pools import InProcess, WorkerPool
 from rcac_experiments.sweeps._progress import Progress
-from rcac_experiments.sweeps._stored_trials import stored
+from rcac_experiments.tuning._stored_trials import stored
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import member
 from rcac_numeric.arrays._seeds import JUDGING
@@ -410,7 +410,7 @@ def drawn(
     --------
     >>> from rcac_numeric import Uncertainty
     >>> from rcac_numeric.designing._plants import read_plant
-    >>> from rcac_experiments.sweeps._tuning import drawn
+    >>> from rcac_experiments.tuning._tuning import drawn
     >>> plants = drawn(read_plant("1/(q - 0.9)", None, 0), Uncertainty(), 3)
     >>> [0.8 <= one.gain <= 1.25 for one in plants]
     [True, True, True]

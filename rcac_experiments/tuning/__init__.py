@@ -1,0 +1,1 @@
+"""Settings of a design found by trying, also over processes and into the store of a study."""
