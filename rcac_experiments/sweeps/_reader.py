@@ -55,9 +55,8 @@ def read_guarded(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]
     left = list(wanted)
     for _ in range(DEATHS):
         if left:
-            tried = _tried(folder, left)
-            faults.update(tried)
-            left = left[len(tried) :]
+            faults.update(_tried(folder, left))
+            left = [one for one in left if one[0] not in faults]
         if left:
             faults[left.pop(0)[0]] = "reading it took more memory or time than it may"
     words = f"it was not read: {DEATHS} chunks before it ended the process that read them"

@@ -135,6 +135,23 @@ def test_a_child_that_ends_names_its_chunk(whole, monkeypatch):
         read_table(whole[0])
 
 
+@pytest.mark.parametrize("says", ["", "echo ready", "echo ready; echo '[1, \"\"]'"])
+def test_a_child_that_is_silent_is_left(whole, tmp_path, monkeypatch, says):
+    """As on a drive that does not answer, where nothing that it waits for ever ends."""
+    child = tmp_path / "child"
+    child.write_text(f"#!/bin/sh\n{says}\nexec sleep 1000\n")
+    child.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(child))
+    monkeypatch.setattr(reader, "SILENCE", 0.2)
+    if not says:
+        with pytest.raises(StoreError, match="does not start"):
+            check_store(whole[0])
+        return
+    found = check_store(whole[0])
+    assert found.damaged[0] == ((0, 2) if says == "echo ready" else (3, 5))
+    assert "memory or time" in found.faults[0] and "not read" in found.faults[-1]
+
+
 def test_the_child_and_this_process_read_the_same(whole, monkeypatch):
     guarded = read_table(whole[0])
     monkeypatch.setattr(folders, "read_guarded", reader.read_here)

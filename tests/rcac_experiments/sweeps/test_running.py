@@ -259,9 +259,36 @@ def test_an_executor_that_a_function_makes_is_made_again(tmp_path, small_chunks)
     assert table.failed["outcome"].tolist() == ["worker died"] and len(table) == 1
     with (
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as one,
-        pytest.raises(StoreError, match="a function that makes the executor"),
+        pytest.raises(StoreError, match=r"run 0 \(R_theta = 13\.0\) ends its worker, one of ours"),
     ):
         run_study(study, tmp_path / "t", executor=one)
+    assert read_table(tmp_path / "t").failed["R_theta"].tolist() == [studies.DEADLY]
+
+
+@pytest.mark.costly
+@pytest.mark.parametrize("losses", [1, 3])
+def test_the_run_is_named_whenever_its_executor_gives_up(tmp_path, small_chunks, losses):
+    """As dask does whose nannies lost a worker that was starting: it takes nothing more."""
+
+    class Nannies(Executor):
+        lost = 0
+
+        def submit(self, fn, /, *args):
+            if self.lost >= losses:
+                raise RuntimeError("no workers")
+            future = Future()
+            if fn is run_chunk and any(c["R_theta"] == studies.DEADLY for c, _ in args[0].runs):
+                self.lost += 1
+                future.set_exception(RuntimeError("KilledWorker"))
+            else:
+                future.set_result(fn(*args))
+            return future
+
+    study = studies.over_R_theta([1.0, studies.DEADLY, 2.0], studies.deadly)
+    with pytest.raises(StoreError, match=r"The run 1 \(R_theta = 13\.0\) ends its worker"):
+        run_study(study, tmp_path / "s", executor=Nannies())
+    table = read_table(tmp_path / "s")
+    assert table.failed["R_theta"].tolist() == [studies.DEADLY] and len(table) == 2
 
 
 def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chunks):
