@@ -2,8 +2,9 @@
 
 Workers and coordinators are killed at random and around the rename of a chunk, two at a time; the
 disk is full, or slow; the folder may only be read; a worker hangs; memory is limited; a run ends
-its worker under each executor; dask loses a worker, and its scheduler; the studies among the examples on every
-executor, and made of old stores; folders that are damaged or made to harm. As a table of Markdown.
+its worker under each executor; dask loses a worker, and its scheduler; the studies among the
+examples on every executor, and made of old stores; folders that are damaged or made to harm. As a
+table of Markdown.
 
     python -m benchmarks.sweep_faults [--kills 24] [--folders 4000] [--old STORES] [--only kills]
 """

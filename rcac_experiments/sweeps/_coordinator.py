@@ -303,7 +303,7 @@ class Coordinator:
         for work in dict.fromkeys(reversed(self._suspects)):
             task = self.task_of(work.number)
             if work.missing:
-                self.waiting = deque(ChunkPart(work, task.only([run])) for run in work.missing)
+                self.waiting = deque([ChunkPart(work, task.only(work.missing))])
                 self._work()
             if died := [one.run for one in work.records if one.outcome == WORKER_DIED]:
                 where = next(at for at, some in task.runs if died[0] in dict(some))

@@ -224,25 +224,13 @@ def _floats(value: Any) -> Any:
 
 # What goes with each way to name values; one of the first is needed, and these beside it.
 BESIDE: dict[str, str] = {
-    "values": "",
-    "range": "",
-    "grid": "points",
-    "decades": "points",
-    "uniform": "draws",
-    "log_uniform": "draws",
-    "normal": "draws",
-}
+    "values": "", "range": "", "grid": "points", "decades": "points",
+    "uniform": "draws", "log_uniform": "draws", "normal": "draws",
+}  # fmt: skip
 
 
 def axis_of(name: str, sets: str, given: dict[str, Any]) -> Axis | RandomAxis:
-    """The axis that a table of [study.axes] describes.
-
-    Examples
-    --------
-    >>> from rcac_experiments.sweeps._files import axis_of
-    >>> axis_of("R_theta", "controller.R_theta", {"decades": [-2, 0], "points": 3}).values
-    (0.01, 0.1, 1.0)
-    """
+    """The axis that a table of [study.axes] describes."""
     ways = [way for way in BESIDE if way in given]
     if len(ways) != 1:
         said = f"has {' and '.join(ways)}" if ways else "does not say which values it takes"
