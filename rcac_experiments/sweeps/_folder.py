@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rcac_experiments.sweeps._chunk import FAILED, RunRecord
+from rcac_experiments.sweeps._chunk import FAILED, LONGEST_TEXT, RunRecord
 from rcac_experiments.sweeps._chunk_files import (
     INTEGER,
     INTEGERS,
@@ -269,6 +269,8 @@ def _fault(about: StoredStudy, number: int, layout: Layout, columns: Columns) ->
             return f"its column {name} is not that of the study"
     if None in columns["outcome"] or None in columns["failure"]:
         return "a run has no outcome"
+    if max(map(len, (*columns["outcome"], *columns["failure"]))) > LONGEST_TEXT:
+        return "a text is longer than any that is stored"
     failed = np.array([outcome in FAILED for outcome in columns["outcome"]])
     if any(not np.isnan(columns[name][failed]).all() for name in about.measures):
         return "a run that failed has a number"
