@@ -1,8 +1,8 @@
 """The pictures of the README and of the first page; `python -m docs.first_picture` draws them anew.
 
 The block diagram of the loop, with its signs. Then the run of their ten lines, which is the first
-scene of the explorer: the performance with RCAC and without, and the closed-loop poles on the places that
-theory predicts.
+scene of the explorer: the performance with RCAC and without, and the closed-loop poles beside those
+that theory predicts.
 """
 
 from pathlib import Path
@@ -86,7 +86,9 @@ def block_diagram(*, ink: str, reached: str, faint: str, **_: str) -> Figure:
         axes.add_patch(
             Rectangle((left, low), width, 9, fill=False, edgecolor=colour, linewidth=1.6)
         )
-        axes.text(left + width / 2, low + 4.5, text, ha="center", va="center", color=colour, size=12)
+        axes.text(
+            left + width / 2, low + 4.5, text, ha="center", va="center", color=colour, size=12
+        )
     for path in (
         [(12, 19), (29, 19)],  # w
         [(47, 19), (64, 19)],  # z
