@@ -163,6 +163,12 @@ def test_refusals():
     for target, n_c in (([-1], None), ([-1, -2, -3], 2), ([-1, -2], 1), ([], None)):
         with pytest.raises(InputError):
             place_poles("1/s**2", target, n_c, feedback=1)
+    # D D_c + N N_c = (s**2 + s + 1)*1 + (s**2 + 1)*s: D_c = 1 is no denominator of order 1.
+    with pytest.raises(ImproperError, match="the only pair"):
+        place_poles("(s**2 + 1)/(s**2 + s + 1)", polynomial=[1, 1, 2, 1], feedback=-1)
+    # n_c = n: the leading coefficient would hang on the free parameter.
+    with pytest.raises(InputError, match="exactly proper"):
+        place_poles("(s + 2)/(s + 1)", [-1, -2], feedback=-1, numerator_degree=1)
     with pytest.raises(NotCoprimeError, match=r"s \+ 1"):
         place_poles("(s + 1)/((s + 1)*(s + 2))", ["-3", "-4", "-5"], feedback=-1)
     with pytest.raises(InputError):

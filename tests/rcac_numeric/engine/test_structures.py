@@ -12,6 +12,7 @@ from rcac_numeric import (
     Covariance,
     Decentralized,
     TargetModel,
+    feedforward,
     pid,
     simulate,
 )
@@ -74,6 +75,15 @@ def test_the_pid_controller_of_the_text_by_hand():
     controller = Controller(settings)
     u = [controller.step(e, 0.0)[0] for e in (1.0, 2.0, 3.0, 4.0, 5.0)]
     assert u == [0, 0, 200 + 10 * 1 + 1, 300 + 10 * 3 + 1, 400 + 10 * 6 + 1]
+
+
+@pytest.mark.parametrize(("k_c", "first_r"), [(0, None), (1, None), (0, 0), (0, 1), (1, 2)])
+def test_a_feedforward_reads_r_from_k_c_on_unless_told(k_c, first_r):
+    """r(k - i) for i from first_r to n_c = 2, and as many of u and of y as (2.23) has."""
+    structure = feedforward(2, k_c=k_c, first_r=first_r)
+    lags = [tap.delay for tap in structure.taps if tap.signal == "r"]
+    assert lags == list(range(k_c if first_r is None else first_r, 3))
+    assert structure.l_theta == 2 + (3 - k_c) + len(lags)
 
 
 @given(st.data(), sizes, sizes, sizes, st.booleans(), seeds)
