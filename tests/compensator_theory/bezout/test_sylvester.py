@@ -154,6 +154,7 @@ def test_m_multiplies_polynomials(D, N, left, right):
 
 
 def test_shape_of_m_is_guarded():
+    assert sylvester_m("s + 1", "1", 1, -1) == sympy.Matrix([1, 1])  # N_c = 0
     with pytest.raises(InputError, match="exceeds the degree"):
         sylvester_m("s", "s", 1, 1)
     with pytest.raises(InputError):

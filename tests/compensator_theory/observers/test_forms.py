@@ -362,6 +362,8 @@ def test_refusals():
         observer_forms(
             EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)"), limit=3, variable="s"
         )
+    six = realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)")
+    assert len(observer_forms(EXAMPLE_7_1, six, limit=6, variable="s").forms) == 6
     with pytest.raises(InputError, match="states"):
         observer_forms("1/s", Realisation(sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0)))
     with pytest.raises(InputError, match="observer_forms"):

@@ -154,6 +154,9 @@ def test_the_example_of_the_notes():
     assert sympy.expand(member.numerator.as_expr() - (s + 1) * (q * (s - 2) - 27)) == 0
     assert sympy.expand(member.denominator.as_expr() - (s**2 + 5 * s + 13 + q)) == 0
     integrator = family.compensator("-13").transfer_function()
+    assert str(family).startswith("C = (U_r")  # with feedback=-1 it is -C
+    negative = stabilising_compensators("1/(s**2 - s - 2)", [-1, -1], [-1, -1], feedback=-1)
+    assert str(negative) == f"-{family}"
     assert str(integrator) == "(-13*s**2 - 14*s - 1)/(s**2 + 5*s)"
 
 

@@ -251,6 +251,11 @@ def test_schur_with_irrational_numbers_and_with_symbols():
     assert decide_stability("2*q**2 - sqrt(2)*q + 1", time="discrete").is_stable is True
     assert decide_stability("q**2 - sqrt(2)*q + 1", time="discrete").is_stable is False
     assert decide_stability("pi*q - 4", time="discrete").is_stable is False
+    # Both roots are real, by hand (-pi/3 +- sqrt(pi**2/9 - 1))/2 = -0.68 and -0.37.
+    assert decide_stability("q**2 + pi*q/3 + 1/4", time="discrete").is_stable is True
+    b, q = sympy.Symbol("b", positive=True), sympy.Symbol("q")
+    first_order = polynomial((1 + b) * q - b, q)
+    assert decide_stability(first_order, time="discrete").is_stable is True
     assert (
         decide_stability("a*q**2 + q + 2*a", time="discrete").is_stable is None
     )  # it is q where a = 0

@@ -5,8 +5,8 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, Realisation
-from compensator_theory.errors import ImproperError
+from compensator_theory import InputError, Realisation, budget
+from compensator_theory.errors import BudgetError, ImproperError
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer, nonzero_point
 
@@ -62,6 +62,16 @@ def test_feedback(sizes, sign, data):
     assume(difference.det() != 0)
     assert value(loop, point) == difference.inv() * g
     assert loop.n == G.n + K.n
+
+
+def test_powers_down_to_none():
+    G = Realisation([[1, 0], [0, 2]], [[1], [0]], [[1, 0]], variable="s")
+    none = G**0  # no inverse is needed, and G has none
+    assert none.n == 0 and sympy.eye(1) == none.D
+    with budget(entries=16):  # (2 states times 2)**2
+        assert (G**2).n == 4
+        with pytest.raises(BudgetError):
+            _ = G**3
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._check import arguments_of_run
 from rcac_numeric.checks._replays import replay_compensator
 from tests.support.examples import EXAMPLE_4_7
 from tests.support.strategies import controllers, plants, seeds
@@ -106,6 +107,16 @@ def test_replay_of_any_structure_size_and_weight_agrees(data):
         assert np.isclose(np.abs(check.poles).max(), check.loop.spectral_radius, atol=1e-4)
         assert np.isclose(sum(check.costs.reached.shares.values()), check.costs.reached.value)
         assert check.split.identity_error < 1e-6
+
+
+def test_a_run_says_its_arguments_itself():
+    """The target is the last that was in force, not one that was still to come."""
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    later, never = TargetModel([0, 1.0, -0.2]), TargetModel([0, 3.0])
+    run = logged(plant, iir(n_c=2), [WhiteNoise()], target_changes={100: later, 300: never})
+    known = arguments_of_run(run)
+    assert (known["target"], known["plant"], known["k_w"]) == (later, plant, run.settings.k_w)
+    assert check_controller(run).replay.agrees and known["structure"] == iir(n_c=2)
 
 
 def test_rows_that_an_update_left_are_recognised():

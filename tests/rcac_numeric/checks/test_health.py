@@ -6,6 +6,7 @@ import pytest
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     UD,
+    ClosedLoop,
     Compensator,
     ControllerSettings,
     FixedController,
@@ -20,6 +21,7 @@ from rcac_numeric import (
     loop_health,
     servo_plant,
     simulate,
+    stability_margins,
     standard_plant,
 )
 from rcac_numeric.analysis._internal_models import drift_of
@@ -170,6 +172,14 @@ def test_margins_that_textbooks_accept_are_not_small():
                              plant=standard_plant("1/(q - 0.5)"))  # fmt: skip
     assert small_margins(check.margins["u"]) == [] and loop_health(check).is_healthy
     assert health_lines(loop_health(check))[0].level == "good"
+
+
+def test_a_run_has_the_margins_of_its_last_controller():
+    plant = standard_plant("1/(q - 0.9)")
+    run = adapted(plant, fir_target(plant), exogenous([WhiteNoise()], 200))
+    margins = loop_health(run).margins["u"]
+    own = stability_margins(ClosedLoop(plant, run.compensator))
+    assert (margins.gain_up.value, margins.phase.value) == (own.gain_up.value, own.phase.value)
 
 
 def test_what_has_no_health_is_refused():

@@ -56,6 +56,13 @@ def test_it_is_the_mean_of_the_regressor_by_hand():
     assert np.allclose(weight_of(iir(1), PriorSamples(20, y, u), delayed), wanted)
 
 
+def test_sizes_of_a_target_of_one_lag_by_hand():
+    """White signals behind 3/q: their mean squares, 9 times, with nothing beside the diagonal."""
+    delayed, sizes = TargetModel([0, 3.0]), [0.25] * 2 + [4.0] * 2
+    found = weight_of(iir(2), PriorSamples(1, y=2.0, u=0.5), delayed)
+    assert np.allclose(found, 9 * np.diag(sizes) * (1 + FLOOR), rtol=1e-12, atol=1e-12)
+
+
 @settings(max_examples=10)
 @given(u=st.floats(-6, 6), y=st.floats(-6, 6))
 def test_units_change_nothing(u, y):

@@ -16,6 +16,7 @@ from rcac_numeric import (
     ControllerSettings,
     ControlLimits,
     Recorder,
+    Supervision,
     TargetModel,
     check_controller,
     fir_target,
@@ -156,6 +157,11 @@ def test_limits_are_saved_and_checked():
     assert one.step(1.0, 1.0) == two.step(1.0, 1.0)
     with pytest.raises(InputError, match="other settings"):
         Controller(SETTINGS).restore(one.state)
+    for supervision in (Supervision(), Supervision("bound")):  # of other limits, or of none
+        one = Controller(SETTINGS, supervision=supervision, limits=limits)
+        for other in (ControlLimits(rise=0.2), None):
+            with pytest.raises(InputError, match="other settings"):
+                Controller(SETTINGS, supervision=supervision, limits=other).restore(one.state)
     for wrong, words in (
         ({}, "low, high"),
         ({"low": 1, "high": 0}, "exceeds"),
