@@ -234,6 +234,8 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         (("r = { step = 1 }", "w = { step = 1 }"), "sets 'w'; this plant's exogenous input has r"),
         (('"rms"', '"rsm"'), "Did you mean 'rms'?"),
         ((", at_most = 0.05", ""), "a check without a bound cannot fail"),
+        (('"holds"', '"proved"'), "verdict = 'proved' is not known"),
+        (("r = { step = 1 }", "r = { sum = [] }"), "must be a list of signals"),
         (("[plant]", "[plant"), "is not valid TOML"),
         (("steps = 400", "steps = 3"), "k_w = 4 is not before the end of the run of 3 steps"),
         (("steps = 400", "steps = 100000000000"), "would keep"),
