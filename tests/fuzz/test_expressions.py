@@ -1,8 +1,9 @@
 """Texts by grammar, and damaged ones, through every door of the exact half that reads a text.
 
 expression_checks.py says what holds. A few are drawn by default, by HYPOTHESIS_PROFILE=thorough
-100 000 texts. A long run grows by what Hypothesis remembers of the texts that it drew: 1189 MB after 8000 lists of roots that nothing
-had read yet, and 5 MB more after 1500 of them were read and placed. The limit is that of one input.
+100 000 texts. A long run grows by what Hypothesis remembers of the texts that it drew: 1189 MB
+after 8000 lists of roots that nothing had read yet, and 5 MB more after 1500 of them were read and
+placed. The limit is that of one input.
 """
 
 import pytest

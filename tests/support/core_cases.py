@@ -3,18 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    CoefficientBounds,
-    Compensator,
-    CovarianceReset,
-    DerivedSignal,
-    Normalization,
-    ScheduledForgetting,
-    SignalWeight,
-    TargetModel,
-    VariableRateForgetting,
-)
+import rcac_numeric as rn
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support.engine_cases import engine_plants, positive, settings_for, structures
 from tests.support.strategies import seeds
@@ -28,46 +17,48 @@ def core_settings(draw, strictly_proper=False, **fixed):
     structure, _ = draw(structures(l_u, l_y, l_r))
     l_r = structure.l_r
     if structure.derived and draw(st.booleans()):
-        limited = [DerivedSignal(s.now, s.before, s.pole, 0.5) for s in structure.derived]
+        limited = [rn.DerivedSignal(s.now, s.before, s.pole, 0.5) for s in structure.derived]
         structure = replace(structure, derived=limited)
     size = structure.l_theta
     form = draw(st.sampled_from(["predictor", "predictor", "filter"]))
     noise = draw(st.sampled_from([None, None, 0.01, 1e-3 * positive(rng, size)]))
     lambda_ = draw(
         st.sampled_from(
-            [1.0, 1.0, 0.98, ScheduledForgetting({20: 0.95, 60: 1.0}),
-             VariableRateForgetting(short=3, long=12, gain=0.3)]
+            [1.0, 1.0, 0.98, rn.ScheduledForgetting({20: 0.95, 60: 1.0}),
+             rn.VariableRateForgetting(short=3, long=12, gain=0.3)]
         )
     )  # fmt: skip
     rules = [
-        None, None, CovarianceReset(at=[30, 55]), CovarianceReset(every=25),
-        CovarianceReset(trace_below=0.2), CovarianceReset(growth=1.2, short=3, long=15),
+        None, None, rn.CovarianceReset(at=[30, 55]), rn.CovarianceReset(every=25),
+        rn.CovarianceReset(trace_below=0.2), rn.CovarianceReset(growth=1.2, short=3, long=15),
     ]  # fmt: skip
     reset, small = draw(st.sampled_from(rules)), draw(st.sampled_from([1.0, 1.0, 1e-6, 1e-18]))
 
     def update(R_theta):
-        return UD(
+        return rn.UD(
             small * R_theta, reset=reset,
             **({"lambda_": lambda_} if noise is None else {"process_noise": noise}),
         )  # fmt: skip
 
     low, high = -0.2 - rng.random(size), 0.2 + rng.random(size)
     high[rng.random(size) < 0.3] = np.inf
-    box = st.sampled_from(["clip", "metric"]).map(lambda m: CoefficientBounds(low, high, method=m))
+    box = st.sampled_from(["clip", "metric"]).map(
+        lambda m: rn.CoefficientBounds(low, high, method=m)
+    )
     l_e = l_y + l_r
     order = draw(st.integers(0, 2))
-    beside = Compensator(
+    beside = rn.Compensator(
         0.2 * rng.standard_normal((order, l_u, l_u)),
         0.1 * rng.standard_normal((order + 1, l_u, l_e)) * draw(st.sampled_from([1.0, 0.0])),
     )
-    weights = [None, None, SignalWeight(constant=1, nu=0.3), SignalWeight(0.2, 0.5)]
+    weights = [None, None, rn.SignalWeight(constant=1, nu=0.3), rn.SignalWeight(0.2, 0.5)]
     more = {
         "update": update,
         "strictly_proper": strictly_proper or form == "filter",
         "form": form,
         "R_u_unfiltered": draw(st.sampled_from([0.0, 0.0, 0.1 * positive(rng, l_u)])),
         "z_normalization": draw(
-            st.sampled_from([None, None, Normalization(2.0), Normalization(3.0, 0.5, "root")])
+            st.sampled_from([None, None, rn.Normalization(2.0), rn.Normalization(3.0, 0.5, "root")])
         ),
         "freeze": draw(st.sampled_from([(), ((40, 50),), ((10, 20), (70, None))])),
     }
@@ -84,7 +75,9 @@ def core_settings(draw, strictly_proper=False, **fixed):
     changes = {}
     if "target_changes" not in fixed and draw(st.integers(0, 3)) == 0:
         scale = draw(st.floats(0.5, 1.5))
-        changes = {45: TargetModel(settings.target.numerator * scale, settings.target.denominator)}
+        changes = {
+            45: rn.TargetModel(settings.target.numerator * scale, settings.target.denominator)
+        }
     settings = replace(
         settings, bounds=bounds, theta_0=theta_0, fixed=draw(st.sampled_from([None, beside])),
         **({"target_changes": changes} if changes else {}),

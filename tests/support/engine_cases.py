@@ -3,21 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    DerivedSignal,
-    Plant,
-    Structure,
-    Tap,
-    TargetModel,
-    feedforward,
-    fir,
-    fir_integrator,
-    iir,
-    pid,
-    quasi_fir,
-)
+import rcac_numeric as rn
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support import textbook as book
 from tests.support.strategies import seeds, starts, targets
@@ -37,21 +23,21 @@ def structures(draw, l_u, l_y, l_r=0, kinds=KINDS):
     )
     sizes = {"l_u": l_u, "l_y": l_y}
     if kind == "iir":
-        return iir(n_c, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c)
+        return rn.iir(n_c, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c)
     if kind == "fir":
-        return fir(n_c, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c, lags_of_u=0)
+        return rn.fir(n_c, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c, lags_of_u=0)
     if kind == "quasi_fir":
         free = draw(st.integers(0, n_c))
-        return quasi_fir(n_c, free, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c, free)
+        return rn.quasi_fir(n_c, free, **sizes, k_c=k_c), book.iir_regressor(n_c, k_c, free)
     if kind == "pid":
         terms = draw(st.sampled_from(["P", "PI", "PID", "DI", "I", "IDP"]))
-        return pid(terms, **sizes), book.pid_regressor(terms)
+        return rn.pid(terms, **sizes), book.pid_regressor(terms)
     if kind == "fir_integrator":
         F = rng.standard_normal((draw(st.integers(1, l_y)), l_y))
-        return fir_integrator(n_c, F, **sizes, k_c=k_c), book.integrator_regressor(n_c, F, k_c)
+        return rn.fir_integrator(n_c, F, **sizes, k_c=k_c), book.integrator_regressor(n_c, F, k_c)
     if kind == "table":
         derived = [
-            DerivedSignal(
+            rn.DerivedSignal(
                 rng.standard_normal(l_y + l_r),
                 rng.standard_normal(l_y + l_r),
                 draw(st.sampled_from([0.0, 0.5, 0.5, -0.9, 1.0])),
@@ -60,17 +46,17 @@ def structures(draw, l_u, l_y, l_r=0, kinds=KINDS):
         ]
         widths = {"u": l_u, "y": l_y, "r": l_r, "derived": len(derived)}
         choices = [
-            Tap(name, i, lag)
+            rn.Tap(name, i, lag)
             for name, width in widths.items()
             for i in range(width)
             for lag in range(name == "u", 5)
         ]
         taps = draw(st.lists(st.sampled_from(choices), min_size=1, max_size=5, unique=True))
-        structure = Structure(taps, **sizes, l_r=l_r, derived=derived)
+        structure = rn.Structure(taps, **sizes, l_r=l_r, derived=derived)
         return structure, book.table_regressor(taps, derived)
     first_r = draw(st.integers(0, n_c))
     feedback = {"centralised": "iir", "fb_fir": "fir", "ff": "none"}[kind]
-    structure = feedforward(n_c, **sizes, l_r=l_r, k_c=k_c, feedback=feedback, first_r=first_r)
+    structure = rn.feedforward(n_c, **sizes, l_r=l_r, k_c=k_c, feedback=feedback, first_r=first_r)
     lags_of_u = 0 if feedback == "fir" else n_c
     k_c = None if feedback == "none" else k_c
     return structure, book.iir_regressor(n_c, k_c, lags_of_u, first_r)
@@ -89,13 +75,13 @@ def cases(draw, l_u, l_y, l_z, l_r=0, kinds=KINDS, **fixed):
 
 
 @st.composite
-def settings_for(draw, structure, l_z, strictly_proper=False, update=UD, **fixed):
+def settings_for(draw, structure, l_z, strictly_proper=False, update=rn.UD, **fixed):
     """Settings with an update that the function `update` makes of R_theta."""
     rng = np.random.default_rng(draw(seeds))
     target = draw(targets(l_z, structure.l_u))
     if strictly_proper:
         N, D = np.array(target.numerator), np.array(target.denominator)
-        target = TargetModel(np.concatenate([0 * N[:1], N]), D)
+        target = rn.TargetModel(np.concatenate([0 * N[:1], N]), D)
     k_w = max(structure.n_c, target.n_f) + draw(st.integers(0, 2))
     k_w = max([k_w, *(t.n_f for t in fixed.get("target_changes", {}).values())])
     size = structure.l_theta
@@ -111,7 +97,7 @@ def settings_for(draw, structure, l_z, strictly_proper=False, update=UD, **fixed
         "k_filter": draw(st.sampled_from([0, 0, 1, k_w])),
         "theta_0": 0.1 * rng.standard_normal(size),
     }
-    return ControllerSettings(structure=structure, target=target, **chosen | fixed)
+    return rn.ControllerSettings(structure=structure, target=target, **chosen | fixed)
 
 
 def positive(rng, size):
@@ -127,7 +113,7 @@ def engine_plants(draw, l_u, l_y, l_z, l_r=0, n=None):
     A = rng.standard_normal((n, n))
     A *= draw(st.floats(0.1, 0.9)) / max(np.abs(np.linalg.eigvals(A)).max(), 1e-3)
     random = lambda rows, columns: rng.standard_normal((rows, columns))  # noqa: E731
-    return Plant(
+    return rn.Plant(
         A=A,
         B=random(n, l_u) / 2,
         D_1=random(n, l_r + 1),

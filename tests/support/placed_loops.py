@@ -9,21 +9,10 @@ from fractions import Fraction
 
 import numpy as np
 
+import rcac_numeric as rn
 from compensator_theory import InputError, place_poles
 from compensator_theory.errors import CompensatorError
 from compensator_theory.loops import target_characteristic_polynomial
-from rcac_numeric import (
-    UD,
-    Compensator,
-    ControllerSettings,
-    Plant,
-    Run,
-    TargetModel,
-    iir,
-    pole_placement_target,
-    simulate,
-    standard_plant,
-)
 
 DECIMALS = 100
 VISIBLE, SAME = 0.15, 1e-2  # of the polynomial on the circle: surely another, surely the same
@@ -34,11 +23,11 @@ class Loop:
     """A plant, its target model, a controller, and whether the loop has the poles asked for."""
 
     words: str
-    plant: Plant
-    target: TargetModel
-    compensator: Compensator
+    plant: rn.Plant
+    target: rn.TargetModel
+    compensator: rn.Compensator
     is_same: bool
-    run: Run | None = None
+    run: rn.Run | None = None
 
 
 def product(*factors):
@@ -111,12 +100,12 @@ class Drawn:
 
     @property
     def plant(self):
-        return standard_plant(f"({text(self.numerator)})/({text(self.denominator)})")
+        return rn.standard_plant(f"({text(self.numerator)})/({text(self.denominator)})")
 
     def target(self, asked=None):
         """G_f of the drawn poles, or of others."""
         D_p = text(from_roots(self.asked if asked is None else asked))
-        return pole_placement_target(self.plant, D_p)
+        return rn.pole_placement_target(self.plant, D_p)
 
     def placing(self, asked=None, plant=None):
         """The exact controller that places what the target model asks for, as fractions."""
@@ -171,18 +160,18 @@ def compensator_of(N_c, D_c, rng=None, change=0.0):
         return np.array([float(v) for v in values]) * factors
 
     D, N = rounded(D_c), rounded(N_c)
-    return Compensator(past_u=-D[1:, None, None], past_y=N[:, None, None])
+    return rn.Compensator(past_u=-D[1:, None, None], past_y=N[:, None, None])
 
 
 def adapted(drawn, rng, steps, R_theta):
     """What RCAC comes to with white noise at the input."""
     target = drawn.target()
-    settings = ControllerSettings(
-        structure=iir(drawn.n_c), target=target, update=UD(R_theta), k_w=60
+    settings = rn.ControllerSettings(
+        structure=rn.iir(drawn.n_c), target=target, update=rn.UD(R_theta), k_w=60
     )
     w = rng.standard_normal((steps, 1))
     with np.errstate(all="ignore"):
-        return simulate(drawn.plant, settings, w)
+        return rn.simulate(drawn.plant, settings, w)
 
 
 def matching(seed):
@@ -256,8 +245,11 @@ def missing(seed):
 
 def delayed_run(R_theta=1e-6, steps=2000):
     """RCAC with five steps of dead time, whose target has five poles at 0 and one at 1/2."""
-    plant = standard_plant("1/(q**5*(q - 1/2))")
-    settings = ControllerSettings(
-        structure=iir(6), target=pole_placement_target(plant, ["1/2"]), update=UD(R_theta), k_w=60
+    plant = rn.standard_plant("1/(q**5*(q - 1/2))")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(6),
+        target=rn.pole_placement_target(plant, ["1/2"]),
+        update=rn.UD(R_theta),
+        k_w=60,
     )
-    return simulate(plant, settings, np.random.default_rng(0).standard_normal((steps, 1)))
+    return rn.simulate(plant, settings, np.random.default_rng(0).standard_normal((steps, 1)))

@@ -10,16 +10,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from rcac_numeric import (
-    UD,
-    Covariance,
-    Gradient,
-    Instantaneous,
-    ScheduledForgetting,
-    SignalWeight,
-    SlidingWindow,
-    VariableRateForgetting,
-)
+import rcac_numeric as rn
 
 
 class Signals:
@@ -100,7 +91,7 @@ class Book:
         self.theta, self.k = settings.theta_0.copy(), 0
         self.Phi, self.Phi_f, self.u_f = [], [], []
         self.stages, self.lambdas = [], []  # since the prior was set
-        if not isinstance(self.rule, Gradient):
+        if not isinstance(self.rule, rn.Gradient):
             self.R_theta = matrix(self.rule.R_theta, self.theta.size)
             self.prior, self.P = (self.R_theta, self.theta), np.linalg.inv(self.R_theta)
         self.last_reset, self.first = -1, settings.k_update
@@ -148,7 +139,7 @@ class Book:
             self.filtered(self.Phi.__getitem__, self.Phi_f) + np.zeros((l_z, self.theta.size))
         )
         self.u_f.append(self.filtered(lambda i: self.s("u", i), self.u_f) + np.zeros(l_z))
-        reset = self.rule.reset if isinstance(self.rule, UD | Covariance) else None
+        reset = self.rule.reset if isinstance(self.rule, rn.UD | rn.Covariance) else None
         if k in (reset.at if reset else ()):
             self.reset()
         frozen = any(a <= k and (b is None or k < b) for a, b in c.freeze)
@@ -169,7 +160,7 @@ class Book:
     def weight(self, R):
         k, l_z = self.k, self.c.target.l_z
         z = self.s("z", k)
-        if isinstance(R, SignalWeight):
+        if isinstance(R, rn.SignalWeight):
             return (R.constant + R.z_squared * (z @ z)) * np.eye(l_z)
         if not callable(R):
             return R
@@ -178,9 +169,9 @@ class Book:
 
     def forgetting(self):
         rule = self.rule.lambda_
-        if isinstance(rule, ScheduledForgetting):
+        if isinstance(rule, rn.ScheduledForgetting):
             return self.latest(rule.initial, rule.changes)
-        if not isinstance(rule, VariableRateForgetting):
+        if not isinstance(rule, rn.VariableRateForgetting):
             return rule
         excess = self.growth(rule.short, rule.long) - 1
         return max(rule.smallest, 1 / (1 + rule.gain * max(0.0, excess)))
@@ -194,15 +185,15 @@ class Book:
 
     def update(self, rows, goal):
         rule = self.rule
-        if isinstance(rule, Gradient):
+        if isinstance(rule, rn.Gradient):
             self.curvatures.append(np.linalg.norm(rows, 2) ** 2)
             cost = lambda theta: np.sum((rows @ theta - goal) ** 2)  # noqa: E731
             steps = 1e-3 * np.eye(self.theta.size)  # differences of a quadratic are exact
             slope = [(cost(self.theta + d) - cost(self.theta - d)) / 2e-3 for d in steps]
             self.theta = self.theta - rule.step_size * np.array(slope) / 2
-        elif isinstance(rule, Instantaneous):
+        elif isinstance(rule, rn.Instantaneous):
             self.theta = least_squares([(1.0, rows, goal)], self.R_theta, self.theta)
-        elif isinstance(rule, SlidingWindow):
+        elif isinstance(rule, rn.SlidingWindow):
             self.stages.append((rows, goal))
             kept = self.stages[-rule.window :][::-1]
             aged = [(rule.lambda_**age, *stage) for age, stage in enumerate(kept)]
@@ -251,7 +242,7 @@ class Book:
         self.reflections += 1
         self.theta = self.theta.copy()
         self.theta[of_u] = -np.real(np.poly(poles))[1:]
-        if isinstance(self.rule, UD | Covariance) and self.rule.process_noise is None:
+        if isinstance(self.rule, rn.UD | rn.Covariance) and self.rule.process_noise is None:
             self.prior, self.stages, self.lambdas = (self.H, self.theta), [], []
 
 

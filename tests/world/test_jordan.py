@@ -5,13 +5,7 @@ from contextlib import suppress
 import pytest
 import sympy as sp
 
-from compensator_theory import (
-    CompensatorError,
-    exceptional_cases,
-    is_controllable,
-    solve_lyapunov,
-    uncontrollable_polynomial,
-)
+import compensator_theory as ct
 from compensator_theory.forms import frobenius_form, jordan_form, smith_form
 from tests.support.world import case
 
@@ -89,7 +83,7 @@ def test_when_a_pair_is_uncontrollable(A, b, symbol, right):
     A, b = (sp.Matrix(M).applyfunc(sp.sympify) for M in (A, b))
     roots = set(sp.solve(b.row_join(A * b).det(), sp.Symbol(symbol)))
     assert roots == right  # the question itself
-    found = exceptional_cases(is_controllable, A, b)
+    found = ct.exceptional_cases(ct.is_controllable, A, b)
     assert found.is_complete
     for root in right:
         others = dict.fromkeys(map(str, sp.sympify(root).free_symbols), 5)
@@ -108,12 +102,12 @@ def test_when_a_pair_is_uncontrollable(A, b, symbol, right):
 )
 def test_a_parameter_may_have_any_name(name):
     """diag(p, name) with b = (p, name)': uncontrollable at 0, 0 and p = name, by hand."""
-    found = exceptional_cases(is_controllable, [["p", 0], [0, name]], [["p"], [name]])
+    found = ct.exceptional_cases(ct.is_controllable, [["p", 0], [0, name]], [["p"], [name]])
     assert found.is_complete
 
 
 def test_a_matrix_equation_has_no_variable():
-    found = exceptional_cases(solve_lyapunov, [["a"]], [[1]])
+    found = ct.exceptional_cases(ct.solve_lyapunov, [["a"]], [[1]])
     assert found.is_complete and found.at({"a": 2}).answer.X[0].subs("a", 2) == -sp.Rational(1, 4)
 
 
@@ -121,7 +115,7 @@ TRIG = [
     case(
         "pendulum-uncontrollable",
         lambda S, C: (
-            uncontrollable_polynomial(
+            ct.uncontrollable_polynomial(
                 sp.Matrix([[1, 0], [0, S**2 + C**2]]), sp.Matrix([1, 1])
             ).as_expr()
             == sp.Symbol("s") - 1
@@ -144,5 +138,5 @@ TRIG = [
 @pytest.mark.parametrize("ask", TRIG)
 def test_what_is_no_field_is_right_or_refused(ask):
     theta = sp.Symbol("theta")
-    with suppress(CompensatorError):
+    with suppress(ct.CompensatorError):
         assert ask(sp.sin(theta), sp.cos(theta))

@@ -3,15 +3,7 @@
 import pytest
 import sympy
 
-from compensator_theory import (
-    closed_loop_polynomial,
-    high_authority_target,
-    intercalated_transfer_function,
-    observer_based_compensator,
-    observer_forms,
-    realisation,
-    standard_problem,
-)
+import compensator_theory as ct
 from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.observers import (
     count_observer_forms,
@@ -29,19 +21,23 @@ PLANT = [[-1, 4], [0, -3]], [[0], [1]], [[1, 0]]  # of Example 7.1
 
 def test_intercalated_transfer_function():
     """The intercalated transfer function of (q - 1/2)/((q - 1)(q - 2)) with u = -3/q y."""
-    found = intercalated_transfer_function(standard_problem("(q - 1/2)/((q - 1)*(q - 2))"), -3, "q")
+    found = ct.intercalated_transfer_function(
+        ct.standard_problem("(q - 1/2)/((q - 1)*(q - 2))"), -3, "q"
+    )
     # N q^n_c/(D D_c - N N_c), n_c = 1
     assert equal(found, "(q - 1/2)*q/((q - 1)*(q - 2)*q + 3*(q - 1/2))")
 
 
 def test_positive_feedback():
     """The closed-loop polynomial of 1/(q - 2) with u = -(3/2) y."""
-    assert equal(closed_loop_polynomial(standard_problem("1/(q - 2)"), "-3/2", "1"), "q - 1/2")
+    assert equal(
+        ct.closed_loop_polynomial(ct.standard_problem("1/(q - 2)"), "-3/2", "1"), "q - 1/2"
+    )
 
 
 def test_target_fixes_the_loop():
     """Which loop of 2 (q - 1/2)/((q - 1)(q - 2)), n_c = 3, has the intercalated map 2/(q - 1/4)?"""
-    plant = standard_problem("2*(q - 1/2)/((q - 1)*(q - 2))")
+    plant = ct.standard_problem("2*(q - 1/2)/((q - 1)*(q - 2))")
     found = target_characteristic_polynomial(plant, 3, "2/(q - 1/4)")
     # N q^3/D~ = 2/(q - 1/4): D~ = (q - 1/2) q^3 (q - 1/4)
     assert equal(found, "(q - 1/2)*q**3*(q - 1/4)")
@@ -49,15 +45,15 @@ def test_target_fixes_the_loop():
 
 def test_high_authority_target_of_a_nonminimum_phase_plant():
     """The target of high-authority LQG for (q - 3)/(q (q + 1/2))."""
-    found = high_authority_target(standard_problem("(q - 3)/(q*(q + 1/2))"))
+    found = ct.high_authority_target(ct.standard_problem("(q - 3)/(q*(q + 1/2))"))
     # regulator and estimator each (q - 1/3) q: N q^2/((q - 1/3) q)^2
     assert equal(found.transfer_function, "(q - 3)/(q - 1/3)**2")
 
 
 def test_design_and_recognise():
     """Which of the observer forms of a compensator is the design that made it?"""
-    made = observer_based_compensator(PLANT, [-5, -4], [-2, -6], variable="s")
-    found = observer_forms(PLANT, made.compensator, variable="s")
+    made = ct.observer_based_compensator(PLANT, [-5, -4], [-2, -6], variable="s")
+    found = ct.observer_forms(PLANT, made.compensator, variable="s")
     assert len(found.forms) == 6  # two of four distinct closed-loop poles for the regulator
     assert [made.K, made.F] in [[form.K, form.F] for form in found.forms]
 
@@ -117,7 +113,7 @@ def test_optimal_for_some_weights():
 
 def test_youla_form_of_a_large_compensator():
     """Write a compensator of order 2 of 1/(s - 1) as a regulator, an observer and a parameter."""
-    G_c = realisation("-24/(s**2 + 7*s + 18)")
+    G_c = ct.realisation("-24/(s**2 + 7*s + 18)")
     forms = youla_forms("1/(s - 1)", G_c)
     # (s - 1)(s^2 + 7 s + 18) + 24 = (s + 1)(s + 2)(s + 3): ordered pairs of three poles
     assert len(forms) == 6

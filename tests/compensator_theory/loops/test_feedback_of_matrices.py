@@ -6,14 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import Rational
 
-from compensator_theory import (
-    InputError,
-    TransferMatrix,
-    budget,
-    feedback_connection,
-    minimal_realisation,
-    transfer_matrix,
-)
+import compensator_theory as ct
 from compensator_theory.errors import BudgetError, ImproperError
 from tests.support.structure_cases import transfer_matrices
 
@@ -26,7 +19,7 @@ def test_it_is_the_loop_at_every_point(G, data, sign):
     p, m = G.shape
     K = data.draw(transfer_matrices().filter(lambda K: K.shape == (m, p)))
     try:
-        loop = feedback_connection(G, K, feedback=sign)
+        loop = ct.feedback_connection(G, K, feedback=sign)
     except ImproperError:
         limits = [A.as_matrix().applyfunc(lambda e: sympy.limit(e, "s", sympy.oo)) for A in (G, K)]
         assert (sympy.eye(p) - sign * limits[0] * limits[1]).det() == 0
@@ -38,11 +31,11 @@ def test_it_is_the_loop_at_every_point(G, data, sign):
 
 @given(transfer_matrices(), SIGNS)
 def test_realisations_make_the_same_loop(G, sign):
-    K = transfer_matrix([[Rational(i + 2 * j, 3) for i in range(G.shape[0])]
+    K = ct.transfer_matrix([[Rational(i + 2 * j, 3) for i in range(G.shape[0])]
                          for j in range(G.shape[1])], "s")  # fmt: skip
-    states = [minimal_realisation(part).realisation for part in (G, K)]
+    states = [ct.minimal_realisation(part).realisation for part in (G, K)]
     try:
-        loop = feedback_connection(G, K, feedback=sign)
+        loop = ct.feedback_connection(G, K, feedback=sign)
     except ImproperError:
         with pytest.raises(ImproperError):
             states[0].feedback_with(states[1], feedback=sign)
@@ -53,28 +46,28 @@ def test_realisations_make_the_same_loop(G, sign):
 
 
 def test_a_constant_takes_the_variable_of_the_plant():
-    G = transfer_matrix([["1/(z - 1)", 0], [0, "1/z"]])
-    loop = feedback_connection(G, [["k", 0], [0, "k"]], feedback=-1)
-    assert isinstance(loop, TransferMatrix) and str(loop.variable) == "z"
-    assert loop == transfer_matrix([["1/(z - 1 + k)", 0], [0, "1/(z + k)"]], "z")
-    assert feedback_connection("1/s", transfer_matrix([["k"]], "s"), feedback=-1)[0, 0] == (
-        feedback_connection("1/s", "k", feedback=-1)
+    G = ct.transfer_matrix([["1/(z - 1)", 0], [0, "1/z"]])
+    loop = ct.feedback_connection(G, [["k", 0], [0, "k"]], feedback=-1)
+    assert isinstance(loop, ct.TransferMatrix) and str(loop.variable) == "z"
+    assert loop == ct.transfer_matrix([["1/(z - 1 + k)", 0], [0, "1/(z + k)"]], "z")
+    assert ct.feedback_connection("1/s", ct.transfer_matrix([["k"]], "s"), feedback=-1)[0, 0] == (
+        ct.feedback_connection("1/s", "k", feedback=-1)
     )
 
 
 def test_what_is_refused():
-    G = transfer_matrix([["1/(s + 1)", 1], [0, "1/s"]])
-    with pytest.raises(InputError, match="does not fit"):
-        feedback_connection(G, [["1"]], feedback=-1)
-    with pytest.raises(InputError, match=r"variable s .* z"):
-        feedback_connection(G, [["1/z", 0], [0, 1]], feedback=-1)
-    with pytest.raises(InputError, match=r"\+1"):
-        feedback_connection(G, [[1, 0], [0, 1]], feedback=0)
-    one = transfer_matrix([[1]], "s")
+    G = ct.transfer_matrix([["1/(s + 1)", 1], [0, "1/s"]])
+    with pytest.raises(ct.InputError, match="does not fit"):
+        ct.feedback_connection(G, [["1"]], feedback=-1)
+    with pytest.raises(ct.InputError, match=r"variable s .* z"):
+        ct.feedback_connection(G, [["1/z", 0], [0, 1]], feedback=-1)
+    with pytest.raises(ct.InputError, match=r"\+1"):
+        ct.feedback_connection(G, [[1, 0], [0, 1]], feedback=0)
+    one = ct.transfer_matrix([[1]], "s")
     with pytest.raises(ImproperError, match="= 0"):
-        feedback_connection(one, one, feedback=1)
+        ct.feedback_connection(one, one, feedback=1)
     with pytest.raises(ImproperError, match="infinity"):
-        feedback_connection(transfer_matrix([["s/(s + 1)"]]), one, feedback=1)
-    large = transfer_matrix([[f"1/(s + {i + 3 * j})" for j in range(3)] for i in range(3)])
-    with budget(degree=20), pytest.raises(BudgetError):  # too large is not ill posed
-        feedback_connection(large, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], feedback=-1)
+        ct.feedback_connection(ct.transfer_matrix([["s/(s + 1)"]]), one, feedback=1)
+    large = ct.transfer_matrix([[f"1/(s + {i + 3 * j})" for j in range(3)] for i in range(3)])
+    with ct.budget(degree=20), pytest.raises(BudgetError):  # too large is not ill posed
+        ct.feedback_connection(large, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], feedback=-1)

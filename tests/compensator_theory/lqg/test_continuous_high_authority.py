@@ -10,16 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Rational, diag, eye, zeros
 
-from compensator_theory import (
-    InputError,
-    StandardProblem,
-    high_authority_limits,
-    lqg_poles,
-    realisation,
-    regulator_locus,
-    spectral_factor,
-    standard_problem,
-)
+import compensator_theory as ct
 from compensator_theory.errors import NoSolutionError, NotControllableError
 from compensator_theory.strategies import polynomials, strictly_proper_plants
 
@@ -31,7 +22,7 @@ def problem(A, B, E_1, C, D_1, E_2=None, D_2=None):
     """A plant in s; what is not weighed is high authority."""
     u, y, z, w = B.cols, C.rows, E_1.rows, D_1.cols
     nothing = zeros(z, u), zeros(y, w)
-    return StandardProblem(
+    return ct.StandardProblem(
         A=A, B=B, C=C, D_1=D_1, D_0=None, D_2=nothing[1] if D_2 is None else D_2, E_1=E_1,
         E_2=nothing[0] if E_2 is None else E_2, E_0=None, variable="s",
     )  # fmt: skip
@@ -50,7 +41,7 @@ def weighed(plant, root):
 @st.composite
 def scalar_plants(draw):
     """u to z and w to y through one plant each way, in one realisation: D_1 and E_1 are drawn."""
-    plant = realisation(draw(strictly_proper_plants(max_order=4)))
+    plant = ct.realisation(draw(strictly_proper_plants(max_order=4)))
     n = plant.A.rows
     rows = st.lists(st.integers(-3, 3), min_size=n, max_size=n).filter(any)
     return problem(plant.A, plant.B, plant.C, Matrix([draw(rows)]), Matrix(draw(rows)))
@@ -58,7 +49,7 @@ def scalar_plants(draw):
 
 def limits_of(plant):
     try:
-        return high_authority_limits(plant, digits=60)
+        return ct.high_authority_limits(plant, digits=60)
     except (NoSolutionError, NotControllableError):
         return None
     except ValueError as error:  # an unstable mode that y does not show
@@ -113,9 +104,11 @@ def test_one_signal_each_at_small_weights(plant):
         N = plant.numerator(channel)
         (pattern,) = limit.patterns
         assert pattern.order == plant.n - N.degree() and pattern.gain == N.LC() ** 2
-        assert limit.finite.enclosure == spectral_factor(N, digits=60, time="continuous").enclosure
+        assert (
+            limit.finite.enclosure == ct.spectral_factor(N, digits=60, time="continuous").enclosure
+        )
     first, second = Rational(1, 10**20), Rational(1, 10**24)
-    near, nearer = (lqg_poles(weighed(plant, r), digits=60) for r in (first, second))
+    near, nearer = (ct.lqg_poles(weighed(plant, r), digits=60) for r in (first, second))
     for side in ("regulator", "estimator"):
         limit = getattr(limits, side)
         k = limit.number_to_infinity
@@ -133,7 +126,7 @@ def test_one_signal_each_at_small_weights(plant):
 @given(st.tuples(*[strictly_proper_plants(max_order=3)] * 2), st.booleans())
 def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):
     """Two loops in one plant, inputs and outputs turned: a rotation changes no singular value."""
-    first, second = (realisation(plants[0 if same else i]) for i in range(2))
+    first, second = (ct.realisation(plants[0 if same else i]) for i in range(2))
     B, C = diag(first.B, second.B) * ROTATION, ROTATION * diag(first.C, second.C)
     plant = problem(diag(first.A, second.A), B, C, C, B)
     limits = limits_of(plant)
@@ -146,7 +139,7 @@ def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):
         found = sorted((pattern.order, pattern.gain) for pattern in limit.patterns)
         assert found == expected
     small = Rational(1, 10**30)
-    poles = lqg_poles(weighed(plant, small), digits=60)
+    poles = ct.lqg_poles(weighed(plant, small), digits=60)
     for side in ("regulator", "estimator"):
         finite, away = errors(getattr(limits, side), getattr(poles, side), small**2)
         assert finite < 1e-9 and away < 1
@@ -161,11 +154,11 @@ def test_the_whole_polynomial_converges_after_division(numerator, k):
     D = sympy.Poly((N.gen + 1) ** (int(N.degree()) + k - 1) * (N.gen - 2), N.gen)
     assume(sympy.gcd(N, D).degree() == 0)
     try:
-        limit = high_authority_limits(standard_like(N, D)).regulator
+        limit = ct.high_authority_limits(standard_like(N, D)).regulator
     except NoSolutionError:
         return
     small = Rational(1, 10**40)
-    chi = spectral_factor(N, D, small, digits=60, time="continuous").enclosure.coefficients
+    chi = ct.spectral_factor(N, D, small, digits=60, time="continuous").enclosure.coefficients
     finite = limit.finite.enclosure.coefficients
     with mpmath.workdps(70):
         growth = mpmath.mpmathify(sympy.N(limit.growth.subs(R_2, small), 60))
@@ -178,36 +171,36 @@ def test_the_whole_polynomial_converges_after_division(numerator, k):
 
 
 def standard_like(N, D):
-    plant = realisation((N, D))
+    plant = ct.realisation((N, D))
     return problem(plant.A, plant.B, plant.C, plant.C, plant.B)
 
 
 def test_closed_form_of_the_double_integrator():
     plant = problem(Matrix([[0, 1], [0, 0]]), Matrix([0, 1]), Matrix([[1, 0]]), Matrix([[1, 0]]),
                     Matrix([0, 1]))  # fmt: skip
-    limit = high_authority_limits(plant).regulator
+    limit = ct.high_authority_limits(plant).regulator
     (pattern,) = limit.patterns
     poles = pattern.poles("1/16")
     x = sympy.Symbol("x")
-    exact = [c.subs(R_2, Rational(1, 16)) for c in regulator_locus("1", "s**2").closed_form]
+    exact = [c.subs(R_2, Rational(1, 16)) for c in ct.regulator_locus("1", "s**2").closed_form]
     product = sympy.expand(sympy.prod(x - sympy.expand_complex(pole) for pole in poles))
     assert sympy.simplify(product - sympy.Poly(exact, x).as_expr()) == 0
     assert pattern.angles == (3 * sympy.pi / 4, 5 * sympy.pi / 4)
-    assert limit.spectrum == regulator_locus("1", "s**2").spectrum
+    assert limit.spectrum == ct.regulator_locus("1", "s**2").spectrum
 
 
 def test_irrational_gains_of_two_inputs():
     """G = M/s with M'M = [[2, 1], [1, 1]]: the gains are its eigenvalues (3 +- sqrt(5))/2."""
     M = Matrix([[1, 0], [1, 1]])
     plant = problem(zeros(2, 2), M, eye(2), eye(2), M)
-    found = {pattern.gain for pattern in high_authority_limits(plant).regulator.patterns}
+    found = {pattern.gain for pattern in ct.high_authority_limits(plant).regulator.patterns}
     assert found == {(3 + sympy.sqrt(5)) / 2, (3 - sympy.sqrt(5)) / 2}
 
 
 def test_fewer_outputs_than_inputs():
     """One combination of the inputs does nothing: its pole tends to that of the plant."""
     plant = problem(diag(-1, -2), eye(2), Matrix([[1, 0]]), Matrix([[1, 1]]), Matrix([1, 1]))
-    limit = high_authority_limits(plant).regulator
+    limit = ct.high_authority_limits(plant).regulator
     assert limit.finite.polynomial == sympy.Poly(s + 2, s, domain="QQ")
     assert [(p.order, p.gain) for p in limit.patterns] == [(1, 1)]
 
@@ -216,29 +209,29 @@ def test_a_weight_that_is_given_says_its_direction():
     """R_2 = 4 rho in place of rho: a quarter of the gain."""
     base = problem(Matrix([[-1]]), Matrix([[1]]), Matrix([[3], [0]]), Matrix([[1]]),
                    Matrix([[1, 0]]), Matrix([[0], [2]]), Matrix([[0, 1]]))  # fmt: skip
-    assert high_authority_limits(base).regulator.patterns[0].gain == Rational(9, 4)
+    assert ct.high_authority_limits(base).regulator.patterns[0].gain == Rational(9, 4)
 
 
 @pytest.mark.parametrize(
     ("plant", "error", "words"),
     [
-        (1, InputError, "StandardProblem"),
-        (standard_problem("1/(q - 2)"), InputError, "discrete time"),
+        (1, ct.InputError, "StandardProblem"),
+        (ct.standard_problem("1/(q - 2)"), ct.InputError, "discrete time"),
         (standard_like(sympy.Poly(s, s), sympy.Poly((s + 1) * (s + 2), s)), NoSolutionError,
          "imaginary axis"),
         (problem(eye(1), zeros(1, 1), eye(1), eye(1), eye(1)), NotControllableError, "mode"),
-        (problem(-eye(1), eye(1), eye(1), eye(1), eye(1), eye(1)), InputError, "E_1'E_2"),
+        (problem(-eye(1), eye(1), eye(1), eye(1), eye(1), eye(1)), ct.InputError, "E_1'E_2"),
         (problem(-eye(2), eye(2), eye(3)[:, :2], eye(2), eye(2),
-                 Matrix([[0, 0], [0, 0], [1, 0]])), InputError, "some signals only"),
+                 Matrix([[0, 0], [0, 0], [1, 0]])), ct.InputError, "some signals only"),
     ],
 )  # fmt: skip
 def test_refusals(plant, error, words):
     with pytest.raises(error, match=words):
-        high_authority_limits(plant)
+        ct.high_authority_limits(plant)
 
 
 @pytest.mark.parametrize("weight", [0, -1, "sqrt(2)", "a"])
 def test_a_weight_is_a_positive_rational_number(weight):
-    limit = high_authority_limits(standard_like(sympy.Poly(1, s), sympy.Poly(s + 1, s)))
-    with pytest.raises(InputError, match="positive rational"):
+    limit = ct.high_authority_limits(standard_like(sympy.Poly(1, s), sympy.Poly(s + 1, s)))
+    with pytest.raises(ct.InputError, match="positive rational"):
         limit.regulator.patterns[0].poles(weight)

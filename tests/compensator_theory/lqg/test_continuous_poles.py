@@ -10,14 +10,7 @@ import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    CompensatorError,
-    StandardProblem,
-    lqg_controller,
-    lqg_poles,
-    regulator_spectrum,
-    standard_problem,
-)
+import compensator_theory as ct
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer
 from tests.support.work import at_most
@@ -35,7 +28,7 @@ def problems(draw, signals=2):
     A, B, C = draw(matrices(n, n)), draw(matrices(n, m)), draw(matrices(p, n))
     E_1 = sympy.Matrix(draw(matrices(n, n))).col_join(draw(matrices(m, n)))
     D_1 = sympy.Matrix(draw(matrices(n, n))).row_join(draw(matrices(n, p)))
-    return StandardProblem(
+    return ct.StandardProblem(
         A=A, B=B, C=C, D_1=D_1, D_0=None, D_2=sympy.zeros(p, n).row_join(sympy.eye(p)),
         E_1=E_1, E_2=sympy.zeros(n, m).col_join(sympy.eye(m)), E_0=None, variable="s",
     )  # fmt: skip
@@ -56,8 +49,8 @@ def riccati_poles(A, B, E_1, E_2):
 @given(problems())
 def test_the_poles_are_those_of_the_riccati_equation(plant):
     try:
-        found = lqg_poles(plant)
-    except CompensatorError:
+        found = ct.lqg_poles(plant)
+    except ct.CompensatorError:
         assume(False)
     sides = (
         (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
@@ -76,7 +69,7 @@ def test_the_poles_are_those_of_the_riccati_equation(plant):
 @given(problems())
 def test_the_spectrum_is_that_of_the_transfer_matrix(plant):
     """p(s) = det(G'(-s) G(s)) D(s) D(-s), at a point."""
-    p = regulator_spectrum(plant.A, plant.B, E_1=plant.E_1, E_2=plant.E_2, time="continuous")
+    p = ct.regulator_spectrum(plant.A, plant.B, E_1=plant.E_1, E_2=plant.E_2, time="continuous")
     point = sympy.Rational(11, 7)
     eye = sympy.eye(plant.n)
 
@@ -92,10 +85,10 @@ def test_the_spectrum_is_that_of_the_transfer_matrix(plant):
 @given(problems(signals=1))
 def test_scalar_plants_as_by_the_gains(plant):
     try:
-        gains = lqg_controller(plant)
-    except CompensatorError:
+        gains = ct.lqg_controller(plant)
+    except ct.CompensatorError:
         assume(False)
-    found = lqg_poles(plant)
+    found = ct.lqg_poles(plant)
     assert found.polynomial == gains.polynomial
     assert found.enclosure.degree == 2 * plant.n
 
@@ -107,7 +100,7 @@ def test_the_spectrum_of_many_states_is_that_of_the_hamiltonian_matrix(seed):
     n, drawn = 32, random.Random(seed)
     A, B = (sympy.Matrix(n, width, lambda i, j: drawn.randint(-3, 3)) for width in (n, 2))
     with at_most(200_000):
-        found = regulator_spectrum(A, B, sympy.eye(n), sympy.eye(2), time="continuous")
+        found = ct.regulator_spectrum(A, B, sympy.eye(n), sympy.eye(2), time="continuous")
     H = sympy.Matrix.vstack(
         sympy.Matrix.hstack(A, -B * B.T), sympy.Matrix.hstack(-sympy.eye(n), -A.T)
     )
@@ -118,16 +111,18 @@ def test_the_spectrum_of_many_states_is_that_of_the_hamiltonian_matrix(seed):
 def test_what_is_refused():
     two = {"A": [[1]], "B": [[1, 0]], "C": [[1]], "D_1": [[1, 0]], "D_0": None, "D_2": [[0, 1]],
            "E_1": [[1], [0]], "E_0": None, "variable": "s"}  # fmt: skip
-    with pytest.raises(CompensatorError, match="costs nothing"):
-        lqg_poles(StandardProblem(E_2=[[0, 0], [1, 0]], **two))
-    with pytest.raises(CompensatorError, match="uncontrollable"):
-        lqg_poles(StandardProblem(**{**two, "B": [[0]], "E_2": [[0], [1]]}))
-    with pytest.raises(CompensatorError, match="axis"):
-        lqg_poles(
-            StandardProblem(**{**two, "A": [[0]], "B": [[1]], "E_1": [[0], [0]], "E_2": [[0], [1]]})
+    with pytest.raises(ct.CompensatorError, match="costs nothing"):
+        ct.lqg_poles(ct.StandardProblem(E_2=[[0, 0], [1, 0]], **two))
+    with pytest.raises(ct.CompensatorError, match="uncontrollable"):
+        ct.lqg_poles(ct.StandardProblem(**{**two, "B": [[0]], "E_2": [[0], [1]]}))
+    with pytest.raises(ct.CompensatorError, match="axis"):
+        ct.lqg_poles(
+            ct.StandardProblem(
+                **{**two, "A": [[0]], "B": [[1]], "E_1": [[0], [0]], "E_2": [[0], [1]]}
+            )
         )
-    for bad in ("1/s", standard_problem("1/(x - 1)")):
-        with pytest.raises(CompensatorError):
-            lqg_poles(bad)
-    with pytest.raises(CompensatorError, match="discrete"):
-        regulator_spectrum([[1]], [[1]], [[1]], [[1]], variable="z", time="continuous")
+    for bad in ("1/s", ct.standard_problem("1/(x - 1)")):
+        with pytest.raises(ct.CompensatorError):
+            ct.lqg_poles(bad)
+    with pytest.raises(ct.CompensatorError, match="discrete"):
+        ct.regulator_spectrum([[1]], [[1]], [[1]], [[1]], variable="z", time="continuous")

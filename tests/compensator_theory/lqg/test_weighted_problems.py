@@ -7,14 +7,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    InputError,
-    Realisation,
-    lqg_controller,
-    lqg_problem,
-    realisation,
-    transfer_function,
-)
+import compensator_theory as ct
 from compensator_theory.strategies import matrices, semidefinite_matrices
 
 INTEGRATORS = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
@@ -31,7 +24,7 @@ def test_the_factors_multiply_to_the_weights_of_every_rank(data, variable):
     A, B, C = (data.draw(matrices(*shape)) for shape in ((n, n), (n, inputs), (outputs, n)))
     cost = data.draw(semidefinite_matrices(n + inputs))
     noise = data.draw(semidefinite_matrices(n + outputs))
-    found = lqg_problem(
+    found = ct.lqg_problem(
         (A, B, C), cost[:n, :n], cost[n:, n:], noise[:n, :n], noise[n:, n:], N=cost[:n, n:],
         S=noise[:n, n:], variable=variable,
     )  # fmt: skip
@@ -48,8 +41,8 @@ def test_the_gains_are_those_of_python_control(discrete):
     for _ in range(5):
         x, y = (sympy.Matrix(rng.integers(-3, 4, (3, 3)).tolist()) for _ in range(2))
         Q, W = x.T * x + sympy.eye(3), y.T * y + sympy.eye(3)
-        found = lqg_controller(
-            lqg_problem((A, B, C), Q, [["3/7"]], W, [["2/5"]], variable="z" if discrete else "s")
+        found = ct.lqg_controller(
+            ct.lqg_problem((A, B, C), Q, [["3/7"]], W, [["2/5"]], variable="z" if discrete else "s")
         )
         lqr, lqe = (control.dlqr, control.dlqe) if discrete else (control.lqr, control.lqe)
         K = lqr(a, b, as_float(Q), np.array([[3 / 7]]))[0]
@@ -62,13 +55,13 @@ def test_the_gains_are_those_of_python_control(discrete):
 
 def test_systems_of_other_libraries_and_feedthrough_go_in():
     system = control.ss([[0.5]], [[1]], [[1]], [[2]], 0.1)
-    found = lqg_problem(system, [[3]], [[0]], [[2]], [[5]])
+    found = ct.lqg_problem(system, [[3]], [[0]], [[2]], [[5]])
     assert (found.variable.name, found.sample_time, found.D_0) == (
         "z", sympy.Rational(1, 10), sympy.Matrix([[2]])
     )  # fmt: skip
-    of_text = lqg_problem(realisation("1/s**2"), Q, [[1]], W, [[1]])
-    assert of_text == lqg_problem(
-        Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), Q, [[1]], W, [[1]]
+    of_text = ct.lqg_problem(ct.realisation("1/s**2"), Q, [[1]], W, [[1]])
+    assert of_text == ct.lqg_problem(
+        ct.Realisation([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), Q, [[1]], W, [[1]]
     )
 
 
@@ -76,7 +69,7 @@ def test_systems_of_other_libraries_and_feedthrough_go_in():
     ("plant", "weights", "words"),
     [
         ("1/s**2", (Q, [[1]], W, [[1]]), "which they are"),
-        (transfer_function("1/s"), ([[1]],) * 4, "which they are"),
+        (ct.transfer_function("1/s"), ([[1]],) * 4, "which they are"),
         (control.tf([1], [1, 0]), ([[1]],) * 4, "which they are"),
         (INTEGRATORS, ([[1]], [[1]], W, [[1]]), "Q is 1 x 1 but must be 2 x 2"),
         (INTEGRATORS, (Q, [[1]], [[1, 2], [0, 1]], [[1]]), "W = .* is not symmetric"),
@@ -88,10 +81,10 @@ def test_systems_of_other_libraries_and_feedthrough_go_in():
 )
 def test_refusals_name_the_matrix(plant, weights, words):
     variable = None if not isinstance(plant, tuple) else "s"
-    with pytest.raises(InputError, match=words):
-        lqg_problem(plant, *weights, variable=variable)
+    with pytest.raises(ct.InputError, match=words):
+        ct.lqg_problem(plant, *weights, variable=variable)
 
 
 def test_the_time_domain_is_never_guessed():
-    with pytest.raises(InputError, match="time domain"):
-        lqg_problem(INTEGRATORS, Q, [[1]], W, [[1]])
+    with pytest.raises(ct.InputError, match="time domain"):
+        ct.lqg_problem(INTEGRATORS, Q, [[1]], W, [[1]])

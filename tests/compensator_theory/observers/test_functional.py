@@ -8,17 +8,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    InputError,
-    Realisation,
-    functional_observer,
-    invariant_zeros,
-    observer_gain_family,
-    polynomial_from_roots,
-    reduced_order_observer,
-    state_feedback_family,
-    transfer_matrix,
-)
+import compensator_theory as ct
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.strategies import hurwitz_spectra, matrices, minimal_plants, spectra
 
@@ -29,7 +19,7 @@ s = sympy.Symbol("s")
 def systems(draw, n=(2, 4), p=(1, 2), m=(1, 2), direct=True):
     n, p, m = (draw(st.integers(*bounds)) for bounds in (n, p, m))
     A, B, C = draw(matrices(n, n)), draw(matrices(n, m)), draw(matrices(p, n))
-    return Realisation(A, B, C, draw(matrices(p, m)) if direct else None, "s")
+    return ct.Realisation(A, B, C, draw(matrices(p, m)) if direct else None, "s")
 
 
 def placed(data, number, build):
@@ -37,7 +27,7 @@ def placed(data, number, build):
     for degree in range(number, -1, -1):
         try:
             return build(data.draw(spectra(degree)))
-        except InputError as error:
+        except ct.InputError as error:
             assert f"has degree {degree}" in str(error)
     raise AssertionError
 
@@ -47,7 +37,7 @@ def test_the_estimate_follows_whatever_the_input_is(plant, data):
     """x, u free: the estimate that is right stays right, which is an identity in x and u."""
     assume(sympy.Matrix(plant.C).rank() < plant.n)
     left = plant.n - sympy.Matrix(plant.C).rank()
-    found = placed(data, left, lambda poles: reduced_order_observer(plant, poles))
+    found = placed(data, left, lambda poles: ct.reduced_order_observer(plant, poles))
     x = sympy.Matrix(sympy.symbols(f"x:{plant.n}"))
     u = sympy.Matrix(sympy.symbols(f"u:{plant.B.cols}"))
     of_output = plant.C * x  # y - D u
@@ -62,7 +52,7 @@ def test_the_estimate_follows_whatever_the_input_is(plant, data):
 def test_what_cannot_be_moved_is_unobservable(plant, data):
     """Of an observer of reduced order as of one of full order."""
     assume(not plant.C.is_zero_matrix)
-    found = placed(data, plant.n - 1, lambda poles: reduced_order_observer(plant, poles))
+    found = placed(data, plant.n - 1, lambda poles: ct.reduced_order_observer(plant, poles))
     assert found.fixed == plant.unobservable_modes
 
 
@@ -72,11 +62,11 @@ def test_a_compensator_of_order_n_less_one_separates(plant, data):
     n = A.rows
     assume(n > 1)
     regulator, observer = data.draw(hurwitz_spectra(n)), data.draw(hurwitz_spectra(n - 1))
-    K = state_feedback_family(A, B, regulator).gain()
-    compensator = reduced_order_observer((A, B, C), observer, variable="s").compensator(K)
+    K = ct.state_feedback_family(A, B, regulator).gain()
+    compensator = ct.reduced_order_observer((A, B, C), observer, variable="s").compensator(K)
     assert compensator.n == n - 1 and compensator.certificate.holds
-    loop = sympy.Matrix(Realisation(A, B, C).feedback_with(compensator, feedback=1).A)
-    wanted = polynomial_from_roots((*regulator, *observer), "s")
+    loop = sympy.Matrix(ct.Realisation(A, B, C).feedback_with(compensator, feedback=1).A)
+    wanted = ct.polynomial_from_roots((*regulator, *observer), "s")
     assert sympy.Poly(loop.charpoly(s).as_expr(), s, domain="QQ") == wanted
 
 
@@ -84,8 +74,8 @@ def test_a_compensator_of_order_n_less_one_separates(plant, data):
 def test_a_direct_term_is_taken_off_the_output(plant, data):
     assume(plant.is_minimal)
     n = plant.n
-    K = state_feedback_family(plant.A, plant.B, data.draw(spectra(n))).gain()
-    observer = reduced_order_observer(plant, data.draw(spectra(n - 1)))
+    K = ct.state_feedback_family(plant.A, plant.B, data.draw(spectra(n))).gain()
+    observer = ct.reduced_order_observer(plant, data.draw(spectra(n - 1)))
     try:
         compensator = observer.compensator(K)
     except NoSolutionError as error:
@@ -97,7 +87,7 @@ def test_a_direct_term_is_taken_off_the_output(plant, data):
 def test_against_gopinath_and_python_control():
     """The double integrator of Luenberger's paper by Gopinath's construction, written out."""
     A, B, C = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
-    found = reduced_order_observer((A, B, C), [-3], variable="s")
+    found = ct.reduced_order_observer((A, B, C), [-3], variable="s")
     # w = x_2 - l y: w' = -l w - l^2 y + u
     assert (found.N[0], found.J[0], found.H[0], found.E[0]) == (-3, -9, 1, 3)
     K = -control.acker(np.array(A), np.array(B), [-1, -2])
@@ -112,7 +102,7 @@ def test_unknown_inputs_leave_the_invariant_zeros(data):
     n = data.draw(st.integers(2, 4))
     A, G, C = data.draw(matrices(n, n)), data.draw(matrices(n, 1)), data.draw(matrices(2, n))
     B = sympy.zeros(n, 1)
-    build = lambda poles: functional_observer(  # noqa: E731
+    build = lambda poles: ct.functional_observer(  # noqa: E731
         (A, B, C), sympy.eye(n), poles, variable="s", unknown_inputs=G
     )
     seen, felt = sympy.Matrix(C * G).rank(), sympy.Matrix(G).rank()
@@ -123,13 +113,13 @@ def test_unknown_inputs_leave_the_invariant_zeros(data):
     found = placed(data, n, build)
     assert sympy.zeros(n, 1) == (found.L - found.E * C) * G
     if felt:
-        assert found.fixed == invariant_zeros((A, G, C), "s").polynomial
+        assert found.fixed == ct.invariant_zeros((A, G, C), "s").polynomial
 
 
 def test_an_unknown_input_is_not_felt_in_a_simulation():
     A = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
     B, C, G = [[0], [0], [1]], [[1, 0, 0], [0, 1, 0]], [[0], [1], [1]]
-    found = functional_observer(
+    found = ct.functional_observer(
         (A, B, C), np.eye(3, dtype=int).tolist(), [-5, -7], variable="s", unknown_inputs=G
     )
     N, J, H, E = (np.array(m, float) for m in (found.N, found.J, found.H, found.E))
@@ -153,22 +143,22 @@ def test_a_functional_of_order_one_of_a_plant_of_order_four():
     B, C = [[0], [0], [0], [1]], [[1, 0, 0, 0], [0, 1, 0, 0]]
     L = [[1, 1, 1, 0]]
     with pytest.raises(NoSolutionError, match="no observer of order 1"):
-        functional_observer((A, B, C), L, [-5], variable="s")
-    found = functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s")
-    assert found.error_polynomial == polynomial_from_roots([-5, -6], "s")
+        ct.functional_observer((A, B, C), L, [-5], variable="s")
+    found = ct.functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s")
+    assert found.error_polynomial == ct.polynomial_from_roots([-5, -6], "s")
     whole = found.realisation
-    assert transfer_matrix(whole).shape == (2, 3) and whole.n == 2
-    with pytest.raises(InputError, match="no function of L x and y"):
-        functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], variable="s").compensator(
+    assert ct.transfer_matrix(whole).shape == (2, 3) and whole.n == 2
+    with pytest.raises(ct.InputError, match="no function of L x and y"):
+        ct.functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], variable="s").compensator(
             [[0, 0, 1, 0]]
         )
 
 
 def test_it_is_that_of_full_order_where_nothing_is_known():
     A, B, C = [[-1, 4], [0, -3]], [[0], [1]], [[1, 0]]
-    found = functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], variable="s")
-    assert found.error_polynomial == polynomial_from_roots([-2, -6], "s")
-    F = observer_gain_family(A, C, [-2, -6]).gain()
+    found = ct.functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], variable="s")
+    assert found.error_polynomial == ct.polynomial_from_roots([-2, -6], "s")
+    F = ct.observer_gain_family(A, C, [-2, -6]).gain()
     classical = sympy.Matrix(A) - F * sympy.Matrix(C)
     assert sympy.Matrix(found.N).charpoly(s) == classical.charpoly(s)
 
@@ -187,9 +177,11 @@ def test_bad_input():
             "for 2 states it needs 2 rows",
         ),
     ):
-        with pytest.raises(InputError, match=words):
-            functional_observer(plant, *arguments, **options)
-    with pytest.raises(InputError, match="nothing is left to find"):
-        reduced_order_observer(([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 1]]), [], variable="s")
-    with pytest.raises(InputError, match="K is 1 x 3; here it must be 1 x 2"):
-        reduced_order_observer(plant, [-1], variable="s").compensator([[1, 2, 3]])
+        with pytest.raises(ct.InputError, match=words):
+            ct.functional_observer(plant, *arguments, **options)
+    with pytest.raises(ct.InputError, match="nothing is left to find"):
+        ct.reduced_order_observer(
+            ([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 1]]), [], variable="s"
+        )
+    with pytest.raises(ct.InputError, match="K is 1 x 3; here it must be 1 x 2"):
+        ct.reduced_order_observer(plant, [-1], variable="s").compensator([[1, 2, 3]])

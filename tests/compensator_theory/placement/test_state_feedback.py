@@ -8,18 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import ImmutableMatrix, Matrix, Rational
 
-from compensator_theory import (
-    InputError,
-    assign_eigenstructure,
-    brunovsky_form,
-    exact_number,
-    observer_gain_family,
-    polynomial,
-    polynomial_from_roots,
-    reachable_eigenvectors,
-    regulator_gain,
-    state_feedback_family,
-)
+import compensator_theory as ct
 from compensator_theory.errors import NoSolutionError, NotControllableError, NotObservableError
 from compensator_theory.matrices._linear_algebra import rank
 from compensator_theory.strategies import matrices, spectra
@@ -53,14 +42,14 @@ def pairs(draw, max_order=4, max_inputs=3):
 
 
 def charpoly(matrix):
-    return polynomial(Matrix(matrix).charpoly(s).as_expr(), "s")
+    return ct.polynomial(Matrix(matrix).charpoly(s).as_expr(), "s")
 
 
 @given(pairs())
 def test_brunovskys_form(pair):
     A, B = pair
     n = A.rows
-    found = brunovsky_form(A, B)
+    found = ct.brunovsky_form(A, B)
     T, F, W = found.T, found.F, found.W
     assert T.inv() * (A + B * F) * T == found.A_c and T.inv() * B * W == found.B_c
     assert W.det() != 0 and sum(found.indices) == n
@@ -74,14 +63,14 @@ def test_brunovskys_form(pair):
 def test_all_gains_are_those_that_are_similar():
     """K = -2I gives the poles -1, -1 too, and no Jordan block: it is none of the cyclic family."""
     unit = sympy.eye(2)
-    cyclic = state_feedback_family(unit, unit, [-1, -1])
+    cyclic = ct.state_feedback_family(unit, unit, [-1, -1])
     assert "and A + BK cyclic" in str(cyclic) and cyclic.parameters_of(-2 * unit) == ()
-    diagonal = state_feedback_family(unit, unit, Lambda=-unit)
+    diagonal = ct.state_feedback_family(unit, unit, Lambda=-unit)
     assert "similar to [[-1, 0], [0, -1]]" in str(diagonal)
     basis = diagonal.parameters_of(-2 * unit)
     generic = sum((p * i**2 for i, p in enumerate(basis, 1)), sympy.zeros(2, 2))
     assert diagonal.gain(generic) == -2 * unit
-    assert "cyclic" not in str(state_feedback_family(unit, unit, [-1, -2]))
+    assert "cyclic" not in str(ct.state_feedback_family(unit, unit, [-1, -2]))
 
 
 @fewer(2)
@@ -90,8 +79,8 @@ def test_every_member_places_the_poles(pair, data):
     A, B = pair
     n, m = B.shape
     poles = data.draw(spectra(n))
-    family = state_feedback_family(A, B, poles)
-    wanted = polynomial_from_roots(poles, "s")
+    family = ct.state_feedback_family(A, B, poles)
+    wanted = ct.polynomial_from_roots(poles, "s")
     K = family.gain()
     assert charpoly(A + B * K) == wanted
     phi = data.draw(matrices(m, n))
@@ -118,7 +107,7 @@ def test_every_gain_is_a_member(pair, data):
         krylov = krylov.row_join(start)
         start = closed * start
     assume(rank(krylov) == n)  # cyclic, with this vector
-    family = state_feedback_family(A, B, charpoly(closed))
+    family = ct.state_feedback_family(A, B, charpoly(closed))
     found = family.parameters_of(K)
     assert len(found) == n  # the commutant of a cyclic matrix
     weights = [Rational(7 * i * i + 3 * i + 1, i + 2) for i in range(n)]
@@ -136,14 +125,14 @@ def test_against_scipys_place_poles(pair):
     assume(np.linalg.matrix_rank(B) == B.shape[1])
     poles = [-1 - k for k in range(n)]
     theirs = scipy.signal.place_poles(A, B, poles)
-    family = state_feedback_family(*pair, poles)
+    family = ct.state_feedback_family(*pair, poles)
     K = np.array(family.gain(), dtype=float)
     for gain in (K, -theirs.gain_matrix):
         placed = np.poly(A + B @ gain)
         np.testing.assert_allclose(placed, np.poly(poles), rtol=1e-5, atol=1e-5)
     if B.shape[1] == 1:
         np.testing.assert_allclose(K, -theirs.gain_matrix, rtol=1e-5, atol=1e-5)
-        assert family.gain() == regulator_gain(*pair, poles)
+        assert family.gain() == ct.regulator_gain(*pair, poles)
 
 
 @fewer(2)
@@ -151,13 +140,13 @@ def test_against_scipys_place_poles(pair):
 def test_the_dual(pair, data):
     A, C = pair[0].T, pair[1].T
     poles = data.draw(spectra(A.rows))
-    F = observer_gain_family(A, C, poles).gain()
-    assert charpoly(A - F * C) == polynomial_from_roots(poles, "s")
+    F = ct.observer_gain_family(A, C, poles).gain()
+    assert charpoly(A - F * C) == ct.polynomial_from_roots(poles, "s")
 
 
 def test_the_example_of_the_notes():
-    assert brunovsky_form(A_NOTES, B_NOTES).indices == (2, 1)
-    family = state_feedback_family(A_NOTES, B_NOTES, Lambda=sympy.diag(-1, -2, -3))
+    assert ct.brunovsky_form(A_NOTES, B_NOTES).indices == (2, 1)
+    family = ct.state_feedback_family(A_NOTES, B_NOTES, Lambda=sympy.diag(-1, -2, -3))
     K = Matrix([[-102, -145, 24], [36, 84, -96]]) / 31
     assert family.gain(sum(family.parameters_of(K), sympy.zeros(2, 3))) == K
     # Their excluded set for eigenvectors (lambda I - A)^-1 B f with f = (1, u).
@@ -172,7 +161,7 @@ def test_the_example_of_the_notes():
     )
     excluded = 6 * u[0] - 32 * u[1] + 27 * u[2] + 1
     assert sympy.rem(sympy.together(X.det()).as_numer_denom()[0], excluded, *u) == 0
-    found = assign_eigenstructure(
+    found = ct.assign_eigenstructure(
         A,
         B,
         [-1, -2, -3],
@@ -182,7 +171,7 @@ def test_the_example_of_the_notes():
     double = Matrix([[-2, -3, 0], [Rational(2, 3), Rational(5, 3), -2]])
     closed = A + B * double
     assert (closed + sympy.eye(3)).rank() == 1
-    assert state_feedback_family(A, B, Lambda=sympy.diag(-1, -1, -2)).parameters_of(double)
+    assert ct.state_feedback_family(A, B, Lambda=sympy.diag(-1, -1, -2)).parameters_of(double)
 
 
 @fewer(2)
@@ -193,7 +182,7 @@ def test_eigenvectors_in_reach_are_assigned(pair, data):
     values, vectors = [], []
     for k in range(n):
         value = Rational(-1 - 2 * k, 3)
-        space = reachable_eigenvectors(A, B, value)
+        space = ct.reachable_eigenvectors(A, B, value)
         assert space.cols == rank(B)
         weights = data.draw(matrices(space.cols, 1))
         values.append(value)
@@ -201,31 +190,31 @@ def test_eigenvectors_in_reach_are_assigned(pair, data):
     V = Matrix(vectors).T
     if V.det() == 0:
         with pytest.raises(NoSolutionError, match="dependent"):
-            assign_eigenstructure(A, B, values, vectors)
+            ct.assign_eigenstructure(A, B, values, vectors)
         return
-    found = assign_eigenstructure(A, B, values, vectors)
+    found = ct.assign_eigenstructure(A, B, values, vectors)
     assert ((A + B * found.K) * V - V * sympy.diag(*values)).is_zero_matrix
 
 
 def test_chains_and_complex_pairs():
     A, B = Matrix([[0, 1], [0, 0]]), Matrix([0, 1])
-    found = assign_eigenstructure(A, B, [-2], [[(1, -2), (0, 1)]])
-    assert charpoly(A + B * found.K) == polynomial("(s + 2)**2")
-    pair = assign_eigenstructure(A, B, ["-1+2j"], [(1, "-1+2j")])
-    assert charpoly(A + B * pair.K) == polynomial("s**2 + 2*s + 5")
+    found = ct.assign_eigenstructure(A, B, [-2], [[(1, -2), (0, 1)]])
+    assert charpoly(A + B * found.K) == ct.polynomial("(s + 2)**2")
+    pair = ct.assign_eigenstructure(A, B, ["-1+2j"], [(1, "-1+2j")])
+    assert charpoly(A + B * pair.K) == ct.polynomial("s**2 + 2*s + 5")
     with pytest.raises(NoSolutionError, match="no feedback makes"):
-        assign_eigenstructure(A, B, [-1, -2], [(1, 0), (0, 1)])
+        ct.assign_eigenstructure(A, B, [-1, -2], [(1, 0), (0, 1)])
 
 
 def test_a_chain_of_a_complex_pair():
     """Four integrators: eigenvectors (1, l, l^2, l^3), and its derivative after it in the chain."""
     A, B = Matrix(4, 4, lambda i, j: int(j == i + 1)), Matrix([0, 0, 0, 1])
     chain = [("1", "-1+j", "-2j", "2+2j"), ("0", "1", "-2+2j", "-6j")]
-    found = assign_eigenstructure(A, B, ["-1+j"], [chain])
-    assert charpoly(A + B * found.K) == polynomial("(s**2 + 2*s + 2)**2")
-    conjugate = [[sympy.conjugate(exact_number(e)) for e in v] for v in chain]
-    lower = assign_eigenstructure(A, B, ["-1-j"], [conjugate])
-    both = assign_eigenstructure(A, B, ["-1+j", "-1-j"], [chain, conjugate])
+    found = ct.assign_eigenstructure(A, B, ["-1+j"], [chain])
+    assert charpoly(A + B * found.K) == ct.polynomial("(s**2 + 2*s + 2)**2")
+    conjugate = [[sympy.conjugate(ct.exact_number(e)) for e in v] for v in chain]
+    lower = ct.assign_eigenstructure(A, B, ["-1-j"], [conjugate])
+    both = ct.assign_eigenstructure(A, B, ["-1+j", "-1-j"], [chain, conjugate])
     assert found.K == lower.K == both.K
 
 
@@ -240,7 +229,7 @@ def test_complex_eigenvectors_in_reach_are_assigned(pair, data):
     values += [Rational(-k) for k in range(2, n)]
     vectors = []
     for value in values:
-        space = reachable_eigenvectors(A, B, value)
+        space = ct.reachable_eigenvectors(A, B, value)
         assert space.cols == rank(B)
         v = space * data.draw(matrices(space.cols, 1))
         vectors.append([sympy.expand(e) for e in v])
@@ -248,7 +237,7 @@ def test_complex_eigenvectors_in_reach_are_assigned(pair, data):
         wanted = (value * sympy.eye(n) - A) * v
         assert B.row_join(wanted.applyfunc(sympy.expand)).rank() == rank(B)
     try:
-        found = assign_eigenstructure(A, B, values, vectors)
+        found = ct.assign_eigenstructure(A, B, values, vectors)
     except NoSolutionError:
         return  # dependent
     first = Matrix(vectors[0])
@@ -263,7 +252,7 @@ def test_jordan_structures_within_rosenbrocks_inequalities():
     """Indices (2, 1): two blocks of sizes 2 and 1 are in reach, three of size 1 are not."""
     for blocks, reachable in (([2, 1], True), ([3], True), ([1, 1, 1], False)):
         J = sympy.diag(*(sympy.jordan_cell(-2, size) for size in blocks))
-        family = state_feedback_family(A_NOTES, B_NOTES, Lambda=J)
+        family = ct.state_feedback_family(A_NOTES, B_NOTES, Lambda=J)
         if reachable:
             closed = Matrix(A_NOTES) + Matrix(B_NOTES) * family.gain()
             assert 3 - (closed + 2 * sympy.eye(3)).rank() == len(blocks)
@@ -273,10 +262,10 @@ def test_jordan_structures_within_rosenbrocks_inequalities():
 
 
 def test_symbols_say_where_they_hold():
-    family = state_feedback_family([["a", 1], [0, "b"]], [[1], [1]], [-1, -2])
+    family = ct.state_feedback_family([["a", 1], [0, "b"]], [[1], [1]], [-1, -2])
     at = a - b + 1
     assert family.exceptional == (at,)
-    assert charpoly(Matrix([[a, 1], [0, b]]) + Matrix([1, 1]) * family.gain()) == polynomial(
+    assert charpoly(Matrix([[a, 1], [0, b]]) + Matrix([1, 1]) * family.gain()) == ct.polynomial(
         "(s + 1)*(s + 2)"
     )
 
@@ -285,28 +274,28 @@ def test_symbols_say_where_they_hold():
     ("call", "error"),
     [
         (
-            lambda: state_feedback_family([[1, 0], [0, 2]], [[1], [0]], [-1, -2]),
+            lambda: ct.state_feedback_family([[1, 0], [0, 2]], [[1], [0]], [-1, -2]),
             NotControllableError,
         ),
-        (lambda: observer_gain_family([[1, 0], [0, 2]], [[1, 0]], [-1, -2]), NotObservableError),
-        (lambda: state_feedback_family([[1]], [[1]], [-1, -2]), InputError),
-        (lambda: state_feedback_family([[1]], [[1]]), InputError),
-        (lambda: state_feedback_family([[1]], [[1]], [-1], Lambda=[[-1]]), InputError),
-        (lambda: state_feedback_family([[1]], [[1]], Lambda=[[-1, 0]]), InputError),
-        (lambda: state_feedback_family([[1]], [[1]], [-1]).gain([[1, 2]]), InputError),
-        (lambda: state_feedback_family([[1]], [[1]], [-1]).gain([[0]]), NoSolutionError),
-        (lambda: assign_eigenstructure([[1]], [[1]], [-1], []), InputError),
-        (lambda: assign_eigenstructure([[1]], [[1]], [-1], [(1, 2)]), InputError),
-        (lambda: assign_eigenstructure([[1]], [[1]], ["-1-1j"], [("1j",)]), InputError),
+        (lambda: ct.observer_gain_family([[1, 0], [0, 2]], [[1, 0]], [-1, -2]), NotObservableError),
+        (lambda: ct.state_feedback_family([[1]], [[1]], [-1, -2]), ct.InputError),
+        (lambda: ct.state_feedback_family([[1]], [[1]]), ct.InputError),
+        (lambda: ct.state_feedback_family([[1]], [[1]], [-1], Lambda=[[-1]]), ct.InputError),
+        (lambda: ct.state_feedback_family([[1]], [[1]], Lambda=[[-1, 0]]), ct.InputError),
+        (lambda: ct.state_feedback_family([[1]], [[1]], [-1]).gain([[1, 2]]), ct.InputError),
+        (lambda: ct.state_feedback_family([[1]], [[1]], [-1]).gain([[0]]), NoSolutionError),
+        (lambda: ct.assign_eigenstructure([[1]], [[1]], [-1], []), ct.InputError),
+        (lambda: ct.assign_eigenstructure([[1]], [[1]], [-1], [(1, 2)]), ct.InputError),
+        (lambda: ct.assign_eigenstructure([[1]], [[1]], ["-1-1j"], [("1j",)]), ct.InputError),
         (
-            lambda: assign_eigenstructure(
+            lambda: ct.assign_eigenstructure(
                 [[0, 1], [0, 0]], [[0], [1]], ["-1+j", "-1-j"], [("j", "-1-j"), ("j", "-1+j")]
             ),
-            InputError,
+            ct.InputError,
         ),
-        (lambda: assign_eigenstructure([[1]], [[1]], [-1], ["x"]), InputError),
-        (lambda: reachable_eigenvectors([[1]], [[1], [2]], -1), InputError),
-        (lambda: reachable_eigenvectors([[1]], [[1]], "sqrt(2)"), InputError),
+        (lambda: ct.assign_eigenstructure([[1]], [[1]], [-1], ["x"]), ct.InputError),
+        (lambda: ct.reachable_eigenvectors([[1]], [[1], [2]], -1), ct.InputError),
+        (lambda: ct.reachable_eigenvectors([[1]], [[1]], "sqrt(2)"), ct.InputError),
     ],
 )
 def test_bad_input(call, error):
@@ -318,10 +307,10 @@ def test_bad_input(call, error):
 def test_deadbeat(pair):
     A, B = pair
     n = A.rows
-    K = state_feedback_family(A, B, [0] * n, variable="z").gain()
+    K = ct.state_feedback_family(A, B, [0] * n, variable="z").gain()
     assert ((A + B * K) ** n).is_zero_matrix
     # In the least time: chains as long as the controllability indices.
-    indices = [index for index in brunovsky_form(A, B).indices if index]
+    indices = [index for index in ct.brunovsky_form(A, B).indices if index]
     blocks = sympy.diag(*(sympy.jordan_cell(0, size) for size in indices))
-    fast = state_feedback_family(A, B, variable="z", Lambda=blocks).gain()
+    fast = ct.state_feedback_family(A, B, variable="z", Lambda=blocks).gain()
     assert ((A + B * fast) ** max(indices)).is_zero_matrix

@@ -8,18 +8,7 @@ import sympy
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    InputError,
-    bezout_identity,
-    budget,
-    feedback_connection,
-    place_poles,
-    sensitivity_function,
-    solve_diophantine,
-    stabilising_gains,
-    transfer_function,
-    transfer_matrix,
-)
+import compensator_theory as ct
 
 surds = st.builds(
     "{}e{}*{}".format,
@@ -48,12 +37,12 @@ def near(found, expected):
 @given(gains=st.tuples(surds, surds) | st.tuples(same_field, same_field))
 def test_loops_of_two_fields_have_their_own_values(gains):
     g, h = gains
-    G, H = transfer_function(f"1/(s + {g})"), transfer_function(f"{h}/(s + 1)")
+    G, H = ct.transfer_function(f"1/(s + {g})"), ct.transfer_function(f"{h}/(s + 1)")
     along, back = value(G), value(H)
-    assert near(value(feedback_connection(G, H, feedback=-1)), along / (1 + along * back))
-    assert near(value(sensitivity_function(G, H, feedback=-1)), 1 / (1 + along * back))
+    assert near(value(ct.feedback_connection(G, H, feedback=-1)), along / (1 + along * back))
+    assert near(value(ct.sensitivity_function(G, H, feedback=-1)), 1 / (1 + along * back))
     assert near(value(G * H), along * back) and near(value(G + H), along + back)
-    square = transfer_matrix([[G, H], [H, G]])
+    square = ct.transfer_matrix([[G, H], [H, G]])
     found = (square @ square).reduced()
     corner = found.numerators[0][0].as_expr() / found.denominator.as_expr()
     assert near(corner.subs(G.variable, POINT).evalf(60), along**2 + back**2)
@@ -62,7 +51,7 @@ def test_loops_of_two_fields_have_their_own_values(gains):
 @few
 @given(gain=same_field, pole=same_field)
 def test_a_loop_is_placed_over_another_field(gain, pole):
-    assert place_poles(f"{gain}/s", [f"-{pole}"] * 2, feedback=-1).residual.is_zero
+    assert ct.place_poles(f"{gain}/s", [f"-{pole}"] * 2, feedback=-1).residual.is_zero
 
 
 @pytest.mark.slow
@@ -70,11 +59,11 @@ def test_a_loop_is_placed_over_another_field(gain, pole):
 @example(a="3e0*10**(6/8)", b="2e18*10**(3/8)")
 @given(a=same_field, b=same_field)
 def test_equations_of_two_fields_are_solved(a, b):
-    with budget(digits=10**5):
-        assert bezout_identity(f"s**2 + {a}", f"s + {b}").residual.is_zero
-        assert solve_diophantine(f"s**2 + {a}", f"s + {b}", "s**3 + 1").certificate.holds
+    with ct.budget(digits=10**5):
+        assert ct.bezout_identity(f"s**2 + {a}", f"s + {b}").residual.is_zero
+        assert ct.solve_diophantine(f"s**2 + {a}", f"s + {b}", "s**3 + 1").certificate.holds
 
 
 def test_gains_over_irrational_coefficients_are_refused():
-    with pytest.raises(InputError, match=r"irrational number sqrt\(2\).*rational number close"):
-        stabilising_gains("1/(s*(s + sqrt(2)))", feedback=-1)
+    with pytest.raises(ct.InputError, match=r"irrational number sqrt\(2\).*rational number close"):
+        ct.stabilising_gains("1/(s*(s + sqrt(2)))", feedback=-1)

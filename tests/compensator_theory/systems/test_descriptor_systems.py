@@ -6,19 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import ImmutableMatrix, Matrix, Rational, diag, eye
 
-from compensator_theory import (
-    DescriptorSystem,
-    InputError,
-    Realisation,
-    decide_stability,
-    exceptional_cases,
-    h_infinity_norm,
-    invariant_zeros,
-    place_poles,
-    realisation,
-    transfer_function,
-    transfer_matrix,
-)
+import compensator_theory as ct
 from compensator_theory.errors import BudgetError, CompensatorError, ImproperError
 from compensator_theory.forms import kronecker_form
 from compensator_theory.strategies.plants import unimodular_matrices
@@ -46,7 +34,7 @@ def disguised(draw):
     left, right = draw(unimodular_matrices(n)), draw(unimodular_matrices(n))
     E, A = left * diag(eye(n_1), N) * right, left * diag(J, eye(n - n_1)) * right
     B, C, D = drawn_matrix(draw, n, m), drawn_matrix(draw, p, n), drawn_matrix(draw, p, m)
-    return DescriptorSystem(E, A, B, C, D), J, max(lengths, default=0)
+    return ct.DescriptorSystem(E, A, B, C, D), J, max(lengths, default=0)
 
 
 @fewer(3)
@@ -120,8 +108,8 @@ def test_with_a_nonsingular_e_it_is_a_realisation(data):
     n = data.draw(st.integers(1, 3))
     E = data.draw(unimodular_matrices(n))
     A, B, C = (drawn_matrix(data.draw, *shape) for shape in ((n, n), (n, 1), (1, n)))
-    system = DescriptorSystem(E, A, B, C, variable="z", sample_time=Rational(1, 10))
-    plain = Realisation(E.inv() * A, E.inv() * B, C, None, "z", sample_time="1/10")
+    system = ct.DescriptorSystem(E, A, B, C, variable="z", sample_time=Rational(1, 10))
+    plain = ct.Realisation(E.inv() * A, E.inv() * B, C, None, "z", sample_time="1/10")
     assert system.index == 0 and system.is_impulse_free
     assert system.transfer_function() == plain.transfer_function()
     assert system.transfer_function().sample_time == Rational(1, 10)
@@ -132,7 +120,9 @@ def test_two_masses_on_one_rod():
     """m_1 x_1'' = u + f, m_2 x_2'' = -f, x_1 = x_2: one mass, and f = -m_2 u/(m_1 + m_2)."""
     E = diag(1, "m_1", 1, "m_2", 0)
     A = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 1], [0, 0, 0, 1, 0], [0, 0, 0, 0, -1], [1, 0, -1, 0, 0]]
-    system = DescriptorSystem(E, A, [[0], [1], [0], [0], [0]], [[1, 0, 0, 0, 0], [0, 0, 0, 0, 1]])
+    system = ct.DescriptorSystem(
+        E, A, [[0], [1], [0], [0], [0]], [[1, 0, 0, 0, 0], [0, 0, 0, 0, 1]]
+    )
     m_1, m_2 = sympy.symbols("m_1 m_2")
     G = system.transfer_matrix().as_matrix()
     assert sympy.cancel(G[0] - 1 / ((m_1 + m_2) * s**2)) == 0
@@ -140,7 +130,7 @@ def test_two_masses_on_one_rod():
     assert system.index == 3 and system.is_impulse_free is None and m_1 + m_2 in (
         system.weierstrass_form().exceptional
     )  # fmt: skip
-    numbers = DescriptorSystem(E.subs({m_1: 2, m_2: 1}), A, system.B, system.C)
+    numbers = ct.DescriptorSystem(E.subs({m_1: 2, m_2: 1}), A, system.B, system.C)
     assert numbers.is_impulse_free is False
     assert not numbers.is_impulse_controllable and not numbers.dual().is_impulse_observable
 
@@ -149,11 +139,11 @@ def test_the_cases_of_a_circuit():
     """Without its capacitor, or without its resistor, it is another circuit."""
 
     def circuit(c, r):
-        return DescriptorSystem(
+        return ct.DescriptorSystem(
             [[c, 0], [0, 0]], [[0, 1], [1, r]], [[0], [-1]], [[0, 1]]
         ).weierstrass_form()
 
-    cases = str(exceptional_cases(circuit, "c", "r"))
+    cases = str(ct.exceptional_cases(circuit, "c", "r"))
     assert "c = 0" in cases and "r = 0" in cases and "index 2" in cases
 
 
@@ -161,7 +151,7 @@ def test_what_the_value_of_a_symbol_decides():
     """None with the symbol, True for one value of it and False for another."""
 
     def system(a):
-        return DescriptorSystem(
+        return ct.DescriptorSystem(
             [[1, 0, 0], [0, a, 1], [0, 0, 0]], [[-1, 0, 0], [0, 1, 0], [0, a, 1]], [[a], [0], [a]],
             [[a, 0, a]],
         )  # fmt: skip
@@ -170,25 +160,25 @@ def test_what_the_value_of_a_symbol_decides():
                      "is_impulse_observable"):  # fmt: skip
         assert getattr(system("a"), question) is None
         assert [getattr(system(a), question) for a in (0, 1)] == [False, True], question
-    swapped = DescriptorSystem([["a", 1], [0, 0]], [[1, 0], [0, 1]], [[0], [1]], [[1, 0]])
+    swapped = ct.DescriptorSystem([["a", 1], [0, 0]], [[1, 0], [0, 1]], [[0], [1]], [[1, 0]])
     assert swapped.is_impulse_free is None
     for a in (0, 1):
-        known = DescriptorSystem([[a, 1], [0, 0]], [[1, 0], [0, 1]], [[0], [1]], [[1, 0]])
+        known = ct.DescriptorSystem([[a, 1], [0, 0]], [[1, 0], [0, 1]], [[0], [1]], [[1, 0]])
         assert known.is_impulse_free is (a == 1)
 
 
 def test_functions_read_it_as_the_system_that_it_is():
-    lag = DescriptorSystem([[1, 0], [0, 0]], [[-1, 1], [0, 1]], [[0], [-1]], [[1, 0]])
-    assert str(transfer_function(lag)) == "(1)/(s + 1)" == str(transfer_matrix([[lag]])[0, 0])
-    assert realisation(lag).A[0, 0] == -1 and h_infinity_norm(lag).value == 1
-    assert place_poles(lag, [-2], feedback=-1).compensator.order == 0
-    assert invariant_zeros(lag).polynomial.degree() == 0
-    assert decide_stability(lag.characteristic_polynomial, time="continuous").is_stable
-    with pytest.raises(InputError, match="in s, not in z"):
-        transfer_matrix(lag, "z")
-    ideal = DescriptorSystem([[0, 1], [0, 0]], eye(2), [[0], [1]], [[-1, 0]])
+    lag = ct.DescriptorSystem([[1, 0], [0, 0]], [[-1, 1], [0, 1]], [[0], [-1]], [[1, 0]])
+    assert str(ct.transfer_function(lag)) == "(1)/(s + 1)" == str(ct.transfer_matrix([[lag]])[0, 0])
+    assert ct.realisation(lag).A[0, 0] == -1 and ct.h_infinity_norm(lag).value == 1
+    assert ct.place_poles(lag, [-2], feedback=-1).compensator.order == 0
+    assert ct.invariant_zeros(lag).polynomial.degree() == 0
+    assert ct.decide_stability(lag.characteristic_polynomial, time="continuous").is_stable
+    with pytest.raises(ct.InputError, match="in s, not in z"):
+        ct.transfer_matrix(lag, "z")
+    ideal = ct.DescriptorSystem([[0, 1], [0, 0]], eye(2), [[0], [1]], [[-1, 0]])
     with pytest.raises(ImproperError):
-        realisation(ideal)
+        ct.realisation(ideal)
 
 
 @pytest.mark.parametrize(
@@ -202,14 +192,14 @@ def test_functions_read_it_as_the_system_that_it_is():
 )  # fmt: skip
 def test_what_is_no_descriptor_system(matrices, words):
     with pytest.raises(CompensatorError, match=words):
-        DescriptorSystem(*matrices)
+        ct.DescriptorSystem(*matrices)
 
 
 def test_a_large_one_asks_first():
     n = range(4)
     full = [[[f"{letter}_{i}{j}" for j in n] for i in n] for letter in "ef"]
-    dense = DescriptorSystem(*full, [[1]] * 4, [[1] * 4])
+    dense = ct.DescriptorSystem(*full, [[1]] * 4, [[1] * 4])
     with pytest.raises(BudgetError, match="terms"):
         dense.transfer_function()
     with pytest.raises(BudgetError):
-        DescriptorSystem(eye(150), eye(150), Matrix([1] * 150), Matrix([[1] * 150]))
+        ct.DescriptorSystem(eye(150), eye(150), Matrix([1] * 150), Matrix([[1] * 150]))

@@ -9,18 +9,10 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.cli._check import read_case
 from rcac_experiments.cli._main import main
-from rcac_numeric import (
-    FixedController,
-    Step,
-    exogenous,
-    plant_of,
-    read_log,
-    servo_plant,
-    simulate,
-)
 
 OCTAVE = "examples/octave/rcac_loop.mat"
 CASE = "examples/octave/example_4_7.toml"
@@ -139,8 +131,8 @@ def test_a_plant_by_its_matrices_inside_the_log_or_in_a_file(tmp_path, signals):
 )  # fmt: skip
 def test_a_plant_is_written_as_for_rcac_design(text):
     rows = [["1/(q - 0.5)", "0"], ["0.2/(q - 0.1)", "2/(q - 0.3)"]]
-    assert read_case(text, "standard")[0] == plant_of(rows)
-    assert read_case(text, "servo")[0] == servo_plant(rows)
+    assert read_case(text, "standard")[0] == rn.plant_of(rows)
+    assert read_case(text, "servo")[0] == rn.servo_plant(rows)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +152,7 @@ def test_dialects_of_csv(tmp_path, change):
     text = "u,y,theta1,theta2\n" + "1.0,2.0,-0.5,0.25\n" * 9
     plain.write_text(text, encoding="utf-8", newline="")
     other.write_text(change(text), encoding="utf-8", newline="")
-    wanted, found = read_log(plain), read_log(other)
+    wanted, found = rn.read_log(plain), rn.read_log(other)
     for name in ("u", "y", "theta"):
         assert (getattr(wanted, name) == getattr(found, name)).all()
     assert found.theta.shape == (9, 2)
@@ -170,10 +162,10 @@ def test_dialects_of_csv(tmp_path, change):
 def test_variables_that_the_check_does_not_need_do_not_matter(tmp_path):
     np.savez(tmp_path / "log.npz", u=np.ones(9), y=np.ones(9), theta=0.5, poles=1j * np.ones(3),
              note=np.array("hot day"))  # fmt: skip
-    log = read_log(tmp_path / "log.npz")
+    log = rn.read_log(tmp_path / "log.npz")
     assert log.theta.tolist() == [0.5]
     with pytest.raises(CompensatorError, match="complex"):
-        read_log(tmp_path / "log.npz", {"y": "poles"})
+        rn.read_log(tmp_path / "log.npz", {"y": "poles"})
 
 
 def test_the_noise_of_the_cost_is_that_of_the_option(tmp_path, signals):
@@ -326,7 +318,7 @@ def test_a_damaged_file_never_ends_in_a_foreign_error(tmp_path_factory, data):
         contents[data.draw(st.integers(0, len(contents) - 1))] = data.draw(st.integers(0, 255))
     path.write_bytes(contents)
     try:
-        read_log(path)
+        rn.read_log(path)
     except CompensatorError as error:
         assert str(path) in str(error)
 
@@ -391,7 +383,7 @@ def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
 def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     """A PI controller that ran elsewhere, with a load that nobody logged."""
     plant, pi = "0.2*(q + 0.8)/((q - 0.9)*(q - 0.7))", "-(0.5*q - 0.4)/(q - 1)"
-    ran = simulate(plant, FixedController(pi), exogenous([Step()], 200))
+    ran = rn.simulate(plant, rn.FixedController(pi), rn.exogenous([rn.Step()], 200))
     log = tmp_path / "pi.csv"
     write_csv(log, {"u": ran.u, "y": ran.y})
     options = (str(log), "--plant", plant, "--problem", "standard", "--json")

@@ -5,25 +5,17 @@ import json
 import pytest
 from click.testing import CliRunner
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
 from rcac_experiments.cli._main import main
 from rcac_experiments.dissertation import load_example
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    TargetModel,
-    export_controller,
-    iir,
-    simulate,
-    standard_plant,
-)
 from tests.support import core_builds
 from tests.support.signals import noise
 
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
-PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 
 
 def test_the_command(tmp_path):
@@ -36,7 +28,7 @@ def test_the_command(tmp_path):
 
 
 def test_the_command_on_a_run_that_was_kept(tmp_path):
-    run = simulate(PLANT, SETTINGS, noise(3, 300, 1))
+    run = rn.simulate(PLANT, SETTINGS, noise(3, 300, 1))
     run.save(tmp_path / "run.npz")
     for more in ([], ["--fixed"]):
         command = ["export", str(tmp_path / "run.npz"), "-o", str(tmp_path / "out"), *more]
@@ -67,4 +59,4 @@ def test_an_fmu_from_a_shell(tmp_path):
 
 def test_an_experiment_is_no_controller(tmp_path):
     with pytest.raises(InputError, match="cannot be exported"):
-        export_controller(load_example("4.7"), tmp_path)
+        rn.export_controller(load_example("4.7"), tmp_path)

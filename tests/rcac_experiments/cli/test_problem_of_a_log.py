@@ -3,32 +3,25 @@
 import numpy as np
 from click.testing import CliRunner
 
+import rcac_numeric as rn
 from rcac_experiments.cli._exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
 from rcac_experiments.cli._main import main
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    Step,
-    WhiteNoise,
-    exogenous,
-    fir_target,
-    iir,
-    pole_placement_target,
-    servo_plant,
-    simulate,
-    standard_plant,
-)
 
 G = "0.1*(q - 0.4)/((q - 0.9)*(q - 0.7))"
-PLANTS = {"standard": standard_plant(G), "servo": servo_plant(G)}
+PLANTS = {"standard": rn.standard_plant(G), "servo": rn.servo_plant(G)}
 
 
 def servo_run(steps=600, noise=0.05, **others):
     plant = PLANTS["servo"]
-    settings = ControllerSettings(
-        structure=iir(2), target=others.pop("target", fir_target(plant)), update=UD(1e-4), **others
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2),
+        target=others.pop("target", rn.fir_target(plant)),
+        update=rn.UD(1e-4),
+        **others,
     )
-    return simulate(plant, settings, exogenous([Step(), WhiteNoise(noise), Step(0)], steps))
+    return rn.simulate(
+        plant, settings, rn.exogenous([rn.Step(), rn.WhiteNoise(noise), rn.Step(0)], steps)
+    )
 
 
 def csv_of(run, path, u=None):
@@ -60,7 +53,7 @@ def test_the_log_that_was_certified_with_the_wrong_sign(tmp_path):
 def test_unstable_and_missed_have_a_status(tmp_path):
     plant = PLANTS["servo"]
     asked = ["0.1", "0.2", "0.3", "0.4"]
-    target = pole_placement_target(plant, asked[:3])
+    target = rn.pole_placement_target(plant, asked[:3])
     run = servo_run(noise=0.0, target=target, k_w=4)
     path = csv_of(run, tmp_path / "missed.csv")
     words = f"{' + '.join(f'({c:.17g})*q**{-i}' for i, c in enumerate(target.numerator[:, 0, 0]))}"

@@ -7,33 +7,10 @@ import numpy as np
 import pytest
 import scipy.signal
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from rcac_experiments import verify
 from rcac_experiments.files._builder import build
-from rcac_numeric import (
-    UD,
-    Covariance,
-    CovarianceReset,
-    Decentralized,
-    DerivedSignal,
-    FixedController,
-    Gradient,
-    Instantaneous,
-    PlantSchedule,
-    ScheduledForgetting,
-    SignalWeight,
-    SlidingWindow,
-    Tap,
-    VariableRateForgetting,
-    feedforward,
-    fir,
-    fir_integrator,
-    iir,
-    load_run,
-    pid,
-    quasi_fir,
-    simulate,
-)
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},
@@ -67,19 +44,19 @@ def settings(**controller):
 @pytest.mark.parametrize(
     ("keys", "structure"),
     [
-        ({}, iir(3)),
-        ({"k_c": 0}, iir(3, k_c=0)),
-        ({"structure": "fir"}, fir(3)),
-        ({"structure": "pid", "n_c": None}, pid()),
-        ({"structure": "pid", "n_c": None, "terms": "PI"}, pid("PI")),
-        ({"structure": "quasi-fir"}, quasi_fir(3)),
-        ({"structure": "quasi-fir", "free_poles": 1}, quasi_fir(3, 1)),
-        ({"structure": "fir + integrator"}, fir_integrator(3)),
-        ({"structure": "fir + integrator", "F": [[2.0]]}, fir_integrator(3, [[2.0]])),
-        ({"structure": "feedforward"}, feedforward(3)),
+        ({}, rn.iir(3)),
+        ({"k_c": 0}, rn.iir(3, k_c=0)),
+        ({"structure": "fir"}, rn.fir(3)),
+        ({"structure": "pid", "n_c": None}, rn.pid()),
+        ({"structure": "pid", "n_c": None, "terms": "PI"}, rn.pid("PI")),
+        ({"structure": "quasi-fir"}, rn.quasi_fir(3)),
+        ({"structure": "quasi-fir", "free_poles": 1}, rn.quasi_fir(3, 1)),
+        ({"structure": "fir + integrator"}, rn.fir_integrator(3)),
+        ({"structure": "fir + integrator", "F": [[2.0]]}, rn.fir_integrator(3, [[2.0]])),
+        ({"structure": "feedforward"}, rn.feedforward(3)),
         (
             {"structure": "feedforward", "feedback": "fir", "first_r": 0},
-            feedforward(3, feedback="fir", first_r=0),
+            rn.feedforward(3, feedback="fir", first_r=0),
         ),
     ],
 )
@@ -93,38 +70,38 @@ def test_a_table_of_taps():
     taps = [["u", 0, 2], ["y", 0, 1], ["derived", 0, 0]]
     derived = [{"now": [1.0, -1.0], "pole": 0.5}]
     structure = settings(structure="taps", taps=taps, derived=derived, n_c=None).structure
-    assert structure.taps == (Tap("u", 0, 2), Tap("y", 0, 1), Tap("derived", 0, 0))
-    assert structure.derived == (DerivedSignal((1.0, -1.0), (0.0, 0.0), 0.5),)
+    assert structure.taps == (rn.Tap("u", 0, 2), rn.Tap("y", 0, 1), rn.Tap("derived", 0, 0))
+    assert structure.derived == (rn.DerivedSignal((1.0, -1.0), (0.0, 0.0), 0.5),)
     assert (structure.l_r, structure.n_c) == (1, 2)
     plain = settings(structure="taps", taps=[["y", 0, 1]], n_c=4).structure
     assert (plain.l_r, plain.n_c) == (0, 4)
 
 
 def test_updates_and_rules():
-    assert settings().update == UD(0.1)
-    assert settings(update="covariance").update == Covariance(0.1)
-    assert main_run(run={"arithmetic": "covariance"}).settings.update == Covariance(0.1)
+    assert settings().update == rn.UD(0.1)
+    assert settings(update="covariance").update == rn.Covariance(0.1)
+    assert main_run(run={"arithmetic": "covariance"}).settings.update == rn.Covariance(0.1)
     certified = main_run(run={"arithmetic": "reference"})
-    assert certified.settings.update == UD(0.1) and certified.reference
-    assert settings(update="sliding window", window=50).update == SlidingWindow(0.1, window=50)
-    assert settings(update="gradient", step_size=0.01, R_theta=None).update == Gradient(0.01)
+    assert certified.settings.update == rn.UD(0.1) and certified.reference
+    assert settings(update="sliding window", window=50).update == rn.SlidingWindow(0.1, window=50)
+    assert settings(update="gradient", step_size=0.01, R_theta=None).update == rn.Gradient(0.01)
     instantaneous = settings(update="instantaneous", form="filter")
-    assert (instantaneous.update, instantaneous.form) == (Instantaneous(0.1), "filter")
-    assert settings(process_noise=1e-3).update == UD(0.1, process_noise=1e-3)
+    assert (instantaneous.update, instantaneous.form) == (rn.Instantaneous(0.1), "filter")
+    assert settings(process_noise=1e-3).update == rn.UD(0.1, process_noise=1e-3)
     rule = {"short": 5, "long": 50, "gain": 0.2}
-    forgetting = VariableRateForgetting(5, 50, 0.2)
-    assert settings(forgetting=rule).update == UD(0.1, lambda_=forgetting)
-    reset = CovarianceReset(at=[50], every=20)
-    assert settings(reset={"at": [50], "every": 20}).update == UD(0.1, reset=reset)
+    forgetting = rn.VariableRateForgetting(5, 50, 0.2)
+    assert settings(forgetting=rule).update == rn.UD(0.1, lambda_=forgetting)
+    reset = rn.CovarianceReset(at=[50], every=20)
+    assert settings(reset={"at": [50], "every": 20}).update == rn.UD(0.1, reset=reset)
     assert settings(freeze=[[20, 30], [60]]).freeze == ((20, 30), (60, None))
     assert settings(reflect_poles=True).reflect_poles
-    assert settings(stop_where_unsupported=True).update == UD(0.1, stop_where_unsupported=True)
+    assert settings(stop_where_unsupported=True).update == rn.UD(0.1, stop_where_unsupported=True)
     changed = settings(**{"lambda": 0.9, "lambda_changes": [[50, 1.0]]})
-    assert changed.update == UD(0.1, lambda_=ScheduledForgetting({50: 1.0}, 0.9))
+    assert changed.update == rn.UD(0.1, lambda_=rn.ScheduledForgetting({50: 1.0}, 0.9))
     later = settings(target_changes=[[40, {"model": "filter", "G_f": "-2/q"}]]).target_changes
     assert list(later) == [40] and later[40].numerator.ravel().tolist() == [0, -2]
     weights = settings(R_z={"z_squared": 1, "constant": 2}, R_u={"z_squared": 3})
-    assert weights.R_z == SignalWeight(1, 2) and weights.R_u == SignalWeight(3)
+    assert weights.R_z == rn.SignalWeight(1, 2) and weights.R_u == rn.SignalWeight(3)
 
 
 def test_a_run_that_names_another_kind_drops_what_that_does_not_read():
@@ -141,9 +118,9 @@ def test_a_run_that_names_another_kind_drops_what_that_does_not_read():
     ]  # fmt: skip
     table = case(runs=runs, target={"d_zu": 1, "H": -3})
     built = build(table, "case").runs
-    assert built["b"].settings.structure.taps == pid().taps
-    assert built["c"].settings.update == Gradient(1e-3)
-    assert isinstance(built["d"].settings, FixedController)
+    assert built["b"].settings.structure.taps == rn.pid().taps
+    assert built["c"].settings.update == rn.Gradient(1e-3)
+    assert isinstance(built["d"].settings, rn.FixedController)
     assert built["d"].target.numerator.ravel().tolist() == [0, -1]
     assert built["a"].settings.target.numerator[1] == -3
     assert built["e"].settings.target.numerator[1] == -1, "H is the plant's again"
@@ -155,10 +132,10 @@ def test_several_controllers_share_what_they_do_not_say():
         {"structure": "feedforward", "feedback": "none", "target": {"H": -2}},
     ]
     built = main_run(controllers=both).settings
-    assert isinstance(built, Decentralized) and not built.shared_u
+    assert isinstance(built, rn.Decentralized) and not built.shared_u
     first, second = built.controllers
-    assert first.structure.taps == fir(3).taps and first.update == UD(5.0)
-    assert second.update == UD(0.1) and second.structure.l_r == 1
+    assert first.structure.taps == rn.fir(3).taps and first.update == rn.UD(5.0)
+    assert second.update == rn.UD(0.1) and second.structure.l_r == 1
     assert (first.target.numerator[1], second.target.numerator[1]) == (-1, -2)
     assert main_run(controller={"shared_u": True}, controllers=both).settings.shared_u
 
@@ -175,7 +152,7 @@ def test_plant_changes_go_on_from_each_other():
         {"start": 60, "G": "(q - 1.5)/((q - 0.9)*(q - 0.3))"},
     ]
     plant = main_run(plant={"changes": changes}).plant
-    assert isinstance(plant, PlantSchedule)
+    assert isinstance(plant, rn.PlantSchedule)
     first, louder, late, moved = plant.changes
     assert (louder.plant.B == 2.5 * first.plant.B).all() and louder.plant.blocks == plant.blocks
     assert (louder.plant.D_1 == first.plant.D_1).all(), "only the control acts more strongly"
@@ -215,8 +192,8 @@ def test_a_changing_plant_is_analysed_as_it_ends():
     run, rng = repetition.run, np.random.default_rng(0)
     w = rng.standard_normal((40, 3))
     shifted = main_run(plant={"changes": [{"start": 0, "gain": 1.5, "delay": 2}]}).plant
-    fixed = simulate(plant, run.settings, w).z
-    assert np.abs(fixed - simulate(shifted, run.settings, w).z).max() < 1e-12
+    fixed = rn.simulate(plant, run.settings, w).z
+    assert np.abs(fixed - rn.simulate(shifted, run.settings, w).z).max() < 1e-12
     with pytest.raises(InputError, match="changes during the run"):
         repetition.split  # noqa: B018
 
@@ -388,7 +365,7 @@ def test_a_sample_time_goes_with_the_run_and_changes_no_number(changes, tmp_path
     table = {**WITH_SAMPLE_TIME, "plant": plant}
     run = build(table, "case.toml").main_run.execute().first.run
     run.save(tmp_path / "run.npz")
-    for one in (run, load_run(tmp_path / "run.npz")):
+    for one in (run, rn.load_run(tmp_path / "run.npz")):
         assert one.sample_time == one.compensator.to_control().dt == 0.1
         assert one.compensator_at(20).to_control().dt == 0.1
     without = {key: value for key, value in plant.items() if key != "sample_time"}

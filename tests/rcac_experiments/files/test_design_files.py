@@ -4,34 +4,20 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError, PrecisionError
 from rcac_experiments import load_experiment
 from rcac_experiments.files import _design_files as files
 from rcac_experiments.files._builder import build
 from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
 from rcac_experiments.files._documents import parsed
-from rcac_numeric import (
-    ControllerLog,
-    DerivedSignal,
-    Harmonic,
-    Levels,
-    Saturation,
-    Step,
-    Structure,
-    Tap,
-    WhiteNoise,
-    design,
-    fir,
-    fir_integrator,
-    pid,
-)
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._trials import RCAC
 
 QUICK = {"seeds": 1, "steps": 300}
-OWN = Structure(
-    [Tap("y", 0, 1), Tap("y", 0, 3), Tap("derived", 0, 1)], 1, 1,
-    derived=[DerivedSignal((1.0,), (0.0,), 0.9)],
+OWN = rn.Structure(
+    [rn.Tap("y", 0, 1), rn.Tap("y", 0, 3), rn.Tap("derived", 0, 1)], 1, 1,
+    derived=[rn.DerivedSignal((1.0,), (0.0,), 0.9)],
 )  # fmt: skip
 
 
@@ -43,14 +29,17 @@ def load_of(found):
 @pytest.mark.parametrize(
     "arguments",
     [
-        {"disturbance": Step(0.5), "noise": 0.01},
-        {"disturbance": Harmonic(0.3, 0.5, 0.1) + WhiteNoise(0.1), "command": 2 * Step(1.0)},
-        {"u_limits": Saturation(low=-1.0, high=2.0, rate=0.5)},
-        {"disturbance": 0.3, "command": Levels([1.0, -1.0], hold=50)},
+        {"disturbance": rn.Step(0.5), "noise": 0.01},
+        {
+            "disturbance": rn.Harmonic(0.3, 0.5, 0.1) + rn.WhiteNoise(0.1),
+            "command": 2 * rn.Step(1.0),
+        },
+        {"u_limits": rn.Saturation(low=-1.0, high=2.0, rate=0.5)},
+        {"disturbance": 0.3, "command": rn.Levels([1.0, -1.0], hold=50)},
     ],
 )
 def test_the_file_says_the_same(arguments, tmp_path):
-    found = design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
+    found = rn.design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
     path = tmp_path / "tuned.toml"
     save_design(found, path)
     experiment = load_experiment(path)
@@ -69,7 +58,7 @@ def test_a_file_is_read_for_a_design(tmp_path):
         '[plant]\nproblem = "servo"\nG = "1/(8*s + 1)"\nsample_time = 0.5\n[signals]\n'
         "r = 1\nd = { step = 0.3 }\nv = { white_noise = 0.02 }\n[saturation]\nlow = -1\nhigh = 1\n"
     )
-    found = design(**design_arguments(file), **QUICK)
+    found = rn.design(**design_arguments(file), **QUICK)
     assert found.model.continuous is not None and found.plant.sample_time == 0.5
     assert (found.expected.noise, found.expected.disturbance.height) == (0.02, 0.3)
     assert {question.name for question in found.questions} == {"plant", "dead_time"}
@@ -79,7 +68,7 @@ def test_a_file_is_read_for_a_design(tmp_path):
 
 
 def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
-    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, **QUICK)
+    found = rn.design("1/(q - 0.9)", disturbance=rn.Step(1.0), noise=0.1, **QUICK)
     monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
     with pytest.raises(PrecisionError, match="does not read back"):
         design_toml(found)
@@ -87,14 +76,14 @@ def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monk
 
 def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
     with pytest.raises(InputError, match="a file holds 2000 values"):
-        files._signal(Levels([0.0, 1.0], hold=900), 3000)
+        files._signal(rn.Levels([0.0, 1.0], hold=900), 3000)
 
 
 def test_the_file_of_a_design_from_a_log_has_both_controllers(tmp_path):
     u = np.random.default_rng(4).standard_normal(1500)
     y = lfilter([0, 0, -0.1], [1, -0.9], u)
     y += 0.05 * np.random.default_rng(5).standard_normal(1500)
-    save_design(design(ControllerLog(u, y), **QUICK), tmp_path / "log.toml")
+    save_design(rn.design(rn.ControllerLog(u, y), **QUICK), tmp_path / "log.toml")
     assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
 
 
@@ -102,17 +91,17 @@ def test_the_file_of_a_design_from_a_log_has_both_controllers(tmp_path):
 @pytest.mark.parametrize(
     "asked",
     [
-        {"structure": pid("DI")},
-        {"structure": fir(6)},
-        {"structure": fir_integrator(5)},
+        {"structure": rn.pid("DI")},
+        {"structure": rn.fir(6)},
+        {"structure": rn.fir_integrator(5)},
         {"structure": OWN},
-        {"command": Step(1.0), "feedforward": True},
+        {"command": rn.Step(1.0), "feedforward": True},
     ],
     ids=["DI", "FIR", "FIR and integrator", "taps", "feedforward"],
 )
 def test_the_file_of_a_design_of_a_structure_says_the_same(asked):
     G = "1/((20*s + 1)*(3*s + 1))"
-    found = design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **asked)
+    found = rn.design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **asked)
     read = load_of(found)
     assert equal(read.runs[RCAC].settings, found.settings)
     assert equal(read.runs["fixed"].settings, found.frozen)

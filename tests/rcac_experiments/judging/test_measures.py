@@ -5,36 +5,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from rcac_experiments.dissertation import load_example
 from rcac_experiments.files._builder import build
 from rcac_experiments.judging._measures import MEASURES
-from rcac_numeric import (
-    ClosedLoop,
-    Compensator,
-    SignalWeight,
-    TargetModel,
-    compare_exactly,
-    iir,
-    pole_placement_target,
-    servo_plant,
-    split_residual,
-    stability_margins,
-    standard_plant,
-)
 
 
 def repetition(z, theta, stride=1):
     """A run of x(k+1) = 0.5 x + u with the first-order controllers theta = (p, q)."""
     theta = np.array(theta, dtype=float)
-    structure = iir(1)
+    structure = rn.iir(1)
     run = SimpleNamespace(
         z=np.array(z, dtype=float).reshape(-1, 1),
         theta=theta,
         theta_final=theta[-1],
         stride=stride,
         steps=len(z),
-        plant=standard_plant("1/(q - 0.5)"),
+        plant=rn.standard_plant("1/(q - 0.5)"),
         settings=SimpleNamespace(structure=structure, compensator_of=structure.compensator),
         compensator=structure.compensator(theta[-1]),
         compensator_at=lambda k: structure.compensator(theta[k // stride]),
@@ -130,7 +118,7 @@ def test_an_fir_controller_may_be_exactly_proper():
 
     assert fir(3, k_c=0).l_theta == 4
     controller = fir(1, k_c=0).compensator([2.0, 3.0])
-    assert isinstance(controller, Compensator)
+    assert isinstance(controller, rn.Compensator)
     assert controller.numerator.tolist() == [2.0, 3.0]
 
 
@@ -141,12 +129,12 @@ def test_a_weight_written_as_z_squared():
         "controller": {"n_c": 1, "R_theta": 1.0, "R_u": {"z_squared": 0.5}},
         "run": {"steps": 10},
     }
-    assert build(table, "case").main_run.settings.R_u == SignalWeight(z_squared=0.5)
+    assert build(table, "case").main_run.settings.R_u == rn.SignalWeight(z_squared=0.5)
 
 
 def test_of_the_cost():
     """A first-order plant: the cost is 1/(1 - p^2), and no controller goes below 1."""
-    plant = standard_plant("1/(q - 0.5)")
+    plant = rn.standard_plant("1/(q - 0.5)")
     run = SimpleNamespace(plant=plant)
 
     def closed_with(pole):
@@ -155,7 +143,7 @@ def test_of_the_cost():
         p = 2 * pole - 0.5
         q = 0.5 * p - pole**2
         return SimpleNamespace(
-            run=run, plant=plant, loop=ClosedLoop(plant, iir(1).compensator([p, q]))
+            run=run, plant=plant, loop=rn.ClosedLoop(plant, rn.iir(1).compensator([p, q]))
         )
 
     best = closed_with(0.0)
@@ -172,10 +160,10 @@ def test_of_the_cost():
 
 def test_of_the_cost_without_what_w_adds_directly():
     """(4.21) leaves E_0 w out: of z = e_n the noise v itself."""
-    measured, true = (servo_plant("1/(q - 0.5)", performance=p) for p in ("measured", "true"))
+    measured, true = (rn.servo_plant("1/(q - 0.5)", performance=p) for p in ("measured", "true"))
     noise = {"d": 1.0, "v": 0.25}
-    controller = iir(1).compensator([0.1, -0.2])
-    a, b = (SimpleNamespace(plant=p, loop=ClosedLoop(p, controller)) for p in (measured, true))
+    controller = rn.iir(1).compensator([0.1, -0.2])
+    a, b = (SimpleNamespace(plant=p, loop=rn.ClosedLoop(p, controller)) for p in (measured, true))
     for name in ("h2_cost", "high_authority_cost"):
         with_v = MEASURES[name](a, noise=noise)
         assert MEASURES[name](a, noise=noise, direct=False) == pytest.approx(with_v - 0.25)
@@ -186,33 +174,33 @@ def test_of_the_cost_without_what_w_adds_directly():
 
 def test_of_the_response_from_one_channel():
     """The direct part of v hides the difference that the response from d shows."""
-    plant = servo_plant("1/(q - 0.5)")
-    r = SimpleNamespace(plant=plant, loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    plant = rn.servo_plant("1/(q - 0.5)")
+    r = SimpleNamespace(plant=plant, loop=rn.ClosedLoop(plant, rn.iir(1).compensator([0.0, 0.0])))
     noise = {"d": 1.0, "v": 4.0}
     of_d = MEASURES["high_authority_response_distance"](r, noise=noise, response_from="d")
     assert of_d > MEASURES["high_authority_response_distance"](r, noise=noise) > 0
 
 
 def test_of_whether_there_is_an_lqg_controller():
-    there, none = (standard_plant(G) for G in ("(q - 2)/(q*(q - 0.5))", "(q - 1)/(q*(q - 0.5))"))
+    there, none = (rn.standard_plant(G) for G in ("(q - 2)/(q*(q - 0.5))", "(q - 1)/(q*(q - 0.5))"))
     assert MEASURES["high_authority_exists"](SimpleNamespace(plant=there)) == 1
     assert MEASURES["high_authority_exists"](SimpleNamespace(plant=none)) == 0
 
 
 def test_of_the_margins():
     """q^2 - q - 2 + 2.5 gain: stable for 0.8 < gain < 1.2, poles at -1 and at exp(+-j pi/3)."""
-    plant = standard_plant("1/(q - 2)")
-    controller = Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
-    r = SimpleNamespace(loop=ClosedLoop(plant, controller))
+    plant = rn.standard_plant("1/(q - 2)")
+    controller = rn.Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
+    r = SimpleNamespace(loop=rn.ClosedLoop(plant, controller))
     assert MEASURES["margin"](r) == pytest.approx(1.2)
     assert MEASURES["margin"](r, kind="gain down") == pytest.approx(0.8)
     assert MEASURES["margin_frequency"](r, kind="gain up") == pytest.approx(np.pi / 3)
     assert MEASURES["margin_frequency"](r, kind="gain down") == pytest.approx(0)
-    margins = stability_margins(r.loop)
+    margins = rn.stability_margins(r.loop)
     assert MEASURES["margin"](r, kind="delay") == margins.delay.value
     assert MEASURES["margin"](r, kind="phase lag") == margins.phase_lag.value
     assert MEASURES["margin"](r, kind="phase lead") == margins.phase_lead.value
-    unstable = SimpleNamespace(loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    unstable = SimpleNamespace(loop=rn.ClosedLoop(plant, rn.iir(1).compensator([0.0, 0.0])))
     assert np.isnan(MEASURES["margin"](unstable)), "an unstable loop has no margin"
     with pytest.raises(InputError, match="kind = 'gain' is not known"):
         MEASURES["margin"](r, kind="gain")
@@ -240,19 +228,25 @@ def test_of_the_residual():
 
 def test_of_the_residual_from_an_initial_state():
     """With w = 0 and theta* = theta the residual is the free response, and no error is in it."""
-    plant = standard_plant("1/(q - 0.5)")
+    plant = rn.standard_plant("1/(q - 0.5)")
     free = 0.5 ** np.arange(9.0)[:, None]
     r = SimpleNamespace(
-        split=split_residual(
-            plant, iir(1).compensator([0.0, 0.0]), TargetModel([0, 2], [1]),
+        split=rn.split_residual(
+            plant, rn.iir(1).compensator([0.0, 0.0]), rn.TargetModel([0, 2], [1]),
             u=0 * free, y=free, z=free, w=0 * free,
         )
     )  # fmt: skip
     assert MEASURES["matching_error_share"](r) == 0
     u = np.eye(9)[:, :1]  # one step of u~: the loop answers 0.5^(k - 1), the target model 2 once
     y = free + np.r_[[[0.0]], free[:-1]]
-    r.split = split_residual(
-        plant, iir(1).compensator([0.0, 0.0]), TargetModel([0, 2], [1]), u=u, y=y, z=y, w=0 * u
+    r.split = rn.split_residual(
+        plant,
+        rn.iir(1).compensator([0.0, 0.0]),
+        rn.TargetModel([0, 2], [1]),
+        u=u,
+        y=y,
+        z=y,
+        w=0 * u,
     )
     error = 1 + np.sum(free[1:-1] ** 2)
     assert MEASURES["matching_error_share"](r) == pytest.approx(error / np.sum(free**2))
@@ -260,8 +254,8 @@ def test_of_the_residual_from_an_initial_state():
 
 def test_of_the_cost_with_intensities():
     """d and v of a servo problem with their own intensities; the command is no noise."""
-    plant = servo_plant("1/(q - 0.5)", performance="true")
-    r = SimpleNamespace(plant=plant, loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    plant = rn.servo_plant("1/(q - 0.5)", performance="true")
+    r = SimpleNamespace(plant=plant, loop=rn.ClosedLoop(plant, rn.iir(1).compensator([0.0, 0.0])))
     noise = {"d": 4.0, "v": 1.0}
     assert MEASURES["h2_cost"](r, noise=noise) == pytest.approx(4 / 0.75)
     assert MEASURES["high_authority_cost"](r, noise=noise) < 4 / 0.75
@@ -270,12 +264,14 @@ def test_of_the_cost_with_intensities():
 
 
 def test_of_the_characteristic_polynomial():
-    plant = standard_plant("1/(q - 2)")
-    converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 2**-20]]])
-    comparison = compare_exactly(plant, converged, pole_placement_target(plant, ["1/2", "1/4"]))
+    plant = rn.standard_plant("1/(q - 2)")
+    converged = rn.Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 2**-20]]])
+    comparison = rn.compare_exactly(
+        plant, converged, rn.pole_placement_target(plant, ["1/2", "1/4"])
+    )
     r = SimpleNamespace(comparison=comparison)
     assert MEASURES["polynomial_distance"](r) == 2**-20
-    target = TargetModel([0, 1], [1, -0.5])
-    r = SimpleNamespace(comparison=compare_exactly(plant, converged, target))
+    target = rn.TargetModel([0, 1], [1, -0.5])
+    r = SimpleNamespace(comparison=rn.compare_exactly(plant, converged, target))
     with pytest.raises(InputError, match="no characteristic polynomial"):
         MEASURES["polynomial_distance"](r)

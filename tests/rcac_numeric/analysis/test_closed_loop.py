@@ -8,20 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import ImproperError
-from rcac_numeric import (
-    ClosedLoop,
-    Compensator,
-    Plant,
-    Simulator,
-    TargetModel,
-    compare_exactly,
-    fir_target,
-    intercalated_match,
-    split_residual,
-    standard_plant,
-)
 from rcac_numeric.analysis._exact_comparison import pairing
 from tests.support.examples import EXAMPLE_4_6, EXAMPLE_4_7, EXAMPLE_4_8
 from tests.support.strategies import plants, seeds, targets
@@ -34,7 +23,7 @@ def compensators(draw, l_u, l_y):
     P = rng.uniform(-0.3, 0.3, (n_c, l_u, l_u))
     Q = rng.uniform(-0.3, 0.3, (n_c + 1, l_u, l_y))
     Q[0] *= draw(st.booleans())
-    return Compensator(P, Q)
+    return rn.Compensator(P, Q)
 
 
 def evaluate(compensator, q):
@@ -63,7 +52,7 @@ def test_responses_are_the_formulas_of_the_text(data):
     plant = data.draw(plants(feedthrough=data.draw(st.booleans())))
     compensator = data.draw(compensators(plant.l_u, plant.l_y))
     omega = np.array([0.3, 1.1, 2.9])
-    loop = ClosedLoop(plant, compensator)
+    loop = rn.ClosedLoop(plant, compensator)
     Gzw, intercalated = loop.frequency_response(omega), loop.intercalated_response(omega)
     for i, q in enumerate(np.exp(1j * omega)):
         G_zw, G_zu, G_yw, G_yu = open_loop(plant, q)
@@ -84,7 +73,7 @@ def test_poles_agree_with_python_control(data):
     G = control.ss(plant.A, plant.B, plant.C, plant.D_0, True)
     theirs = control.feedback(G, compensator.to_control(), sign=+1).poles()
     assert len(theirs) == plant.n + plant.l_u * compensator.n_c
-    ours = np.poly(ClosedLoop(plant, compensator).poles())
+    ours = np.poly(rn.ClosedLoop(plant, compensator).poles())
     assert ours == pytest.approx(np.poly(theirs), abs=1e-10 * max(1, np.abs(ours).max()))
 
 
@@ -95,26 +84,26 @@ def test_the_residual_splits_exactly(data, seed):
     compensator = data.draw(compensators(plant.l_u, plant.l_y))
     target = data.draw(targets(plant.l_z, plant.l_u))
     try:
-        ClosedLoop(plant, compensator)
+        rn.ClosedLoop(plant, compensator)
     except ImproperError:
         return
     rng = np.random.default_rng(seed)
     w, u = rng.standard_normal((20, plant.l_w)), rng.standard_normal((20, plant.l_u))
-    body, y, z = Simulator(plant), [], []
+    body, y, z = rn.Simulator(plant), [], []
     for k in range(20):
         y_k, z_k = body.output(u[k], w[k])
         body.advance(u[k], w[k])
         y.append(y_k)
         z.append(z_k)
-    split = split_residual(plant, compensator, target, u=u, y=np.array(y), z=np.array(z), w=w)
-    growth = max(1.0, ClosedLoop(plant, compensator).spectral_radius) ** 20
+    split = rn.split_residual(plant, compensator, target, u=u, y=np.array(y), z=np.array(z), w=w)
+    growth = max(1.0, rn.ClosedLoop(plant, compensator).spectral_radius) ** 20
     assert split.identity_error < 1e-11 * growth
 
 
 def test_the_split_explains_a_run():
     """In Example 4.7 the match is good, so what is left of z is the disturbance response."""
     run = EXAMPLE_4_7.run()
-    split = split_residual(
+    split = rn.split_residual(
         run.plant, run.compensator, run.settings.target, u=run.u, y=run.y, z=run.z, w=run.w
     )
     power = split.power()
@@ -130,8 +119,8 @@ def test_the_split_explains_a_run():
 def test_certified_poles_are_the_eigenvalues():
     """Two routes to the closed-loop poles: exact polynomial and float64 eigenvalues."""
     run = EXAMPLE_4_7.run()
-    comparison = compare_exactly(run.plant, run.compensator, run.settings.target)
-    eigenvalues = ClosedLoop(run.plant, run.compensator).poles()
+    comparison = rn.compare_exactly(run.plant, run.compensator, run.settings.target)
+    eigenvalues = rn.ClosedLoop(run.plant, run.compensator).poles()
     assert max(abs(a - b) for a, b in pairing(comparison.poles, eigenvalues)) < 1e-8
     assert comparison.worst_distance < 1e-5
     assert comparison.spectrum_distance < 1e-5
@@ -146,7 +135,7 @@ def test_certified_poles_are_the_eigenvalues():
 def test_zeros_from_each_channel_of_the_servo_problem():
     """(2.27): from r and v the zeros are those of D D_c, from d those of N D_c."""
     run = EXAMPLE_4_6.run()
-    zeros = compare_exactly(run.plant, run.compensator, run.settings.target).zeros
+    zeros = rn.compare_exactly(run.plant, run.compensator, run.settings.target).zeros
     N, D = [1, -1.4, 0.85], np.poly([1.05, 0.8 + 0.5j, 0.8 - 0.5j]).real
     for channel, plant_part in (("r", D), ("v", D), ("d", N)):
         expected = np.roots(np.convolve(run.compensator.denominator, plant_part))
@@ -158,44 +147,46 @@ def test_an_exactly_placed_loop_matches_its_target():
     """The compensator that the theory asks for, rounded once, gives G_f in float64."""
     run = EXAMPLE_4_8.run()
     plant, target = run.plant, run.settings.target
-    asked = compare_exactly(plant, run.compensator, target).compensators
+    asked = rn.compare_exactly(plant, run.compensator, target).compensators
     D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
     N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]
     N_c = [Fraction(0)] * (len(D_c) - len(N_c)) + N_c
-    ideal = Compensator(past_u=[[[-float(c)]] for c in D_c[1:]], past_y=[[[float(c)]] for c in N_c])
-    assert intercalated_match(ClosedLoop(plant, ideal), target).worst < 1e-9
-    assert compare_exactly(plant, ideal, target).worst_distance < 1e-9
+    ideal = rn.Compensator(
+        past_u=[[[-float(c)]] for c in D_c[1:]], past_y=[[[float(c)]] for c in N_c]
+    )
+    assert rn.intercalated_match(rn.ClosedLoop(plant, ideal), target).worst < 1e-9
+    assert rn.compare_exactly(plant, ideal, target).worst_distance < 1e-9
 
 
 def test_what_cannot_be_reached_is_said():
-    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    wrong_zero = TargetModel([0.0, 1.0, -0.3])
-    ideal = Compensator(past_u=[[[0.1]]], past_y=[[[0.0]], [[0.2]]])
-    comparison = compare_exactly(plant, ideal, wrong_zero)
+    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    wrong_zero = rn.TargetModel([0.0, 1.0, -0.3])
+    ideal = rn.Compensator(past_u=[[[0.1]]], past_y=[[[0.0]], [[0.2]]])
+    comparison = rn.compare_exactly(plant, ideal, wrong_zero)
     assert comparison.asked is None and comparison.obstacle
     assert np.isnan(comparison.spectrum_distance)
     assert np.isfinite(comparison.worst_distance)
 
 
 def test_ill_posed_and_misfitting_loops_are_refused():
-    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[2.0]])
+    plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[2.0]])
     with pytest.raises(ImproperError, match="I - Q_0 D_0 is singular"):
-        ClosedLoop(plant, Compensator(past_u=[[[0.1]]], past_y=[[[0.5]], [[0.2]]]))
+        rn.ClosedLoop(plant, rn.Compensator(past_u=[[[0.1]]], past_y=[[[0.5]], [[0.2]]]))
     with pytest.raises(InputError, match="l_y = 2"):
-        ClosedLoop(plant, Compensator(past_u=[[[0.1]]], past_y=np.zeros((2, 1, 2))))
+        rn.ClosedLoop(plant, rn.Compensator(past_u=[[[0.1]]], past_y=np.zeros((2, 1, 2))))
     with pytest.raises(InputError, match=r"past_u has shape \(1, 1\)"):
-        Compensator(past_u=[[0.1]], past_y=[[0.1]])
+        rn.Compensator(past_u=[[0.1]], past_y=[[0.1]])
     with pytest.raises(InputError, match="scalar"):
-        compare_exactly(
-            Plant(A=np.eye(2) / 2, B=np.eye(2), D_1=np.eye(2), C=np.eye(2)),
-            Compensator(past_u=np.zeros((1, 2, 2)), past_y=np.zeros((2, 2, 2))),
-            TargetModel(np.zeros((1, 2, 2)) + 1),
+        rn.compare_exactly(
+            rn.Plant(A=np.eye(2) / 2, B=np.eye(2), D_1=np.eye(2), C=np.eye(2)),
+            rn.Compensator(past_u=np.zeros((1, 2, 2)), past_y=np.zeros((2, 2, 2))),
+            rn.TargetModel(np.zeros((1, 2, 2)) + 1),
         )
 
 
 def test_fir_target_of_a_plant_is_the_limit_of_its_intercalated_response():
-    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    target = fir_target(plant)
+    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    target = rn.fir_target(plant)
     omega = np.array([0.5, 1.5])
     expected = np.exp(-1j * omega)
     assert target.frequency_response(omega)[:, 0, 0] == pytest.approx(expected)

@@ -5,22 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    compare_exactly,
-    feedforward,
-    fir,
-    iir,
-    pid,
-    pole_placement_target,
-    standard_plant,
-)
+import rcac_numeric as rn
 
 PLANTS = ("1/(q - 0.9)", "1/((q - 0.8)*(q - 0.5))", "(q - 0.4)/((q - 1.1)*(q - 0.6))")
 
 
 def comparison(plant, structure, theta, poles):
-    target = pole_placement_target(plant, poles)
-    return compare_exactly(plant, structure.compensator(theta), target)
+    target = rn.pole_placement_target(plant, poles)
+    return rn.compare_exactly(plant, structure.compensator(theta), target)
 
 
 @given(
@@ -29,8 +21,8 @@ def comparison(plant, structure, theta, poles):
     seed=st.integers(0, 1000),
 )
 def test_iir_of_the_plants_order_places_them_whatever_it_is_now(plant, poles, seed):
-    plant = standard_plant(plant)
-    structure = iir(plant.n + 1)
+    plant = rn.standard_plant(plant)
+    structure = rn.iir(plant.n + 1)
     theta = np.random.default_rng(seed).uniform(-1, 1, structure.l_theta)
     found = comparison(plant, structure, theta, [f"{p}/10" for p in poles])
     assert found.can_be_placed_by(structure) is True
@@ -38,7 +30,7 @@ def test_iir_of_the_plants_order_places_them_whatever_it_is_now(plant, poles, se
 
 def test_two_gains_place_what_two_gains_make_and_nothing_else():
     """PI on 1/(q - a): q^3 - (1 + a + k) q^2 + ..., by hand: u = k_p y(k-1) + k_i sum, (2.58)."""
-    plant, structure = standard_plant("1/(q - 9/10)"), pid("PI")
+    plant, structure = rn.standard_plant("1/(q - 9/10)"), rn.pid("PI")
     theta = np.array([-0.2, -0.05])
     n_c = structure.compensator(theta).n_c
     reached = comparison(plant, structure, theta, ["1/2"]).reached
@@ -58,10 +50,10 @@ def test_two_gains_place_what_two_gains_make_and_nothing_else():
 
 
 def test_what_is_not_from_y_to_u_alone_is_not_decided():
-    plant = standard_plant(PLANTS[0])
-    found = comparison(plant, iir(2), np.zeros(4), ["1/2"])
-    assert found.can_be_placed_by(feedforward(2)) is None
-    assert found.can_be_placed_by(fir(2)) is False  # no past u: fewer than the loop has poles
+    plant = rn.standard_plant(PLANTS[0])
+    found = comparison(plant, rn.iir(2), np.zeros(4), ["1/2"])
+    assert found.can_be_placed_by(rn.feedforward(2)) is None
+    assert found.can_be_placed_by(rn.fir(2)) is False  # no past u: fewer than the loop has poles
 
 
 @pytest.mark.parametrize("kind", ["P", "PI", "PID"])
@@ -69,7 +61,7 @@ def test_the_report_says_it_is_the_structure(kind):
     """A loop of two gains opens with what they cannot do, and in no alarm."""
     from rcac_numeric.reports._loop import missed_poles
 
-    plant, structure = standard_plant(PLANTS[1]), pid(kind)
+    plant, structure = rn.standard_plant(PLANTS[1]), rn.pid(kind)
     found = comparison(plant, structure, np.full(structure.l_theta, -0.1), ["1/2", "1/4"])
     (line,) = missed_poles(found, structure)
     assert line.level == "warning" and f"{structure.l_theta} coefficients" in line.words

@@ -3,16 +3,7 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import (
-    UD,
-    CoefficientBounds,
-    ControllerSettings,
-    Plant,
-    TargetModel,
-    iir,
-    loop_health,
-    simulate,
-)
+import rcac_numeric as rn
 from rcac_numeric.checks._health import DRIFT, drift_of
 
 
@@ -23,12 +14,12 @@ def redundant(R_theta, seed, **options):
     """
     rng = np.random.default_rng(seed)
     b = rng.uniform(0.3, 1.5, (1, 3))
-    plant = Plant(A=[[0.6]], B=b, D_1=[[1.0]], C=[[1.0]])
-    settings = ControllerSettings(
-        structure=iir(2, l_u=3), target=TargetModel(np.stack([np.zeros((1, 3)), b])),
-        update=UD(R_theta), k_w=10, **options,
+    plant = rn.Plant(A=[[0.6]], B=b, D_1=[[1.0]], C=[[1.0]])
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2, l_u=3), target=rn.TargetModel(np.stack([np.zeros((1, 3)), b])),
+        update=rn.UD(R_theta), k_w=10, **options,
     )  # fmt: skip
-    run = simulate(plant, settings, 1 + 0.3 * rng.standard_normal((300, 1)))
+    run = rn.simulate(plant, settings, 1 + 0.3 * rng.standard_normal((300, 1)))
     theta = run.theta_final.reshape(-1, 3)
     beside = theta - (theta @ b.T) @ b / (b @ b.T)
     return run, np.linalg.norm(beside) / np.linalg.norm(theta)
@@ -38,7 +29,7 @@ def redundant(R_theta, seed, **options):
 @pytest.mark.parametrize("R_theta", [1e-4, 1e-8, 1e-12, 1e-14])
 def test_the_drift_is_what_is_off_the_only_excited_direction(R_theta, seed):
     run, off = redundant(R_theta, seed)
-    health = loop_health(run)
+    health = rn.loop_health(run)
     assert 0.5 * off <= health.excitation.drift <= 3 * off
     spoken = [
         w for w in health.warnings if w.code == "rounding" and "nothing excites" in w.sentence
@@ -50,14 +41,14 @@ def test_the_drift_is_what_is_off_the_only_excited_direction(R_theta, seed):
 def test_it_is_spoken_of_where_theta_is_half_rounding():
     run, off = redundant(1e-14, 1)
     assert off > 0.1
-    assert any("nothing excites" in w.sentence for w in loop_health(run).warnings)
-    assert loop_health(redundant(1e-6, 1)[0]).excitation.drift < DRIFT
+    assert any("nothing excites" in w.sentence for w in rn.loop_health(run).warnings)
+    assert rn.loop_health(redundant(1e-6, 1)[0]).excitation.drift < DRIFT
 
 
 def test_where_theta_may_move_otherwise_no_drift_is_claimed():
-    bounds = CoefficientBounds(-1.0, 1.0, method="clip")
+    bounds = rn.CoefficientBounds(-1.0, 1.0, method="clip")
     for options in ({"bounds": bounds}, {"R_u": 0.1}):
-        assert loop_health(redundant(1e-14, 1, **options)[0]).excitation.drift == 0.0
+        assert rn.loop_health(redundant(1e-14, 1, **options)[0]).excitation.drift == 0.0
 
 
 def test_a_direction_that_is_excited_little_is_excited():

@@ -5,16 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
-from rcac_numeric import (
-    ControllerLog,
-    servo_plant,
-    standard_plant,
-)
 from rcac_numeric.checks._hypotheses import decide_problem
 
 G = "0.1*(q - 0.4)/((q - 0.9)*(q - 0.7))"
-PLANTS = {"standard": standard_plant(G), "servo": servo_plant(G)}
+PLANTS = {"standard": rn.standard_plant(G), "servo": rn.servo_plant(G)}
 
 
 @given(
@@ -30,21 +26,21 @@ def test_an_excited_log_tells_its_sign_and_delay_in_any_unit(seed, sign, delay, 
     for k in range(2, 300):
         y[k] = 1.6 * y[k - 1] - 0.63 * y[k - 2] + sign * 0.1 * (late[k - 1] - 0.4 * late[k - 2])
         y[k] += 0.02 * rng.standard_normal()
-    found = decide_problem(ControllerLog(unit * u, unit * y), PLANTS).decided
+    found = decide_problem(rn.ControllerLog(unit * u, unit * y), PLANTS).decided
     assert (found.problem, found.delay) == ("standard" if sign > 0 else "servo", delay)
 
 
 def test_a_log_without_control_is_undecided():
     rng = np.random.default_rng(0)
-    decision = decide_problem(ControllerLog(np.zeros(300), rng.standard_normal(300)), PLANTS)
+    decision = decide_problem(rn.ControllerLog(np.zeros(300), rng.standard_normal(300)), PLANTS)
     assert decision.is_undecided and str(decision).startswith("UNDECIDED")
 
 
 def test_what_cannot_be_compared_is_refused():
-    short = ControllerLog(np.ones(20), np.arange(20.0))
+    short = rn.ControllerLog(np.ones(20), np.arange(20.0))
     with pytest.raises(InputError, match="too few"):
         decide_problem(short, PLANTS)
     with pytest.raises(InputError, match="no choice"):
         decide_problem(short, {"standard": PLANTS["standard"]})
     with pytest.raises(InputError, match="l_y = 2"):
-        decide_problem(ControllerLog(np.ones(200), np.ones((200, 2))), PLANTS)
+        decide_problem(rn.ControllerLog(np.ones(200), np.ones((200, 2))), PLANTS)

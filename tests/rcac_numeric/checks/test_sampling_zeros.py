@@ -4,35 +4,22 @@ import control
 import numpy as np
 import pytest
 
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    ModellingInformation,
-    Step,
-    WhiteNoise,
-    exogenous,
-    fir_target,
-    iir,
-    loop_health,
-    servo_plant,
-    simulate,
-    standard_plant,
-)
+import rcac_numeric as rn
 from rcac_numeric.checks._rules import sampling_zero_remedies
 from rcac_numeric.targets import modelling_information
 
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)
-SAMPLED = servo_plant(G)
+SAMPLED = rn.servo_plant(G)
 H = modelling_information(SAMPLED).H
-CANCELLED, TOLD = fir_target(SAMPLED), fir_target(ModellingInformation(1, H, [-1]))
+CANCELLED, TOLD = rn.fir_target(SAMPLED), rn.fir_target(rn.ModellingInformation(1, H, [-1]))
 SIZES = ("large transient", "large control")
 
 
 def ran(target, R_theta, seed=0):
-    w = exogenous([Step(), Step(0), WhiteNoise(0.01)], 600, seed=seed)
-    settings = ControllerSettings(structure=iir(n_c=4), target=target, update=UD(R_theta))
-    run = simulate(SAMPLED, settings, w)
-    return np.abs(run.u).max(), loop_health(run)
+    w = rn.exogenous([rn.Step(), rn.Step(0), rn.WhiteNoise(0.01)], 600, seed=seed)
+    settings = rn.ControllerSettings(structure=rn.iir(n_c=4), target=target, update=rn.UD(R_theta))
+    run = rn.simulate(SAMPLED, settings, w)
+    return np.abs(run.u).max(), rn.loop_health(run)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -58,11 +45,11 @@ def test_the_zero_is_named_before_R_theta_and_only_it_helps(seed):
     ],
 )  # fmt: skip
 def test_only_real_zeros_near_minus_one_that_the_target_lacks(zeros, left):
-    plant = standard_plant(f"{zeros}/((q - 0.5)*(q - 0.6)*(q - 0.7))")
+    plant = rn.standard_plant(f"{zeros}/((q - 0.5)*(q - 0.6)*(q - 0.7))")
     d_zu = modelling_information(plant).d_zu
 
     def said(told):
-        return sampling_zero_remedies(plant, fir_target(ModellingInformation(d_zu, 1, told)))
+        return sampling_zero_remedies(plant, rn.fir_target(rn.ModellingInformation(d_zu, 1, told)))
 
     assert bool(said([])) == bool(left) and all(zero in said([])[0] for zero in left)
     assert said([-1] * len(left)) == ()

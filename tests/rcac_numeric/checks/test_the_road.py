@@ -2,28 +2,21 @@
 
 import pytest
 
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    Step,
-    WhiteNoise,
-    exogenous,
-    fir_target,
-    iir,
-    loop_health,
-    pole_placement_target,
-    servo_plant,
-    simulate,
-)
+import rcac_numeric as rn
 from rcac_numeric.checks._rules import what_to_expect
 
-DAMPED = servo_plant("0.01/((q**2 - 1.9*q + 0.98)*q**5)")
-W = exogenous([Step(1.0), WhiteNoise(0.1), WhiteNoise(0.01)], 400)
+DAMPED = rn.servo_plant("0.01/((q**2 - 1.9*q + 0.98)*q**5)")
+W = rn.exogenous([rn.Step(1.0), rn.WhiteNoise(0.1), rn.WhiteNoise(0.01)], 400)
 
 
 def warnings_of(**change):
-    known = {"structure": iir(8), "target": fir_target(DAMPED), "update": UD(1e-6), **change}
-    return loop_health(simulate(DAMPED, ControllerSettings(**known), W)).warnings
+    known = {
+        "structure": rn.iir(8),
+        "target": rn.fir_target(DAMPED),
+        "update": rn.UD(1e-6),
+        **change,
+    }
+    return rn.loop_health(rn.simulate(DAMPED, rn.ControllerSettings(**known), W)).warnings
 
 
 def test_a_run_from_zero_names_design_once_and_what_to_expect():
@@ -42,5 +35,5 @@ def test_a_run_that_began_at_a_controller_does_not():
     ("G", "poles"), [("1/((q - 0.9)*(q - 0.5))", ()), ("0.01/((q**2 - 1.9*q + 0.98)*q**5)", (0.9,))]
 )
 def test_nothing_is_said_of_what_fir_suits_or_of_slower_poles(G, poles):
-    plant = servo_plant(G)
-    assert what_to_expect(plant, pole_placement_target(plant, poles)) == ""
+    plant = rn.servo_plant(G)
+    assert what_to_expect(plant, rn.pole_placement_target(plant, poles)) == ""

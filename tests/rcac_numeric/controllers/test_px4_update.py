@@ -13,15 +13,7 @@ import math
 import numpy as np
 import pytest
 
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    Normalization,
-    TargetModel,
-    pid,
-)
+import rcac_numeric as rn
 from tests.support.signals import noise
 
 # The five functions with mu and nu, as published; the second with mu = nu alone.
@@ -77,7 +69,7 @@ class Loop:
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("update", [UD, Covariance])
+@pytest.mark.parametrize("update", [rn.UD, rn.Covariance])
 @pytest.mark.parametrize("R_u", [0.0, 0.01, 1.0])
 @pytest.mark.parametrize("name", [None, *FUNCTIONS])
 def test_the_engine_runs_the_published_update(name, R_u, update):
@@ -88,16 +80,16 @@ def test_the_engine_runs_the_published_update(name, R_u, update):
     f = (lambda z: z) if name is None else (lambda z: FUNCTIONS[name](z, mu, nu))
     N, limit = 0.8, 0.8
     told = as_published(loop, loop.take, P_0=0.1, N=N, R_u=R_u, f=f, limit=limit)
-    settings = ControllerSettings(
-        structure=pid(k_c=0, integral_limit=limit),
-        target=TargetModel([0, 0, N]),
+    settings = rn.ControllerSettings(
+        structure=rn.pid(k_c=0, integral_limit=limit),
+        target=rn.TargetModel([0, 0, N]),
         update=update(10.0),
         form="filter",
         k_w=4,
         R_u_unfiltered=R_u,
-        z_normalization=None if name is None else Normalization(mu, nu, name),
+        z_normalization=None if name is None else rn.Normalization(mu, nu, name),
     )
-    controller, again, u = Controller(settings), Loop(w), []
+    controller, again, u = rn.Controller(settings), Loop(w), []
     for z in again:
         u.append(float(controller.step(z, z)[0]))
         again.take(u[-1])

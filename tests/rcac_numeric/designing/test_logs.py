@@ -6,17 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric import (
-    ClosedLoop,
-    ControllerLog,
-    Recorded,
-    Step,
-    WhiteNoise,
-    design,
-    exogenous,
-    simulate,
-)
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._logs import PARTS, plant_from_log
 from rcac_numeric.designing._plants import read_plant
@@ -31,12 +22,12 @@ def log_of(steps=1500, noise=0.05, seed=4, u_unit=1.0, y_unit=1.0, offset=3.0):
     u = rng.standard_normal(steps)
     y = lfilter([0, 0, 0, -0.1, -0.05], np.poly([0.9, 0.6]), u)
     e = noise * lfilter([1.0], [1.0, -0.8], rng.standard_normal(steps))
-    return ControllerLog(u_unit * u, y_unit * (y + e + offset))
+    return rn.ControllerLog(u_unit * u, y_unit * (y + e + offset))
 
 
 @pytest.fixture(scope="module")
 def found():
-    return design(log_of(), sample_time=0.5, **QUICK)
+    return rn.design(log_of(), sample_time=0.5, **QUICK)
 
 
 @pytest.mark.costly
@@ -44,7 +35,7 @@ def test_the_controller_is_one_for_the_plant_of_the_log(found):
     true = read_plant(TRUE, None, 2)
     assert (found.model.delay, found.model.sign) == (2, "-") and found.plant.sample_time == 0.5
     assert found.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
-    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
 
 
 def test_what_the_log_shows_of_itself_is_evidence(found):
@@ -64,7 +55,7 @@ def test_what_the_log_shows_of_itself_is_evidence(found):
 
 @pytest.mark.costly
 def test_what_is_told_is_not_asked():
-    told = design(log_of(), disturbance=Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
+    told = rn.design(log_of(), disturbance=rn.Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
     assert [question.name for question in told.questions] == ["plant", "plant", "dead_time"]
     assert told.expected.noise == 0.01
 
@@ -88,9 +79,9 @@ def test_a_dead_time_that_is_known_is_kept():
 def test_a_log_of_two_inputs_or_of_none_is_refused():
     two = np.random.default_rng(1).standard_normal((500, 2))
     with pytest.raises(InputError, match="2 controls"):
-        design(ControllerLog(two, two[:, 0]), **QUICK)
+        rn.design(rn.ControllerLog(two, two[:, 0]), **QUICK)
     with pytest.raises(InputError, match="does not show"):
-        design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
+        rn.design(rn.ControllerLog(two[:, 0], two[:, 1]), **QUICK)
 
 
 @pytest.mark.costly
@@ -98,12 +89,12 @@ def test_a_plant_that_integrates_has_its_pole_at_1(found):
     rng = np.random.default_rng(440012)
     u = rng.standard_normal(2000)
     y = lfilter([0, 0, 0.05], np.poly([1.0, 0.8]), u)
-    log = ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
-    integrating = design(log, **QUICK)
+    log = rn.ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
+    integrating = rn.design(log, **QUICK)
     logged, true = integrating.logged, read_plant("0.05/((q - 1)*(q - 0.8))", None, 0)
     assert logged.model.integrators == 1 and not logged.integrates and logged.held_out < 1.1
     assert np.abs(np.linalg.eigvals(integrating.model.A) - 1).min() < 1e-12
-    assert sensitivity_peak(ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
     assert any("pole at 1" in question.words for question in integrating.questions)
     assert found.logged.model.integrators == 0 and found.logged.held_out is None
 
@@ -125,37 +116,37 @@ def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monk
 
     monkeypatch.setattr(Ladder, "best", of_order_1)
     least = 1
-    lower = design(log_of(), **QUICK)
+    lower = rn.design(log_of(), **QUICK)
     assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2
     assert any("no such controller" in question.words for question in lower.questions)
     true = read_plant(TRUE, None, 2)
-    assert sensitivity_peak(ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
     least = 0
     with pytest.raises(NoSolutionError, match="no such controller"):
-        design(log_of(), **QUICK)
+        rn.design(log_of(), **QUICK)
 
 
 def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
     """A log of 1/((q - 1.05)(q - 0.5)), one step late, held by LQG; and the plant."""
     true = read_plant("0.1/((q - 1.05)*(q - 0.5))", None, 1)
-    holding = design(true.servo(), disturbance=1.0, noise=noise, **QUICK).fixed
+    holding = rn.design(true.servo(), disturbance=1.0, noise=noise, **QUICK).fixed
     r = dither * np.repeat(np.random.default_rng(seed).choice([-1.0, 1.0], steps // 10), 10)
-    w = exogenous([Recorded(r), Step(0.0), WhiteNoise(noise)], steps, seed)
-    run = simulate(true.servo(), holding, w)
+    w = rn.exogenous([rn.Recorded(r), rn.Step(0.0), rn.WhiteNoise(noise)], steps, seed)
+    run = rn.simulate(true.servo(), holding, w)
     return run.u[:, 0], r - run.y[:, 0], r, true
 
 
 @pytest.mark.costly
 def test_an_unstable_plant_from_the_log_of_its_loop():
     u, y, r, true = looped()
-    found = design(ControllerLog(u, y), **QUICK)
+    found = rn.design(rn.ControllerLog(u, y), **QUICK)
     assert found.logged.is_closed and found.model.delay == 1
     assert np.abs(np.linalg.eigvals(found.model.A)).max() == pytest.approx(1.05, abs=0.01)
     assert found.logged.noise == pytest.approx(0.05, rel=0.15)
-    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
     assert "standard errors" in found.questions[0].words
     assert not any("stabilised loop" in question.words for question in found.questions)
-    with_r = design(ControllerLog(u, y, r=r), **QUICK)
+    with_r = rn.design(rn.ControllerLog(u, y, r=r), **QUICK)
     assert equal(with_r.settings, found.settings)
 
 
@@ -164,8 +155,8 @@ def test_an_unstable_plant_from_the_log_of_its_loop():
 @pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
 def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
     u, y, *_ = looped()
-    one = design(ControllerLog(u, y), sample_time=1.0, **QUICK)
-    other = design(ControllerLog(u_unit * u, y_unit * y), sample_time=period, **QUICK)
+    one = rn.design(rn.ControllerLog(u, y), sample_time=1.0, **QUICK)
+    other = rn.design(rn.ControllerLog(u_unit * u, y_unit * y), sample_time=period, **QUICK)
     ours, theirs = one.fixed.compensator, other.fixed.compensator
     assert np.allclose(theirs.past_u, ours.past_u, rtol=1e-6)
     assert np.allclose(theirs.past_y * y_unit / u_unit, ours.past_y, rtol=1e-6)
@@ -177,7 +168,7 @@ def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, pe
 def test_a_loop_that_nothing_moves_shows_no_plant():
     u, y, *_ = looped(dither=0.0)
     with pytest.raises(InputError, match="u follows from y"):
-        design(ControllerLog(u, y), **QUICK)
+        rn.design(rn.ControllerLog(u, y), **QUICK)
 
 
 @pytest.mark.costly
@@ -190,7 +181,7 @@ def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
         y[k] = 0.5 * e[k] + (0.5 * y[k - 1] + u[k - 1] + u[k - 19] if k > 19 else 0.0)
         u[k] = r[k] - 0.1 * y[k]
     with pytest.raises(InputError, match="no model tells the plant from the loop"):
-        plant_from_log(ControllerLog(u, y, r=r))
+        plant_from_log(rn.ControllerLog(u, y, r=r))
 
 
 def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel_at_rest():

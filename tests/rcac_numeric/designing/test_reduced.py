@@ -5,29 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric import (
-    ClosedLoop,
-    Compensator,
-    DerivedSignal,
-    FixedController,
-    Harmonic,
-    ModellingInformation,
-    Saturation,
-    Step,
-    Structure,
-    Tap,
-    Uncertainty,
-    cold_start,
-    design,
-    feedforward,
-    fir,
-    fir_integrator,
-    iir,
-    intercalated_match,
-    pid,
-    simulate,
-)
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant, variations
@@ -38,17 +17,19 @@ from rcac_numeric.designing._trials import FULL, measured
 from rcac_numeric.targets import DirectionInformation
 
 LAGS = "1/((20*s + 1)*(3*s + 1))"
-OWN = Structure(
-    [Tap("y", 0, 1), Tap("y", 0, 3), Tap("derived", 0, 1)], 1, 1,
-    derived=[DerivedSignal((1.0,), (0.0,), 0.9)],
+OWN = rn.Structure(
+    [rn.Tap("y", 0, 1), rn.Tap("y", 0, 3), rn.Tap("derived", 0, 1)], 1, 1,
+    derived=[rn.DerivedSignal((1.0,), (0.0,), 0.9)],
 )  # fmt: skip
 
 
-def ladder_of(G, disturbance=Step(0.5), noise=0.01, command=None, dead_time=3.0, saturation=None):
+def ladder_of(
+    G, disturbance=rn.Step(0.5), noise=0.01, command=None, dead_time=3.0, saturation=None
+):
     plant = read_plant(G, 1.0, dead_time)
     half = np.inf if saturation is None else 1.0
     expected, _ = read_expected(disturbance, noise, command, half, plant.low_gain)
-    others = variations(plant, Uncertainty())
+    others = variations(plant, rn.Uncertainty())
     return Ladder(plant, expected, half, others, saturation)
 
 
@@ -56,7 +37,9 @@ def ladder_of(G, disturbance=Step(0.5), noise=0.01, command=None, dead_time=3.0,
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("structure", [pid("PI"), pid("PID"), fir_integrator(8), fir(15), OWN])
+@pytest.mark.parametrize(
+    "structure", [rn.pid("PI"), rn.pid("PID"), rn.fir_integrator(8), rn.fir(15), OWN]
+)
 def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
     ladder = ladder_of(LAGS)
     found = reduced_reference(ladder, structure)
@@ -72,13 +55,13 @@ def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
 def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
     ladder = ladder_of(LAGS)
     w, errors = ladder.expected.w(2000, seed=5), []
-    for one in (ladder.best(), reduced_reference(ladder, fir_integrator(20))):
-        errors.append(measured(simulate(ladder.plant.servo(), one.fixed, w))[1])
+    for one in (ladder.best(), reduced_reference(ladder, rn.fir_integrator(20))):
+        errors.append(measured(rn.simulate(ladder.plant.servo(), one.fixed, w))[1])
     assert errors[1] < 1.1 * errors[0]
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("structure", [pid("PI"), OWN])
+@pytest.mark.parametrize("structure", [rn.pid("PI"), OWN])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
     """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
     ladder = ladder_of(LAGS, dead_time=1.0)
@@ -89,7 +72,7 @@ def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says
     # d adds to u outside the controller: for one of y alone that is where u~ enters.
     w = np.zeros((steps, 3))
     w[0, 1] = 1.0
-    z = simulate(servo, found.fixed, w).z[:, 0]
+    z = rn.simulate(servo, found.fixed, w).z[:, 0]
     response = made.target.frequency_response(np.linspace(0, np.pi, 4097))[:, 0, 0]
     pulse = np.fft.irfft(response, 8192)[:steps]
     assert loop.is_stable
@@ -98,28 +81,28 @@ def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says
 
 def test_a_structure_that_cannot_hold_the_plant_is_refused_by_name():
     with pytest.raises(NoSolutionError, match="no PI controller"):
-        reduced_reference(ladder_of("1/s**2", dead_time=0.0), pid("PI"))
+        reduced_reference(ladder_of("1/s**2", dead_time=0.0), rn.pid("PI"))
 
 
 @pytest.mark.parametrize(
     ("structure", "words"),
     [
-        (iir(3), "its own past u"), (feedforward(3), "reads r"), ("PID", "give one such as"),
-        (pid("PI", 2, 2), "2 controls"),
+        (rn.iir(3), "its own past u"), (rn.feedforward(3), "reads r"), ("PID", "give one such as"),
+        (rn.pid("PI", 2, 2), "2 controls"),
     ],
 )  # fmt: skip
 def test_other_structures_are_refused_by_name(structure, words):
     with pytest.raises(InputError, match=words):
-        design(LAGS, sample_time=1.0, structure=structure)
+        rn.design(LAGS, sample_time=1.0, structure=structure)
 
 
 @pytest.mark.costly
-@pytest.mark.parametrize("structure", [pid("DI"), fir(6), fir_integrator(5), OWN])
+@pytest.mark.parametrize("structure", [rn.pid("DI"), rn.fir(6), rn.fir_integrator(5), OWN])
 def test_a_reduced_design_has_lqg_beside_it(structure):
-    found = design(
+    found = rn.design(
         LAGS, sample_time=1.0, disturbance=0.5, noise=0.01, structure=structure, seeds=1, steps=300
     )
-    assert isinstance(found.alternatives[FULL], FixedController)
+    assert isinstance(found.alternatives[FULL], rn.FixedController)
     assert any(trial.controller == FULL for trial in found.evidence)
     assert found.settings.structure == structure
 
@@ -128,37 +111,39 @@ def test_a_reduced_design_has_lqg_beside_it(structure):
 
 
 def test_feedforward_leaves_the_loop_and_lowers_the_error_of_a_step():
-    ladder = ladder_of(LAGS, command=Step(1.0))
+    ladder = ladder_of(LAGS, command=rn.Step(1.0))
     plain = ladder.best()
     found = with_feedforward(ladder.plant, plain, ladder.expected)
     w = np.zeros((300, 3))
-    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
     assert np.allclose(found.compensator.past_u, plain.compensator.past_u)
     w[:, 1] = 1.0  # what d does is as it was
-    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
     assert np.allclose(ours.z, theirs.z, atol=1e-9)
     w[:, :2] = [1.0, 0.0]
-    ours, theirs = (simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
     assert np.sum(ours.z**2) < np.sum(theirs.z**2)
     assert np.abs(ours.u).max() < np.abs(theirs.u).max()
     assert np.abs(ours.z[-1]).max() < 5e-3
 
 
 def test_a_design_with_feedforward():
-    found = design(
-        LAGS, sample_time=1.0, disturbance=0.1, noise=0.01, command=Step(1.0), feedforward=True,
+    found = rn.design(
+        LAGS, sample_time=1.0, disturbance=0.1, noise=0.01, command=rn.Step(1.0), feedforward=True,
         seeds=1, steps=300,
     )  # fmt: skip
     assert found.settings.l_r == found.fixed.l_r == 1
     first = found.settings.compensator_of(found.settings.theta_0)
     assert np.array_equal(first.past_y, found.fixed.compensator.past_y)
-    alone = Compensator(first.past_u, first.past_y[:, :, :1])
-    assert intercalated_match(ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
+    alone = rn.Compensator(first.past_u, first.past_y[:, :, :1])
+    assert (
+        rn.intercalated_match(rn.ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
+    )
 
 
 def test_feedforward_needs_a_command():
     with pytest.raises(InputError, match="reads the command"):
-        design(LAGS, sample_time=1.0, feedforward=True)
+        rn.design(LAGS, sample_time=1.0, feedforward=True)
 
 
 # The disturbance, and the actuator.
@@ -170,7 +155,7 @@ def test_feedforward_needs_a_command():
 def test_every_sinusoid_that_is_known_has_its_model(first, apart):
     plant = read_plant("0.1/((q - 0.9)*(q - 0.5))", None, 0.0)
     omegas = first, first + apart
-    disturbance = Harmonic(omegas[0], 0.5) + Harmonic(omegas[1], 0.3) + Step(0.2)
+    disturbance = rn.Harmonic(omegas[0], 0.5) + rn.Harmonic(omegas[1], 0.3) + rn.Step(0.2)
     expected, _ = read_expected(disturbance, 0.01, None, np.inf, plant.low_gain)
     poles = reference_loop(plant, expected).compensator.poles()
     for one in (1.0, *np.exp(1j * np.array(omegas))):
@@ -179,22 +164,23 @@ def test_every_sinusoid_that_is_known_has_its_model(first, apart):
 
 def test_with_limits_the_controller_is_one_that_works_at_them():
     """Sampled fast, hardly any noise: it settles, and loses a tenth at most to one without them."""
-    limits = Saturation(low=-1.5, high=1.5)
+    limits = rn.Saturation(low=-1.5, high=1.5)
     G = "1/((30*s + 1)*(20*s + 1))"
     free, held = (
-        ladder_of(G, Step(0.3), 1e-4, Step(1.0), 0.0, one) for one in (None, limits)
+        ladder_of(G, rn.Step(0.3), 1e-4, rn.Step(1.0), 0.0, one) for one in (None, limits)
     )  # fmt: skip
     w = held.expected.w(600, seed=3)
     ours, theirs = (
-        simulate(held.plant.servo(), one.best().fixed, w, saturation=limits) for one in (held, free)
+        rn.simulate(held.plant.servo(), one.best().fixed, w, saturation=limits)
+        for one in (held, free)
     )
     assert np.abs(ours.z[-200:]).max() < 0.02
     assert np.sum(ours.z**2) < 1.1**2 * np.sum(theirs.z**2)
 
 
 def test_what_an_actuator_cannot_give_at_rest_is_said():
-    found = design(
-        "1.8/((120*s + 1)*(15*s + 1))", sample_time=5.0, disturbance=Step(0.2), noise=0.05,
+    found = rn.design(
+        "1.8/((120*s + 1)*(15*s + 1))", sample_time=5.0, disturbance=rn.Step(0.2), noise=0.05,
         u_limits=(0, 1), seeds=1, steps=300,
     )  # fmt: skip
     said = {question.name: question.words for question in found.questions}
@@ -203,9 +189,9 @@ def test_what_an_actuator_cannot_give_at_rest_is_said():
 
 
 def test_what_to_use_runs_on_a_device():
-    found = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), seeds=1, steps=300)
+    found = rn.design("1/(8*s + 1)", sample_time=1.0, disturbance=rn.Step(0.5), seeds=1, steps=300)
     w = found.expected.w(100, 1)
-    ours, theirs = (simulate(found.plant, one, w) for one in (found.frozen, found.fixed))
+    ours, theirs = (rn.simulate(found.plant, one, w) for one in (found.frozen, found.fixed))
     assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
     assert found.frozen.freeze == ((0, None),)
 
@@ -217,8 +203,8 @@ def test_what_to_use_runs_on_a_device():
 def test_a_cold_start_is_the_same_in_any_units(u, y):
     """Theta of y has the unit u/y, and what it makes of z that of y."""
     u, y = 10.0**u, 10.0**y
-    one = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=True)
-    other = cold_start(ModellingInformation(2, y / u, [1.3]), order=3, stable=True, u=u, y=y)
+    one = rn.cold_start(rn.ModellingInformation(2, 1.0, [1.3]), order=3, stable=True)
+    other = rn.cold_start(rn.ModellingInformation(2, y / u, [1.3]), order=3, stable=True, u=u, y=y)
     by = np.repeat([1.0, u / y], 6)
     R_theta = other.update.R_theta * np.outer(by, by) / y**2
     assert np.allclose(R_theta, one.update.R_theta)
@@ -227,19 +213,19 @@ def test_a_cold_start_is_the_same_in_any_units(u, y):
 
 
 def test_a_cold_start_of_an_unstable_plant_does_not_wait():
-    unstable = cold_start(ModellingInformation(2, 1.0, [1.3]), order=3, stable=False)
+    unstable = rn.cold_start(rn.ModellingInformation(2, 1.0, [1.3]), order=3, stable=False)
     assert unstable.k_w == 6
 
 
 def test_a_cold_start_with_directions():
     known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
-    made = cold_start(known, order=4, stable=True)
+    made = rn.cold_start(known, order=4, stable=True)
     eta = np.array([1, -1])
     powers = 1.5 ** -np.arange(len(made.target.numerator), dtype=float)
     blocked = eta @ np.tensordot(powers, made.target.numerator, 1)
     assert np.allclose(blocked, 0, atol=1e-12)
-    assert made.structure == iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
+    assert made.structure == rn.iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
     with pytest.raises(InputError, match="no modelling information"):
-        cold_start("1/(s + 1)", order=1, stable=True)
+        rn.cold_start("1/(s + 1)", order=1, stable=True)
     with pytest.raises(InputError, match="size of a signal"):
-        cold_start(known, order=4, stable=True, u=0.0)
+        rn.cold_start(known, order=4, stable=True, u=0.0)

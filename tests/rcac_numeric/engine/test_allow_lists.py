@@ -5,30 +5,8 @@ from dataclasses import dataclass
 
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    UD,
-    CoefficientBounds,
-    Compensator,
-    Controller,
-    Covariance,
-    CovarianceReset,
-    FixedController,
-    Gradient,
-    Instantaneous,
-    Normalization,
-    PlantChange,
-    PlantSchedule,
-    ScheduledForgetting,
-    SignalWeight,
-    SimulationCase,
-    SlidingWindow,
-    Structure,
-    VariableRateForgetting,
-    simulate,
-    simulate_many,
-    simulate_reference,
-)
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.compiled._updates import ARGUMENTS
 from rcac_numeric.controllers._recursive import RecursiveLeastSquares
@@ -40,14 +18,14 @@ from tests.support.signals import white
 
 W = white(8)
 LOOPS = {
-    "simulate": lambda plant, settings: simulate(plant, settings, W),
-    "simulate_reference": lambda plant, settings: simulate_reference(plant, settings, W),
-    "lanes": lambda plant, settings: simulate_many(
-        [SimulationCase(plant, settings, W)] * 8, lanes=True
+    "simulate": lambda plant, settings: rn.simulate(plant, settings, W),
+    "simulate_reference": lambda plant, settings: rn.simulate_reference(plant, settings, W),
+    "lanes": lambda plant, settings: rn.simulate_many(
+        [rn.SimulationCase(plant, settings, W)] * 8, lanes=True
     ),
 }
 DOORS = {name: lambda settings, loop=loop: loop(PLANT, settings) for name, loop in LOOPS.items()}
-DOORS["Controller"] = Controller
+DOORS["Controller"] = rn.Controller
 doors = pytest.mark.parametrize("door", DOORS)
 
 
@@ -64,31 +42,31 @@ class NewRecursion(RecursiveLeastSquares):
     name = "ud"
 
 
-class LeakyUD(UD):
+class LeakyUD(rn.UD):
     """UD that would leak, if anybody looked."""
 
 
-class LeakyCovariance(Covariance):
+class LeakyCovariance(rn.Covariance):
     """The same with another covariance."""
 
 
-class LongWindow(SlidingWindow):
+class LongWindow(rn.SlidingWindow):
     """A window that would be longer."""
 
 
-class LeakyInstantaneous(Instantaneous):
+class LeakyInstantaneous(rn.Instantaneous):
     """One that would forget."""
 
 
-class NormalisedGradient(Gradient):
+class NormalisedGradient(rn.Gradient):
     """A gradient that would be normalised."""
 
 
-class JumpyForgetting(ScheduledForgetting):
+class JumpyForgetting(rn.ScheduledForgetting):
     """A schedule that would jump."""
 
 
-class DirectionalForgetting(VariableRateForgetting):
+class DirectionalForgetting(rn.VariableRateForgetting):
     """A rule that would forget in some directions only."""
 
 
@@ -101,7 +79,7 @@ class NewForgetting:
         return "NewForgetting()"
 
 
-class RandomReset(CovarianceReset):
+class RandomReset(rn.CovarianceReset):
     """Resets that would come by chance."""
 
 
@@ -127,7 +105,7 @@ def test_an_update_that_nobody_registered(door, update):
 
 def past_the_door(**setting):
     """UD with a setting that its own reader would have refused."""
-    update = UD(1.0)
+    update = rn.UD(1.0)
     for name, value in setting.items():
         object.__setattr__(update, name, value)
     return update
@@ -137,10 +115,10 @@ def past_the_door(**setting):
 @pytest.mark.parametrize(
     ("name", "update"),
     [
-        ("JumpyForgetting", UD(1.0, lambda_=JumpyForgetting({3: 0.9}))),
-        ("DirectionalForgetting", UD(1.0, lambda_=DirectionalForgetting(1, 2, 1.0))),
+        ("JumpyForgetting", rn.UD(1.0, lambda_=JumpyForgetting({3: 0.9}))),
+        ("DirectionalForgetting", rn.UD(1.0, lambda_=DirectionalForgetting(1, 2, 1.0))),
         ("NewForgetting", past_the_door(lambda_=NewForgetting())),
-        ("RandomReset", Covariance(1.0, reset=RandomReset(every=3))),
+        ("RandomReset", rn.Covariance(1.0, reset=RandomReset(every=3))),
     ],
 )
 def test_a_rule_that_nobody_registered(door, name, update):
@@ -151,21 +129,25 @@ def test_a_rule_that_nobody_registered(door, name, update):
 
 def test_a_rule_that_no_update_knows_is_refused_where_it_is_given():
     with pytest.raises(InputError, match=r"lambda_ .*NewForgetting"):
-        UD(1.0, lambda_=NewForgetting())
+        rn.UD(1.0, lambda_=NewForgetting())
 
 
 @doors
 def test_what_is_registered_runs(door):
     """Else the refusals above would show nothing."""
-    for update in (UD(1.0), Covariance(1.0, lambda_=ScheduledForgetting({3: 0.9})), Gradient(0.1)):
+    for update in (
+        rn.UD(1.0),
+        rn.Covariance(1.0, lambda_=rn.ScheduledForgetting({3: 0.9})),
+        rn.Gradient(0.1),
+    ):
         DOORS[door](replace(GOOD, update=update))
 
 
 @doors
 def test_a_registered_update_is_run(door, monkeypatch):
     """Registration is one line in each table, and the lanes need none."""
-    monkeypatch.setitem(ARGUMENTS, LeakyUD, ARGUMENTS[UD])
-    monkeypatch.setitem(BALL_UPDATES, LeakyUD, BALL_UPDATES[UD])
+    monkeypatch.setitem(ARGUMENTS, LeakyUD, ARGUMENTS[rn.UD])
+    monkeypatch.setitem(BALL_UPDATES, LeakyUD, BALL_UPDATES[rn.UD])
     DOORS[door](replace(GOOD, update=LeakyUD(1.0)))
 
 
@@ -179,7 +161,9 @@ def derived(value):
 def with_parts(**parts):
     """A structure with other parts."""
     s = GOOD.structure
-    return Structure(**{"taps": s.taps, "l_u": s.l_u, "l_y": s.l_y, "derived": s.derived} | parts)
+    return rn.Structure(
+        **{"taps": s.taps, "l_u": s.l_u, "l_y": s.l_y, "derived": s.derived} | parts
+    )
 
 
 STRANGERS = {
@@ -190,11 +174,11 @@ STRANGERS = {
     ),
     "target": replace(GOOD, target=derived(GOOD.target)),
     "later target": replace(GOOD, target_changes={4: derived(GOOD.target)}),
-    "R_z": replace(GOOD, R_z=derived(SignalWeight(0.1, 1.0))),
-    "R_u": replace(GOOD, R_u=derived(SignalWeight(0.1))),
-    "z_normalization": replace(GOOD, z_normalization=derived(Normalization(1.0))),
-    "bounds": replace(GOOD, bounds=derived(CoefficientBounds(-1.0, method="clip"))),
-    "fixed": replace(GOOD, fixed=derived(Compensator([[[0.5]]], [[[0.0]], [[0.1]]]))),
+    "R_z": replace(GOOD, R_z=derived(rn.SignalWeight(0.1, 1.0))),
+    "R_u": replace(GOOD, R_u=derived(rn.SignalWeight(0.1))),
+    "z_normalization": replace(GOOD, z_normalization=derived(rn.Normalization(1.0))),
+    "bounds": replace(GOOD, bounds=derived(rn.CoefficientBounds(-1.0, method="clip"))),
+    "fixed": replace(GOOD, fixed=derived(rn.Compensator([[[0.5]]], [[[0.0]], [[0.1]]]))),
 }
 
 
@@ -205,12 +189,14 @@ def test_settings_or_parts_of_them_that_somebody_derived(door, settings):
         DOORS[door](settings)
 
 
-SCHEDULE = PlantSchedule([PlantChange(start=0, plant=PLANT), PlantChange(start=4, plant=PLANT)])
+SCHEDULE = rn.PlantSchedule(
+    [rn.PlantChange(start=0, plant=PLANT), rn.PlantChange(start=4, plant=PLANT)]
+)
 PLANTS = {
     "plant": derived(PLANT),
     "schedule": derived(SCHEDULE),
-    "plant of a schedule": PlantSchedule([PlantChange(start=0, plant=derived(PLANT))]),
-    "change": PlantSchedule([derived(PlantChange(start=0, plant=PLANT))]),
+    "plant of a schedule": rn.PlantSchedule([rn.PlantChange(start=0, plant=derived(PLANT))]),
+    "change": rn.PlantSchedule([derived(rn.PlantChange(start=0, plant=PLANT))]),
     "functions": derived(as_functions(PLANT)),
 }
 
@@ -223,8 +209,8 @@ def test_a_plant_that_somebody_derived(loop, plant):
 
 
 def test_a_fixed_controller_that_somebody_derived():
-    fixed = FixedController(simulate(PLANT, GOOD, W).compensator)
+    fixed = rn.FixedController(rn.simulate(PLANT, GOOD, W).compensator)
     for settings in (derived(fixed), replace(fixed, compensator=derived(fixed.compensator))):
         with pytest.raises(InputError, match="Stranger"):
-            simulate(PLANT, settings, W)
-    assert simulate(PLANT, fixed, W).outcome == "completed"
+            rn.simulate(PLANT, settings, W)
+    assert rn.simulate(PLANT, fixed, W).outcome == "completed"

@@ -8,36 +8,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import FunctionFailedError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerChange,
-    ControllerSettings,
-    DataDriven,
-    Saturation,
-    SavedState,
-    TargetModel,
-    WhiteNoise,
-    exogenous,
-    iir,
-    simulate,
-    standard_plant,
-)
 
-PLANT = standard_plant("(q - 0.8)*(q - 1.5)/((q - 0.5)*(q**2 - 1.9*q + 1))")
+PLANT = rn.standard_plant("(q - 0.8)*(q - 1.5)/((q - 0.5)*(q**2 - 1.9*q + 1))")
 STEPS = 260
 
 
 def settings_of(start=100, every=10, **more):
-    target = DataDriven(order=6, start=start, every=every, running_dither=0.01, **more)
-    return ControllerSettings(structure=iir(6), target=target, update=UD(0.5))
+    target = rn.DataDriven(order=6, start=start, every=every, running_dither=0.01, **more)
+    return rn.ControllerSettings(structure=rn.iir(6), target=target, update=rn.UD(0.5))
 
 
 def run_of(settings, saturation=None, seed=3, steps=STEPS):
-    w = exogenous([WhiteNoise(0.01)], steps, seed)
-    return simulate(PLANT, settings, w, saturation=saturation)
+    w = rn.exogenous([rn.WhiteNoise(0.01)], steps, seed)
+    return rn.simulate(PLANT, settings, w, saturation=saturation)
 
 
 def drive(controller, run, steps, saturated=False):
@@ -62,9 +48,9 @@ def drive(controller, run, steps, saturated=False):
 def test_step_by_step_cut_anywhere_it_is_the_run(covariance, lambda_, every, saturates, cut, seed):
     """u, theta, target and changes bit for bit, with what the actuator made of u told later."""
     settings = settings_of(every=every, covariance=covariance, lambda_=lambda_)
-    saturation = Saturation(low=-0.02, high=0.02) if saturates else None
+    saturation = rn.Saturation(low=-0.02, high=0.02) if saturates else None
     run = run_of(settings, saturation, seed)
-    first, second = Controller(settings), Controller(settings)
+    first, second = rn.Controller(settings), rn.Controller(settings)
     u = drive(first, run, range(cut), saturates)
     second.restore(first.state)
     assert second.state == first.state
@@ -79,11 +65,11 @@ def test_step_by_step_cut_anywhere_it_is_the_run(covariance, lambda_, every, sat
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_a_state_goes_through_a_file_and_copies_are_their_own(tmp_path):
     run, settings = run_of(settings_of()), settings_of()
-    one = Controller(settings)
+    one = rn.Controller(settings)
     drive(one, run, range(150))
     one.state.save(tmp_path / "state.npz")
-    other = Controller(settings)
-    other.restore(SavedState.load(tmp_path / "state.npz"))
+    other = rn.Controller(settings)
+    other.restore(rn.SavedState.load(tmp_path / "state.npz"))
     for controller in (other, copy.deepcopy(one), pickle.loads(pickle.dumps(one)), one):
         assert np.array_equal(drive(controller, run, range(150, STEPS)), run.u[150:])
 
@@ -92,7 +78,7 @@ def test_a_state_goes_through_a_file_and_copies_are_their_own(tmp_path):
 def test_what_is_refused_moves_nothing():
     """A step with bad numbers is neither learnt nor counted."""
     run, settings = run_of(settings_of()), settings_of()
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     for k in range(STEPS):
         for wrong in ((1j, 0.0), (0.0, [1, 2]), ("x", 0.0)):
             with pytest.raises(InputError):
@@ -108,18 +94,18 @@ def test_what_is_refused_moves_nothing():
 def test_freeze_holds_theta_and_not_the_model():
     """Frozen before the first look: the target is learnt, theta waits for `resume`."""
     run, settings = run_of(settings_of()), settings_of()
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     controller.freeze()
     drive(controller, run, range(130))
     assert controller.changes[0] == run.changes[0] and not controller.theta.any()
-    again = Controller(settings)
+    again = rn.Controller(settings)
     again.restore(controller.state)
     drive(again, run, range(130, 140))
     assert not again.theta.any()
     again.resume()
     drive(again, run, range(140, 150))
     assert again.theta.any()
-    early = Controller(settings)
+    early = rn.Controller(settings)
     early.resume()  # there is no target model yet: nothing to adapt to
     drive(early, run, range(100))
     assert not early.theta.any() and early.changes == ()
@@ -127,33 +113,33 @@ def test_freeze_holds_theta_and_not_the_model():
 
 def test_a_target_from_outside_is_refused():
     settings = settings_of()
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     before = controller.state
     with pytest.raises(InputError, match="is learnt"):
-        controller.set_target(TargetModel([0, 1]))
+        controller.set_target(rn.TargetModel([0, 1]))
     with pytest.raises(InputError, match="is learnt"):
-        controller.change(ControllerChange(TargetModel([0, 1]), R_u=0.1))
+        controller.change(rn.ControllerChange(rn.TargetModel([0, 1]), R_u=0.1))
     assert controller.state == before
     controller.set_weights(R_u=0.1)  # what is not learnt may change
-    assert controller.changes[-1].change == ControllerChange(R_u=0.1)
+    assert controller.changes[-1].change == rn.ControllerChange(R_u=0.1)
     with pytest.raises(FunctionFailedError, match="is learnt"):
-        simulate(
+        rn.simulate(
             PLANT, settings, np.zeros((20, 1)), every=5,
-            on_step=lambda run: ControllerChange(TargetModel([0, 1])),
+            on_step=lambda run: rn.ControllerChange(rn.TargetModel([0, 1])),
         )  # fmt: skip
 
 
 def test_states_of_others_are_refused():
     settings, run = settings_of(), run_of(settings_of())
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     drive(controller, run, range(50))
     with pytest.raises(InputError, match="of a loop"):
         controller.restore(run.state)
     with pytest.raises(InputError, match="other settings"):
-        Controller(settings_of(every=20)).restore(controller.state)
+        rn.Controller(settings_of(every=20)).restore(controller.state)
     state = controller.state
     for values in (state.values[:-1], state.values[:3], np.r_[state.values[:-2], 0.5, 5.0]):
-        bad = SavedState.taken("controller", state.k, values, state.fingerprint)
+        bad = rn.SavedState.taken("controller", state.k, values, state.fingerprint)
         with pytest.raises(InputError, match="damaged"):
             controller.restore(bad)
         assert controller.state == state

@@ -3,61 +3,53 @@
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory import CompensatorError, InputError
 from compensator_theory.errors import FunctionFailedError, ImproperError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    Decentralized,
-    Plant,
-    Saturation,
-    TargetModel,
-    feedforward,
-    frozen_twin,
-    iir,
-    simulate,
-    standard_plant,
-)
 
-GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "update": UD(R_theta=1.0)}
-SETTINGS = ControllerSettings(**GOOD)
-PLANT = standard_plant("1/(q - 0.5)")
-BOTH = Decentralized([SETTINGS] * 2)
+GOOD = {"structure": rn.iir(1), "target": rn.TargetModel([0, 1.0]), "update": rn.UD(R_theta=1.0)}
+SETTINGS = rn.ControllerSettings(**GOOD)
+PLANT = rn.standard_plant("1/(q - 0.5)")
+BOTH = rn.Decentralized([SETTINGS] * 2)
 ONES = np.ones((5, 1))
 NAN = float("nan")
 
 
 def with_r(**change):
-    return ControllerSettings(**{**GOOD, "structure": feedforward(1), **change})
+    return rn.ControllerSettings(**{**GOOD, "structure": rn.feedforward(1), **change})
 
 
 @pytest.mark.parametrize(
     ("run", "message"),
     [
         (
-            lambda: simulate(5, SETTINGS, ONES),
+            lambda: rn.simulate(5, SETTINGS, ONES),
             "plant = 5 is not a Plant or PlantSchedule or FunctionPlant",
         ),
-        (lambda: simulate(PLANT, 5, ONES), "settings = 5 is not a ControllerSettings or Fixe"),
-        (lambda: simulate(PLANT, SETTINGS, None), "w must be an array of real numbers"),
-        (lambda: simulate(PLANT, SETTINGS, ONES, stride=0), "stride = 0 must be at least 1"),
-        (lambda: simulate(PLANT, SETTINGS, ONES, divergence_limit=-1), "must be positive"),
-        (lambda: simulate(PLANT, SETTINGS, ONES, saturation=5), "saturation = 5 is not a Satur"),
-        (lambda: simulate(PLANT, SETTINGS, ONES, saturation=Saturation(low=[0, 0])), "low has 2"),
-        (lambda: simulate(PLANT, with_r(), ONES), "reads a command with l_r = 1"),
+        (lambda: rn.simulate(PLANT, 5, ONES), "settings = 5 is not a ControllerSettings or Fixe"),
+        (lambda: rn.simulate(PLANT, SETTINGS, None), "w must be an array of real numbers"),
+        (lambda: rn.simulate(PLANT, SETTINGS, ONES, stride=0), "stride = 0 must be at least 1"),
+        (lambda: rn.simulate(PLANT, SETTINGS, ONES, divergence_limit=-1), "must be positive"),
+        (lambda: rn.simulate(PLANT, SETTINGS, ONES, saturation=5), "saturation = 5 is not a Satur"),
         (
-            lambda: simulate(PLANT, BOTH, ONES, saturation=Saturation(low=0)),
+            lambda: rn.simulate(PLANT, SETTINGS, ONES, saturation=rn.Saturation(low=[0, 0])),
+            "low has 2",
+        ),
+        (lambda: rn.simulate(PLANT, with_r(), ONES), "reads a command with l_r = 1"),
+        (
+            lambda: rn.simulate(PLANT, BOTH, ONES, saturation=rn.Saturation(low=0)),
             "cannot know which part of it was applied",
         ),
-        (lambda: frozen_twin(5, 1), "run = 5 is not a Run"),
-        (lambda: frozen_twin(simulate(PLANT, SETTINGS, ONES), -1), "k = -1"),
-        (lambda: Controller(5), "settings = 5: ControllerSettings are needed"),
-        (lambda: Controller(SETTINGS).step(1.0, 1.0, 1.0), "l_r = 0 commands; r = 1.0"),
-        (lambda: Controller(with_r()).step(1.0, 1.0), "l_r = 1 commands; r = None"),
-        (lambda: Controller(SETTINGS).step(1.0, 1.0, u_applied=1.0), "at step 0 there is none"),
-        (lambda: Controller(SETTINGS).step(1.0, 1.0, u_applied=[1, 2]), "u_applied has 2 entries"),
+        (lambda: rn.frozen_twin(5, 1), "run = 5 is not a Run"),
+        (lambda: rn.frozen_twin(rn.simulate(PLANT, SETTINGS, ONES), -1), "k = -1"),
+        (lambda: rn.Controller(5), "settings = 5: ControllerSettings are needed"),
+        (lambda: rn.Controller(SETTINGS).step(1.0, 1.0, 1.0), "l_r = 0 commands; r = 1.0"),
+        (lambda: rn.Controller(with_r()).step(1.0, 1.0), "l_r = 1 commands; r = None"),
+        (lambda: rn.Controller(SETTINGS).step(1.0, 1.0, u_applied=1.0), "at step 0 there is none"),
+        (
+            lambda: rn.Controller(SETTINGS).step(1.0, 1.0, u_applied=[1, 2]),
+            "u_applied has 2 entries",
+        ),
     ],
 )
 def test_a_run_that_cannot_be_made(run, message):
@@ -66,9 +58,9 @@ def test_a_run_that_cannot_be_made(run, message):
 
 
 def test_the_filter_form_needs_a_plant_without_feedthrough():
-    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_2=[[1.0]])
+    plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_2=[[1.0]])
     with pytest.raises(ImproperError, match="E_2 is not zero"):
-        simulate(plant, ControllerSettings(**GOOD, form="filter"), ONES)
+        rn.simulate(plant, rn.ControllerSettings(**GOOD, form="filter"), ONES)
 
 
 @pytest.mark.parametrize(
@@ -83,16 +75,18 @@ def test_the_filter_form_needs_a_plant_without_feedthrough():
         ({"R_z": lambda k, y, z, u: NAN}, r"R_z\(3\) has the entry nan"),
     ],
 )
-@pytest.mark.parametrize("update", [UD, Covariance])
+@pytest.mark.parametrize("update", [rn.UD, rn.Covariance])
 def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
     """The first update is that of step 3."""
-    settings = ControllerSettings(**{**GOOD, "update": update(R_theta=1.0)}, k_update=3, **change)
+    settings = rn.ControllerSettings(
+        **{**GOOD, "update": update(R_theta=1.0)}, k_update=3, **change
+    )
     with np.errstate(all="ignore"), pytest.raises(FunctionFailedError, match=message) as caught:
-        simulate(PLANT, settings, ONES)
+        rn.simulate(PLANT, settings, ONES)
     run = caught.value.run
     assert run.outcome == "weight failed"
     assert run.steps == 3 and np.array_equal(run.theta_final, settings.theta_0)
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     for k in range(4):
         if k < 3:
             controller.step(1.0, 1.0)
@@ -104,10 +98,10 @@ def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
 
 
 def test_a_weight_that_is_not_symmetric():
-    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [2.0]])
-    settings = ControllerSettings(
-        structure=iir(1), target=TargetModel(np.ones((2, 2, 1))), update=UD(R_theta=1.0),
+    plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [2.0]])
+    settings = rn.ControllerSettings(
+        structure=rn.iir(1), target=rn.TargetModel(np.ones((2, 2, 1))), update=rn.UD(R_theta=1.0),
         R_z=lambda k, y, z, u: [[1.0, 0.5], [0.0, 1.0]],
     )  # fmt: skip
     with pytest.raises(FunctionFailedError, match=r"R_z\(1\) is not symmetric"):
-        simulate(plant, settings, ONES)
+        rn.simulate(plant, settings, ONES)

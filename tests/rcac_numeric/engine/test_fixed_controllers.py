@@ -5,26 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import ImproperError
-from rcac_numeric import (
-    UD,
-    ClosedLoop,
-    Compensator,
-    ControllerSettings,
-    FixedController,
-    Plant,
-    Saturation,
-    SavedState,
-    SimulationCase,
-    fir_target,
-    frozen_twin,
-    iir,
-    simulate,
-    simulate_many,
-    simulate_reference,
-    standard_plant,
-)
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.comparisons import identical, tame
@@ -46,7 +29,7 @@ def fixed(draw, l_u, l_y, l_r=0, strictly_proper=False):
     past_y = 0.4 * rng.standard_normal((n_c + 1, l_u, l_y + l_r))
     if strictly_proper or draw(st.booleans()):
         past_y[0] = 0
-    return FixedController(Compensator(past_u, past_y), l_r, k_w=draw(st.integers(0, 4)))
+    return rn.FixedController(rn.Compensator(past_u, past_y), l_r, k_w=draw(st.integers(0, 4)))
 
 
 @st.composite
@@ -62,7 +45,7 @@ def loops(draw):
         plant = draw(plants(st.just(l_u), st.just(l_y), st.just(l_z), feedthrough=True))
     else:
         plant = draw(engine_plants(l_u, l_y, l_z, l_r))
-    bounds = Saturation(low=-0.5, high=0.4, rate=0.3)
+    bounds = rn.Saturation(low=-0.5, high=0.4, rate=0.3)
     run_on = as_functions(plant) if kind == "functions" else plant
     return plant, run_on, controller, draw(st.sampled_from([None, bounds]))
 
@@ -97,7 +80,7 @@ def loop_in_python(plant, controller, w, saturation, x_0, forced):
 def test_a_fixed_controller_is_its_difference_equation(loop, seed):
     plant, run_on, controller, saturation = loop
     w, x_0 = noise(seed, STEPS, plant.l_w), noise(seed + 1, 1, plant.n)[0]
-    run = simulate(run_on, controller, w, x_0=x_0, saturation=saturation)
+    run = rn.simulate(run_on, controller, w, x_0=x_0, saturation=saturation)
     assert run.outcome == "completed"
     told = loop_in_python(plant, controller, w, saturation, x_0, run)
     size = max(1.0, *(np.abs(getattr(run, name)).max() for name in ("u", "y", "z")))
@@ -115,11 +98,11 @@ def test_a_run_cut_in_pieces_is_the_run(tmp_path_factory, loop, cut, stride, see
     _, plant, controller, saturation = loop
     w = noise(seed, STEPS, plant.l_w)
     options = {"saturation": saturation, "stride": stride}
-    whole = simulate(plant, controller, w, **options)
-    first = simulate(plant, controller, w[:cut], **options)
+    whole = rn.simulate(plant, controller, w, **options)
+    first = rn.simulate(plant, controller, w[:cut], **options)
     path = tmp_path_factory.mktemp("states") / "state.npz"
     first.state.save(path)
-    rest = simulate(plant, controller, w[cut:], start=SavedState.load(path), **options)
+    rest = rn.simulate(plant, controller, w[cut:], start=rn.SavedState.load(path), **options)
     for name in ("u", "u_applied", "y", "z"):
         pieces = np.concatenate([getattr(first, name), getattr(rest, name)])
         assert np.array_equal(pieces, getattr(whole, name)), name
@@ -138,9 +121,9 @@ def test_a_frozen_adaptive_controller_is_a_fixed_one(data, l_u, l_y, l_z, l_r, s
     settings = replace(settings, theta_0=4 * settings.theta_0)
     plant = data.draw(engine_plants(l_u, l_y, l_z, structure.l_r))
     w = noise(seed, settings.k_w + STEPS, plant.l_w)
-    run = tame(simulate(plant, settings, w))
-    controller = FixedController(run.compensator, structure.l_r, settings.k_w)
-    alone = simulate(plant, controller, w)
+    run = tame(rn.simulate(plant, settings, w))
+    controller = rn.FixedController(run.compensator, structure.l_r, settings.k_w)
+    alone = rn.simulate(plant, controller, w)
     size = max(1.0, np.abs(run.u).max()) ** 2
     for name in ("u", "y", "z"):
         assert np.abs(getattr(alone, name) - getattr(run, name)).max() <= 1e-10 * size, name
@@ -148,15 +131,15 @@ def test_a_frozen_adaptive_controller_is_a_fixed_one(data, l_u, l_y, l_z, l_r, s
 
 def test_a_converged_controller_goes_on_as_a_fixed_one():
     """The loop is stable, so it forgets that it was once adapted."""
-    plant, steps = standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.72)"), 3000
-    settings = ControllerSettings(
-        structure=iir(3), target=fir_target(plant), update=UD(R_theta=1e-2),
+    plant, steps = rn.standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.72)"), 3000
+    settings = rn.ControllerSettings(
+        structure=rn.iir(3), target=rn.fir_target(plant), update=rn.UD(R_theta=1e-2),
         freeze=((2000, None),),
     )  # fmt: skip
     w = white(steps, seed=4)
-    run = simulate(plant, settings, w)
-    alone = simulate(plant, FixedController(run.compensator), w)
-    loop = ClosedLoop(plant, run.compensator)
+    run = rn.simulate(plant, settings, w)
+    alone = rn.simulate(plant, rn.FixedController(run.compensator), w)
+    loop = rn.ClosedLoop(plant, run.compensator)
     assert np.abs(loop.poles()).max() < 0.97  # 0.97 ** 1000 is 6e-14
     assert np.abs(run.u[:100] - alone.u[:100]).max() > 1e-3
     assert np.abs(run.u[-10:] - alone.u[-10:]).max() < 1e-9 * np.abs(run.u).max()
@@ -164,47 +147,47 @@ def test_a_converged_controller_goes_on_as_a_fixed_one():
 
 @pytest.mark.exact_data  # the gain is given as a number
 def test_no_saturation_is_a_wide_one_and_a_twin_is_the_run():
-    plant = standard_plant("1/(q - 1.2)")
-    controller = FixedController(Compensator(np.zeros((0, 1, 1)), [[[-0.9]]]), k_w=3)
-    run = simulate(plant, controller, white(60), x_0=[0.5], stride=7)
-    wide = simulate(
-        plant, controller, white(60), x_0=[0.5], saturation=Saturation(low=-1e9, high=1e9)
+    plant = rn.standard_plant("1/(q - 1.2)")
+    controller = rn.FixedController(rn.Compensator(np.zeros((0, 1, 1)), [[[-0.9]]]), k_w=3)
+    run = rn.simulate(plant, controller, white(60), x_0=[0.5], stride=7)
+    wide = rn.simulate(
+        plant, controller, white(60), x_0=[0.5], saturation=rn.Saturation(low=-1e9, high=1e9)
     )
     assert np.array_equal(run.u, wide.u) and np.array_equal(wide.u_applied, wide.u)
     assert np.array_equal(run.u[3:], -0.9 * run.y[3:])  # n_c = 0: a gain
-    assert identical(frozen_twin(run, 20), run)
-    cases = [SimulationCase(plant, controller, white(60), {"x_0": [0.5], "stride": 7})] * 9
+    assert identical(rn.frozen_twin(run, 20), run)
+    cases = [rn.SimulationCase(plant, controller, white(60), {"x_0": [0.5], "stride": 7})] * 9
     for lanes in (False, True):
-        assert all(identical(one, run) for one in simulate_many(cases, lanes=lanes))
+        assert all(identical(one, run) for one in rn.simulate_many(cases, lanes=lanes))
 
 
 def test_a_compensator_of_zeros_leaves_the_plant_alone():
-    plant = standard_plant("1/(q - 0.5)")
+    plant = rn.standard_plant("1/(q - 0.5)")
     for n_c in range(3):
-        nothing = Compensator(np.zeros((n_c, 1, 1)), np.zeros((n_c + 1, 1, 1)))
-        run = simulate(plant, FixedController(nothing), white(20))
+        nothing = rn.Compensator(np.zeros((n_c, 1, 1)), np.zeros((n_c + 1, 1, 1)))
+        run = rn.simulate(plant, rn.FixedController(nothing), white(20))
         assert not run.u.any() and run.z.any() and run.theta.shape == (20, 0)
 
 
 def test_what_does_not_fit_is_refused():
-    proper = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[1.0]])
-    gain = FixedController(Compensator(np.zeros((0, 1, 1)), [[[0.3]]]))
+    proper = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[1.0]])
+    gain = rn.FixedController(rn.Compensator(np.zeros((0, 1, 1)), [[[0.3]]]))
     with pytest.raises(ImproperError, match=r"exactly proper .* D_0 is not zero"):
-        simulate(proper, gain, white(5))
-    plant = standard_plant("1/(q - 0.5)")
+        rn.simulate(proper, gain, white(5))
+    plant = rn.standard_plant("1/(q - 0.5)")
     with pytest.raises(InputError, match="plant has l_y = 1 and the controller l_y = 0"):
-        simulate(plant, FixedController(gain.compensator, l_r=1), white(5))
-    wide = Compensator(np.zeros((0, 1, 1)), [[[0.3, 0.1]]])
+        rn.simulate(plant, rn.FixedController(gain.compensator, l_r=1), white(5))
+    wide = rn.Compensator(np.zeros((0, 1, 1)), [[[0.3, 0.1]]])
     with pytest.raises(InputError, match="reads a command with l_r = 1"):
-        simulate(plant, FixedController(wide, l_r=1), white(5))
+        rn.simulate(plant, rn.FixedController(wide, l_r=1), white(5))
     with pytest.raises(InputError, match="has 1 inputs; l_r = 2 of them"):
-        FixedController(gain.compensator, l_r=2)
+        rn.FixedController(gain.compensator, l_r=2)
     with pytest.raises(InputError, match="compensator = 5 is not a Compensator"):
-        FixedController(5)
+        rn.FixedController(5)
     with pytest.raises(InputError, match="one adaptive controller, not a FixedController"):
-        simulate_reference(plant, gain, white(5))
+        rn.simulate_reference(plant, gain, white(5))
     with pytest.raises(InputError, match="no coefficients that are adapted"):
         gain.compensator_of([1.0])
-    state = simulate(plant, gain, white(5)).state
+    state = rn.simulate(plant, gain, white(5)).state
     with pytest.raises(InputError, match="other settings"):
-        simulate(plant, replace(gain, k_w=1), white(5), start=state)
+        rn.simulate(plant, replace(gain, k_w=1), white(5), start=state)

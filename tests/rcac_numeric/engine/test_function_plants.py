@@ -8,16 +8,8 @@ import numpy as np
 import pytest
 from scipy import LowLevelCallable
 
+import rcac_numeric as rn
 from compensator_theory.errors import FunctionFailedError
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    FunctionPlant,
-    Simulator,
-    TargetModel,
-    iir,
-    simulate,
-)
 from tests.support.function_plants import TWO_STATES, as_functions
 from tests.support.signals import noise
 
@@ -35,8 +27,8 @@ int output(int64_t k, double* x, double* w, double* y, double* z, void* data) {
     return 0;
 }
 """
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0]), update=rn.UD(R_theta=1.0)
 )
 SIZES = {"n": 2, "l_u": 1, "l_w": 1, "l_y": 1, "l_z": 1}
 
@@ -70,10 +62,10 @@ def library(tmp_path_factory):
 
 def test_a_compiled_plant_is_the_plant(library):
     w = noise(3, 200, 1)
-    compiled = FunctionPlant(
+    compiled = rn.FunctionPlant(
         advance=LowLevelCallable(library.advance), output=LowLevelCallable(library.output), **SIZES
     )
-    run, same = simulate(TWO_STATES, SETTINGS, w), simulate(compiled, SETTINGS, w)
+    run, same = rn.simulate(TWO_STATES, SETTINGS, w), rn.simulate(compiled, SETTINGS, w)
     assert compiled.is_compiled and same.outcome == "completed"
     assert np.abs(same.theta_final - run.theta_final).max() < 1e-12
     assert np.abs(same.z - run.z).max() < 1e-12
@@ -82,7 +74,7 @@ def test_a_compiled_plant_is_the_plant(library):
 def test_a_compiled_plant_has_the_same_name_every_time(library):
     """A state that was saved in one process can be restored in the next."""
     once, again = (
-        FunctionPlant(
+        rn.FunctionPlant(
             advance=LowLevelCallable(library.advance),
             output=LowLevelCallable(library.output),
             **SIZES,
@@ -90,9 +82,9 @@ def test_a_compiled_plant_has_the_same_name_every_time(library):
         for _ in range(2)
     )
     w = noise(3, 20, 1)
-    state = simulate(once, SETTINGS, w[:9]).state
-    rest = simulate(again, SETTINGS, w[9:], start=state)
-    assert np.array_equal(rest.theta_final, simulate(once, SETTINGS, w).theta_final)
+    state = rn.simulate(once, SETTINGS, w[:9]).state
+    rest = rn.simulate(again, SETTINGS, w[9:], start=state)
+    assert np.array_equal(rest.theta_final, rn.simulate(once, SETTINGS, w).theta_final)
 
 
 def test_a_ctypes_callback_counts_as_compiled():
@@ -108,33 +100,33 @@ def test_a_ctypes_callback_counts_as_compiled():
         return 0
 
     callbacks = [LowLevelCallable(kind(advance)), LowLevelCallable(kind(output))]
-    plant = FunctionPlant(advance=callbacks[0], output=callbacks[1], **SIZES)
+    plant = rn.FunctionPlant(advance=callbacks[0], output=callbacks[1], **SIZES)
     w = noise(4, 20, 1)
-    exact = simulate(TWO_STATES, SETTINGS, w)
-    assert simulate(plant, SETTINGS, w).z == pytest.approx(exact.z, abs=1e-12)
+    exact = rn.simulate(TWO_STATES, SETTINGS, w)
+    assert rn.simulate(plant, SETTINGS, w).z == pytest.approx(exact.z, abs=1e-12)
 
 
 def test_a_compiled_function_may_end_the_run(library):
     stop = ctypes.c_int64(9)
     data = ctypes.cast(ctypes.pointer(stop), ctypes.c_void_p)
-    plant = FunctionPlant(
+    plant = rn.FunctionPlant(
         advance=LowLevelCallable(library.advance, data),
         output=LowLevelCallable(library.output),
         **SIZES,
     )
-    run = simulate(plant, SETTINGS, noise(5, 20, 1))
+    run = rn.simulate(plant, SETTINGS, noise(5, 20, 1))
     assert run.outcome == "plant failed" and run.steps == 9 and run.state is None
 
 
 def test_a_simulator_of_compiled_functions_names_the_failing_one(library):
     stop = ctypes.c_int64(2)
     data = ctypes.cast(ctypes.pointer(stop), ctypes.c_void_p)
-    plant = FunctionPlant(
+    plant = rn.FunctionPlant(
         advance=LowLevelCallable(library.advance, data),
         output=LowLevelCallable(library.output),
         **SIZES,
     )
-    body = Simulator(plant)
+    body = rn.Simulator(plant)
     body.advance(0, 0)
     body.advance(0, 0)
     with pytest.raises(FunctionFailedError, match="advance of the plant failed at step 2: it ret"):
@@ -143,15 +135,15 @@ def test_a_simulator_of_compiled_functions_names_the_failing_one(library):
 
 
 def test_a_simulator_of_functions_is_the_linear_plant_and_keeps_what_failed():
-    plant, body = as_functions(TWO_STATES), Simulator(TWO_STATES, x_0=[1.0, -1.0])
-    same = Simulator(plant, x_0=[1.0, -1.0])
+    plant, body = as_functions(TWO_STATES), rn.Simulator(TWO_STATES, x_0=[1.0, -1.0])
+    same = rn.Simulator(plant, x_0=[1.0, -1.0])
     for k in range(5):
         for one, other in zip(body.output(k, 1), same.output(k, 1), strict=True):
             assert one == pytest.approx(other, abs=1e-14)
         body.advance(k, 1)
         same.advance(k, 1)
     assert same.k == 5 and same.x == pytest.approx(body.x, abs=1e-14)
-    broken = Simulator(failing(3, ValueError("no sensor"), of="output"))
+    broken = rn.Simulator(failing(3, ValueError("no sensor"), of="output"))
     for _ in range(3):
         broken.output(0, 0)
         broken.advance(0, 0)
@@ -179,7 +171,7 @@ def failing(k_bad, answer, of="advance"):
     good = as_functions(TWO_STATES)
     functions = {"advance": good.advance, "output": good.output}
     functions[of] = spoil(functions[of])
-    return FunctionPlant(**functions, **SIZES)
+    return rn.FunctionPlant(**functions, **SIZES)
 
 
 @pytest.mark.parametrize(
@@ -204,8 +196,11 @@ def failing(k_bad, answer, of="advance"):
 def test_a_function_that_fails_is_named_and_the_steps_before_are_kept(of, answer, message, stride):
     w = noise(6, 20, 1)
     with pytest.raises(FunctionFailedError, match=message) as caught:
-        simulate(failing(6, answer, of), SETTINGS, w, stride=stride)
-    run, good = caught.value.run, simulate(as_functions(TWO_STATES), SETTINGS, w[:6], stride=stride)
+        rn.simulate(failing(6, answer, of), SETTINGS, w, stride=stride)
+    run, good = (
+        caught.value.run,
+        rn.simulate(as_functions(TWO_STATES), SETTINGS, w[:6], stride=stride),
+    )
     assert run.outcome == "plant failed" and run.steps == 6 and run.state is None
     for name in ("w", "u", "y", "z", "theta", "theta_final"):
         assert np.array_equal(getattr(run, name), getattr(good, name)), name
@@ -222,8 +217,8 @@ def test_a_plant_that_is_not_finite(of, answer, stride, form):
     from attrs import evolve as replace
 
     settings, w = replace(SETTINGS, form=form), noise(7, 20, 1)
-    run = simulate(failing(6, answer, of), settings, w, stride=stride)
-    good = simulate(as_functions(TWO_STATES), settings, w[:6], stride=stride)
+    run = rn.simulate(failing(6, answer, of), settings, w, stride=stride)
+    good = rn.simulate(as_functions(TWO_STATES), settings, w[:6], stride=stride)
     assert run.outcome == "plant not finite" and run.steps == 6
     for name in ("u", "y", "z", "theta", "theta_final"):
         assert np.array_equal(getattr(run, name), getattr(good, name)), name

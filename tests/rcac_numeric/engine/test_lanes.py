@@ -7,16 +7,8 @@ from hypothesis import assume, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    UD,
-    SignalWeight,
-    SimulationCase,
-    TargetModel,
-    simulate,
-    simulate_many,
-    simulate_reference,
-)
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.compiled import _kernel
 from rcac_numeric.plants._linear import MATRICES
@@ -37,7 +29,7 @@ def batches(draw, most=10):
     structure, _ = draw(structures(l_u, l_y, l_r, KINDS))
     weights = {}
     if l_z == 1 and draw(st.booleans()):
-        weights = {"R_u": SignalWeight(0.1, 0.5), "R_z": SignalWeight(1.0, 0.2)}
+        weights = {"R_u": rn.SignalWeight(0.1, 0.5), "R_z": rn.SignalWeight(1.0, 0.2)}
     common = draw(settings_for(structure, l_z, k_filter=0, **weights))
     n, rng = draw(st.integers(1, 3)), np.random.default_rng(draw(seeds))
     cases = []
@@ -49,19 +41,19 @@ def batches(draw, most=10):
             )
         settings = replace(
             common,
-            update=UD(
+            update=rn.UD(
                 R_theta=common.update.R_theta * 10 ** rng.uniform(-1, 1),
                 lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
             ),
             theta_0=0.1 * rng.standard_normal(structure.l_theta),
-            target=TargetModel(
+            target=rn.TargetModel(
                 np.asarray(common.target.numerator) * rng.uniform(0.5, 1),
                 common.target.denominator,
             ),
         )
         w = rng.standard_normal((int(rng.integers(1, 40)), plant.l_w))
         options = {"stride": draw(st.integers(1, 4)), "x_0": rng.standard_normal(n)}
-        cases.append(SimulationCase(plant, settings, w, options))
+        cases.append(rn.SimulationCase(plant, settings, w, options))
     return cases
 
 
@@ -76,7 +68,7 @@ def perturbed(case, rng, relative):
         update=attrs.evolve(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
-    return SimulationCase(
+    return rn.SimulationCase(
         replace(case.plant, exact=None, **matrices), settings, move(case.w), options
     )
 
@@ -93,7 +85,7 @@ def uncertainty(case, run, limit=100.0):
     if np.abs(run.u).max(initial=0) > limit:
         return None
     rng, relative = np.random.default_rng(0), 1e-9
-    others = [simulate(**arguments(perturbed(case, rng, relative))) for _ in range(4)]
+    others = [rn.simulate(**arguments(perturbed(case, rng, relative))) for _ in range(4)]
     if any(other.steps != run.steps for other in others):
         return None
     terms = 4 * (run.settings.structure.l_theta + case.plant.n + case.plant.l_w + 8)
@@ -116,8 +108,8 @@ def assert_close(run, other, bounds):
 
 @given(batches(), st.integers(1, 2))
 def test_lanes_differ_from_single_runs_by_rounding(cases, threads):
-    for case, run in zip(cases, simulate_many(cases, threads=threads, lanes=True), strict=True):
-        single = simulate(**arguments(case))
+    for case, run in zip(cases, rn.simulate_many(cases, threads=threads, lanes=True), strict=True):
+        single = rn.simulate(**arguments(case))
         bounds = uncertainty(case, single)
         if bounds:
             assert (run.outcome, run.guard_count) == (single.outcome, single.guard_count)
@@ -131,43 +123,43 @@ def test_a_case_is_the_same_in_any_company(data, cases, threads, seed):
         replace(case, settings=replace(case.settings, **change), options={"divergence_limit": 1e12})
         for case in cases[:3]
         for change in (
-            {"update": UD(R_theta=1e-25)},
+            {"update": rn.UD(R_theta=1e-25)},
             {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)},
         )
     ]
     everything = [*cases, *wild]
     order = np.random.default_rng(seed).permutation(len(everything))
-    together = simulate_many([everything[i] for i in order], threads=threads, lanes=True)
+    together = rn.simulate_many([everything[i] for i in order], threads=threads, lanes=True)
     for i, run in zip(order, together, strict=True):
-        (alone,) = simulate_many([everything[i]], lanes=True)
+        (alone,) = rn.simulate_many([everything[i]], lanes=True)
         assert identical(run, alone)
 
 
 @given(batches(most=3), st.data())
 @hypothesis_settings(max_examples=20)
 def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
-    whole = simulate_many(cases, lanes=True)
+    whole = rn.simulate_many(cases, lanes=True)
     assume(all(run.outcome == "completed" for run in whole))
     cuts = [data.draw(st.integers(0, len(case.w))) for case in cases]
     pieces = [
         replace(case, w=case.w[:cut], options={**case.options, "stride": 1})
         for case, cut in zip(cases, cuts, strict=True)
     ]
-    first = simulate_many(pieces, lanes=True)
+    first = rn.simulate_many(pieces, lanes=True)
     rest = [
         replace(case, w=case.w[cut:], options={"start": run.state})
         for case, cut, run in zip(cases, cuts, first, strict=True)
     ]
     for run, half, cut, case in zip(
-        whole, simulate_many(rest, lanes=True), cuts, cases, strict=True
+        whole, rn.simulate_many(rest, lanes=True), cuts, cases, strict=True
     ):
         assert half.first_step == cut and half.state.k == len(case.w)
         assert np.array_equal(half.z, run.z[cut:])
         assert half.state.values.tobytes() == run.state.values.tobytes()
     # The ordinary loop goes on from there too, and the other way round.
     for case, half, cut in zip(cases, first, cuts, strict=True):
-        single = simulate(**arguments(case))
-        mixed = simulate(case.plant, case.settings, case.w[cut:], start=half.state)
+        single = rn.simulate(**arguments(case))
+        mixed = rn.simulate(case.plant, case.settings, case.w[cut:], start=half.state)
         bounds = uncertainty(case, single)
         if bounds:
             assert np.abs(mixed.z - single.z[cut:]).max(initial=0) <= bounds["z"]
@@ -178,7 +170,7 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
 @given(batches(most=9))
 @hypothesis_settings(max_examples=20)
 def test_every_instruction_set_does_the_same(cases):
-    singles = [simulate(**arguments(case)) for case in cases]
+    singles = [rn.simulate(**arguments(case)) for case in cases]
     for instruction_set in _kernel.instruction_sets():
         prepared = [ready_run(**arguments(case)) for case in cases]
         while _kernel.run_jobs([one.job for one in prepared], 2, 1e-5, True, instruction_set):
@@ -189,22 +181,22 @@ def test_every_instruction_set_does_the_same(cases):
 
 def test_eligible_runs_are_not_the_ordinary_loop():
     """Else the tests above would show nothing."""
-    case = SimulationCase(PLANT, GOOD, white(200))
-    (run,) = simulate_many([case], lanes=True)
-    assert not same(run, simulate(**arguments(case)))
-    assert identical(simulate_many([case])[0], simulate(**arguments(case)))
+    case = rn.SimulationCase(PLANT, GOOD, white(200))
+    (run,) = rn.simulate_many([case], lanes=True)
+    assert not same(run, rn.simulate(**arguments(case)))
+    assert identical(rn.simulate_many([case])[0], rn.simulate(**arguments(case)))
 
 
 @pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20])
 def test_lanes_beside_ball_arithmetic(R_theta):
-    settings = replace(GOOD, update=UD(R_theta=R_theta))
-    cases = [SimulationCase(PLANT, settings, white(40, seed)) for seed in range(3)]
-    for case, run in zip(cases, simulate_many(cases, lanes=True), strict=True):
-        exact, bounds = simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)
+    settings = replace(GOOD, update=rn.UD(R_theta=R_theta))
+    cases = [rn.SimulationCase(PLANT, settings, white(40, seed)) for seed in range(3)]
+    for case, run in zip(cases, rn.simulate_many(cases, lanes=True), strict=True):
+        exact, bounds = rn.simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)
         assert exact.digits > 50 and run.guard_count == 0 and bounds
         assert_close(run, exact, bounds)
 
 
 def test_lanes_is_a_truth_value():
     with pytest.raises(InputError, match="lanes = 8 is not a bool"):
-        simulate_many([], lanes=8)
+        rn.simulate_many([], lanes=8)

@@ -6,41 +6,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import DivergedError, FunctionFailedError, ImproperError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerChange,
-    ControllerSettings,
-    Covariance,
-    Decentralized,
-    Gradient,
-    SignalWeight,
-    SimulationCase,
-    SlidingWindow,
-    TargetModel,
-    VariableRateForgetting,
-    frozen_twin,
-    iir,
-    simulate,
-    simulate_many,
-    standard_plant,
-)
 from rcac_numeric.engine._changes import nmp_zero_count
 from tests.support import textbook
 from tests.support.engine_cases import cases
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 
-PLANT = standard_plant("(q - 1.2)/((q - 0.5)*(q - 0.7))")
-FIR, OTHER = TargetModel([0, 1, -1.2]), TargetModel([0, 0.9, -0.4])
-FILTER = TargetModel([0, 1.0, -1.2], [1, -0.5, 0.1])
+PLANT = rn.standard_plant("(q - 1.2)/((q - 0.5)*(q - 0.7))")
+FIR, OTHER = rn.TargetModel([0, 1, -1.2]), rn.TargetModel([0, 0.9, -0.4])
+FILTER = rn.TargetModel([0, 1.0, -1.2], [1, -0.5, 0.1])
 
 
 def settings_of(**changes):
-    chosen = {"structure": iir(n_c=3), "target": FIR, "update": UD(R_theta=0.1)}
-    return ControllerSettings(**chosen | changes)
+    chosen = {"structure": rn.iir(n_c=3), "target": FIR, "update": rn.UD(R_theta=0.1)}
+    return rn.ControllerSettings(**chosen | changes)
 
 
 def steps(settings, count, seed=0):
@@ -66,7 +48,7 @@ class Told(textbook.Book):
     own = None
 
     def latest(self, first, changes):
-        model = isinstance(first, TargetModel) and self.own is not None
+        model = isinstance(first, rn.TargetModel) and self.own is not None
         return self.own if model else super().latest(first, changes)
 
     def set_target(self, target):
@@ -83,7 +65,7 @@ class Told(textbook.Book):
 
 def compared(settings, regressor, data, told, covariance):
     """theta of the kernel and of the text, after targets told at the steps of `told`."""
-    controller, book = Controller(settings), Told(settings, regressor)
+    controller, book = rn.Controller(settings), Told(settings, regressor)
     for k, (y, z, r) in enumerate(data):
         if k in told:
             done = controller.set_target(told[k], covariance)
@@ -106,24 +88,24 @@ def test_the_filter_is_as_if_the_target_had_always_been_there(
     data, l_u, l_y, l_z, l_r, option, seed
 ):
     form = data.draw(st.sampled_from(["predictor", "filter"]))
-    update = data.draw(st.sampled_from([UD, Covariance]))
+    update = data.draw(st.sampled_from([rn.UD, rn.Covariance]))
     fixed = {"form": form, "strictly_proper": form == "filter", "update": update, "k_filter": 0}
     settings, regressor = data.draw(cases(l_u, l_y, l_z, l_r, **fixed))
     told = {}
     for k in data.draw(st.lists(st.integers(0, 24), max_size=2)):
         new = data.draw(targets(l_z, l_u))
         N, D = np.array(new.numerator), np.array(new.denominator)
-        told[k] = TargetModel(np.concatenate([0 * N[:1], N]), D) if form == "filter" else new
+        told[k] = rn.TargetModel(np.concatenate([0 * N[:1], N]), D) if form == "filter" else new
     found, book = compared(settings, regressor, steps(settings, 25, seed), told, option)
     assert np.allclose(found, book, rtol=1e-7, atol=1e-7 * (1 + np.abs(book).max()))
 
 
-@pytest.mark.parametrize("update", [UD, Covariance])
+@pytest.mark.parametrize("update", [rn.UD, rn.Covariance])
 @pytest.mark.parametrize("target", [OTHER, FILTER])
 def test_a_replay_is_the_batch_of_the_remembered_steps(update, target):
     """theta minimises their cost and |theta - theta(k)|^2 weighted by R_theta, by least squares."""
     settings = settings_of(update=update(R_theta=0.7))
-    controller, data = Controller(settings), steps(settings, 260)
+    controller, data = rn.Controller(settings), steps(settings, 260)
     u = run(controller, data)[:, 0]
     theta = controller.theta
     controller.set_target(target, "replay")
@@ -141,12 +123,12 @@ def test_a_replay_is_the_batch_of_the_remembered_steps(update, target):
 
 
 def test_blend_inflates_the_factors_by_what_was_lost():
-    for update in (UD, Covariance):
+    for update in (rn.UD, rn.Covariance):
         settings = settings_of(update=update(R_theta=0.1), target=OTHER)
-        controller = Controller(settings)
+        controller = rn.Controller(settings)
         run(controller, steps(settings, 40))
         before = controller.P
-        applied = controller.set_target(TargetModel([0, 0.9, -0.3]))
+        applied = controller.set_target(rn.TargetModel([0, 0.9, -0.3]))
         assert applied.covariance == "blend" and 0 < applied.distance < 0.5
         d, U = factors(before)
         grown = np.maximum(d, np.minimum(d / (1 - applied.distance), 1 / 0.1))
@@ -163,27 +145,27 @@ def factors(P):
 def test_the_same_target_changes_nothing():
     for target in (FIR, FILTER):
         settings = settings_of(target=target)
-        one, other, data = Controller(settings), Controller(settings), steps(settings, 90)
+        one, other, data = rn.Controller(settings), rn.Controller(settings), steps(settings, 90)
         run(one, data[:50]), run(other, data[:50])
-        assert one.set_target(TargetModel(target.numerator, target.denominator)).distance == 0
+        assert one.set_target(rn.TargetModel(target.numerator, target.denominator)).distance == 0
         assert np.array_equal(run(one, data[50:]), run(other, data[50:]))
 
 
 @given(st.integers(1, 59), st.sampled_from(["keep", "reset", "blend", "replay"]), st.booleans())
 def test_a_run_cut_across_changes_is_the_run(cut, covariance, window):
     """Also where the order grows, and back, and where weights and lambda were set."""
-    longer = TargetModel([0, 0.8, -1.1, 0.2, 0.1, 0.05])
+    longer = rn.TargetModel([0, 0.8, -1.1, 0.2, 0.1, 0.05])
     changes = {
-        10: ControllerChange(longer, covariance=covariance),
-        25: ControllerChange(FILTER, covariance=covariance, lambda_=0.97),
-        40: ControllerChange(OTHER, R_z=2.0, R_u=SignalWeight(0.1)),
+        10: rn.ControllerChange(longer, covariance=covariance),
+        25: rn.ControllerChange(FILTER, covariance=covariance, lambda_=0.97),
+        40: rn.ControllerChange(OTHER, R_z=2.0, R_u=rn.SignalWeight(0.1)),
     }
-    update = SlidingWindow(0.5, window=7) if window else UD(R_theta=0.1)
+    update = rn.SlidingWindow(0.5, window=7) if window else rn.UD(R_theta=0.1)
     settings, w = settings_of(update=update), noise(3, 60, 1)
     hook = {"on_step": lambda run: changes.get(run.first_step + run.steps), "every": 5}
-    whole = simulate(PLANT, settings, w, divergence_limit=1e9, **hook)
-    first = simulate(PLANT, settings, w[:cut], divergence_limit=1e9, **hook)
-    rest = simulate(PLANT, settings, w[cut:], start=first.state, divergence_limit=1e9, **hook)
+    whole = rn.simulate(PLANT, settings, w, divergence_limit=1e9, **hook)
+    first = rn.simulate(PLANT, settings, w[:cut], divergence_limit=1e9, **hook)
+    rest = rn.simulate(PLANT, settings, w[cut:], start=first.state, divergence_limit=1e9, **hook)
     assert whole.outcome == "completed"
     assert np.array_equal(np.concatenate([first.u, rest.u]), whole.u)
     assert rest.state.values.tobytes() == whole.state.values.tobytes()
@@ -195,36 +177,36 @@ def test_a_run_cut_across_changes_is_the_run(cut, covariance, window):
 def test_a_run_in_lanes_can_be_changed_when_it_goes_on():
     """The lanes keep what a change needs: what follows is what follows the ordinary run."""
     settings, w = settings_of(), noise(1, 500, 1)
-    case = SimulationCase(PLANT, settings, w[:450])
-    (lane,), plain = simulate_many([case] * 1, lanes=True), simulate(PLANT, settings, w[:450])
-    hook = {"on_step": lambda run: ControllerChange(FILTER, covariance="replay"), "every": 450}
-    ends = [simulate(PLANT, settings, w[450:], start=r.state, **hook) for r in (lane, plain)]
+    case = rn.SimulationCase(PLANT, settings, w[:450])
+    (lane,), plain = rn.simulate_many([case] * 1, lanes=True), rn.simulate(PLANT, settings, w[:450])
+    hook = {"on_step": lambda run: rn.ControllerChange(FILTER, covariance="replay"), "every": 450}
+    ends = [rn.simulate(PLANT, settings, w[450:], start=r.state, **hook) for r in (lane, plain)]
     assert len(ends[0].changes) == 1
     assert np.allclose(ends[0].z, ends[1].z, rtol=1e-6, atol=1e-9)
 
 
 def test_set_weights_and_lambda_are_those_of_the_settings():
     """From step 0 on they are the controller that was made with them."""
-    R_u = SignalWeight(0.3, 0.1)
-    made = settings_of(R_z=2.0, R_u=R_u, update=UD(R_theta=0.1, lambda_=0.95))
-    one, other, data = Controller(made), Controller(settings_of()), steps(made, 60)
+    R_u = rn.SignalWeight(0.3, 0.1)
+    made = settings_of(R_z=2.0, R_u=R_u, update=rn.UD(R_theta=0.1, lambda_=0.95))
+    one, other, data = rn.Controller(made), rn.Controller(settings_of()), steps(made, 60)
     other.set_weights(R_z=2.0, R_u=R_u)
     other.set_lambda(0.95)
     assert np.array_equal(run(one, data), run(other, data))
 
 
 def test_a_changed_controller_restores_and_pickles(tmp_path):
-    controller, data = Controller(settings_of()), steps(settings_of(), 80)
+    controller, data = rn.Controller(settings_of()), steps(settings_of(), 80)
     run(controller, data[:30])
     early = controller.state
-    controller.set_target(TargetModel([0, 1, 0.3, 0.2, 0.1]), "keep")
+    controller.set_target(rn.TargetModel([0, 1, 0.3, 0.2, 0.1]), "keep")
     controller.set_weights(R_u=0.2)
     run(controller, data[30:50])
     late = controller.state
     going_on = run(controller, data[50:])
     controller.restore(early)
     assert controller.target == FIR  # what was set later is gone
-    other = Controller(settings_of())
+    other = rn.Controller(settings_of())
     other.restore(late)
     assert np.array_equal(run(other, data[50:]), going_on)
     assert other.target.n_f == 4
@@ -233,22 +215,22 @@ def test_a_changed_controller_restores_and_pickles(tmp_path):
 @pytest.mark.parametrize(
     ("target", "error", "words"),
     [
-        (TargetModel(np.ones((2, 1, 2))), InputError, "1 x 2"),
-        (TargetModel(np.ones((2, 2, 1))), InputError, "2 x 1"),
-        (TargetModel(np.eye(1, 301).ravel() + 1), InputError, "n_f = 300"),
+        (rn.TargetModel(np.ones((2, 1, 2))), InputError, "1 x 2"),
+        (rn.TargetModel(np.ones((2, 2, 1))), InputError, "2 x 1"),
+        (rn.TargetModel(np.eye(1, 301).ravel() + 1), InputError, "n_f = 300"),
         ("1/q", InputError, "target"),
-        (TargetModel([1.0, 0.5]), ImproperError, "strictly"),
+        (rn.TargetModel([1.0, 0.5]), ImproperError, "strictly"),
     ],
 )
 def test_what_does_not_fit_is_refused_and_nothing_is_applied(target, error, words):
     form = "filter" if error is ImproperError else "predictor"
-    controller, data = Controller(settings_of(form=form)), steps(settings_of(), 30)
+    controller, data = rn.Controller(settings_of(form=form)), steps(settings_of(), 30)
     run(controller, data)
     before = controller.state
     with pytest.raises(error, match=words):
         controller.set_target(target)
     with pytest.raises(InputError):  # the last part does not fit: none is applied
-        controller.change(ControllerChange(OTHER, lambda_=0.9, R_z=np.eye(2)))
+        controller.change(rn.ControllerChange(OTHER, lambda_=0.9, R_z=np.eye(2)))
     with pytest.raises(InputError, match="function"):
         controller.set_weights(R_z=lambda k, y, z, u: 1.0)
     with pytest.raises(InputError, match="covariance"):
@@ -258,13 +240,13 @@ def test_what_does_not_fit_is_refused_and_nothing_is_applied(target, error, word
 
 def test_rules_that_set_lambda_are_not_overruled():
     for update in (
-        UD(1.0, lambda_=VariableRateForgetting(2, 9, 0.5)),
-        UD(1.0, process_noise=0.1),
-        Gradient(0.1),
+        rn.UD(1.0, lambda_=rn.VariableRateForgetting(2, 9, 0.5)),
+        rn.UD(1.0, process_noise=0.1),
+        rn.Gradient(0.1),
     ):
         with pytest.raises(InputError):
-            Controller(settings_of(update=update)).set_lambda(0.9)
-    controller = Controller(settings_of(update=Gradient(0.1)))
+            rn.Controller(settings_of(update=update)).set_lambda(0.9)
+    controller = rn.Controller(settings_of(update=rn.Gradient(0.1)))
     assert controller.set_target(OTHER).covariance == "keep"
     with pytest.raises(InputError, match="replay"):
         controller.set_target(OTHER, "replay")
@@ -272,39 +254,43 @@ def test_rules_that_set_lambda_are_not_overruled():
 
 def test_hooks_that_fail_are_named_and_the_run_so_far_is_kept():
     w = noise(0, 50, 1)
-    for hook in (lambda run: 1 / 0, lambda run: "1/q", lambda run: ControllerChange(R_z=np.eye(3))):
+    for hook in (
+        lambda run: 1 / 0,
+        lambda run: "1/q",
+        lambda run: rn.ControllerChange(R_z=np.eye(3)),
+    ):
         with pytest.raises(FunctionFailedError, match="step 20") as caught:
-            simulate(PLANT, settings_of(), w, on_step=hook, every=20)
+            rn.simulate(PLANT, settings_of(), w, on_step=hook, every=20)
         assert caught.value.run.steps == 20
-    both = Decentralized([settings_of()])
+    both = rn.Decentralized([settings_of()])
     for arguments in ({"on_step": 3}, {"on_step": len, "every": 0}):
         with pytest.raises(InputError):
-            simulate(PLANT, settings_of(), w, **arguments)
+            rn.simulate(PLANT, settings_of(), w, **arguments)
     with pytest.raises(InputError, match="one adaptive"):
-        simulate(PLANT, both, w, on_step=lambda run: None)
+        rn.simulate(PLANT, both, w, on_step=lambda run: None)
 
 
 def test_a_changed_run_has_no_twin():
-    hook = {"on_step": lambda run: ControllerChange(OTHER), "every": 25}
+    hook = {"on_step": lambda run: rn.ControllerChange(OTHER), "every": 25}
     with pytest.raises(InputError, match="changed"):
-        frozen_twin(simulate(PLANT, settings_of(), noise(0, 50, 1), **hook), 10)
+        rn.frozen_twin(rn.simulate(PLANT, settings_of(), noise(0, 50, 1), **hook), 10)
 
 
 def test_an_overflow_in_a_replay_leaves_the_controller():
-    settings = settings_of(update=UD(R_theta=1e-300))
-    controller = Controller(settings)
+    settings = settings_of(update=rn.UD(R_theta=1e-300))
+    controller = rn.Controller(settings)
     for _ in range(30):
         controller.step(1.0, 1.0)
     before = controller.state
     with pytest.raises(DivergedError):
-        controller.set_target(TargetModel([0, 1e308, -1e308]), "replay")
+        controller.set_target(rn.TargetModel([0, 1e308, -1e308]), "replay")
     assert controller.state.values.tobytes() == before.values.tobytes()
 
 
 def test_strictness_follows_the_target():
-    controller, data = Controller(settings_of()), steps(settings_of(), 30)
+    controller, data = rn.Controller(settings_of()), steps(settings_of(), 30)
     run(controller, data)
-    controller.set_target(TargetModel([1.0, 0.5]))
+    controller.set_target(rn.TargetModel([1.0, 0.5]))
     with pytest.raises(InputError, match="strictly"):
         controller.step(*data[0], u_applied=0.0)
     controller.set_target(OTHER)
@@ -314,11 +300,11 @@ def test_strictness_follows_the_target():
 @pytest.mark.parametrize(
     ("target", "count"),
     [
-        (TargetModel([0, 1, -1.5]), 1),
-        (TargetModel([0, 2, -1, 3]), 2),  # 2 q^2 - q + 3: modulus 1.22
-        (TargetModel([0, 1]), 0),
-        (TargetModel(np.array([np.zeros((2, 2)), np.eye(2), np.diag([-1.5, -0.5])])), 1),
-        (TargetModel(np.ones((2, 2, 1))), None),
+        (rn.TargetModel([0, 1, -1.5]), 1),
+        (rn.TargetModel([0, 2, -1, 3]), 2),  # 2 q^2 - q + 3: modulus 1.22
+        (rn.TargetModel([0, 1]), 0),
+        (rn.TargetModel(np.array([np.zeros((2, 2)), np.eye(2), np.diag([-1.5, -0.5])])), 1),
+        (rn.TargetModel(np.ones((2, 2, 1))), None),
     ],
 )
 def test_nmp_zeros_are_counted(target, count):

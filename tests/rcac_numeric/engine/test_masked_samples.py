@@ -3,19 +3,12 @@
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerLog,
-    ControllerSettings,
-    Recorder,
-    Supervision,
-    TargetModel,
-    iir,
-)
 
-SETTINGS = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(1.0), k_w=2)
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(1), target=rn.TargetModel([0, 1.0]), update=rn.UD(1.0), k_w=2
+)
 MASKED = [np.ma.masked, np.ma.masked_array([5.0], mask=[True]),
           np.ma.masked_array([5], mask=[True]),
           [np.ma.masked], np.ma.masked_equal(-9999.0, -9999.0)]  # fmt: skip
@@ -32,15 +25,15 @@ def theta_after(controller, gap):
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("masked", MASKED, ids=repr)
 def test_a_masked_sample_is_a_missed_one(masked):
-    expected = theta_after(Controller(SETTINGS), np.nan)
-    assert np.array_equal(theta_after(Controller(SETTINGS), masked), expected)
-    assert not np.array_equal(theta_after(Controller(SETTINGS), 5.0), expected)
+    expected = theta_after(rn.Controller(SETTINGS), np.nan)
+    assert np.array_equal(theta_after(rn.Controller(SETTINGS), masked), expected)
+    assert not np.array_equal(theta_after(rn.Controller(SETTINGS), 5.0), expected)
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("masked", MASKED, ids=repr)
 def test_without_supervision_it_is_refused_and_nothing_has_moved(masked):
-    controller = Controller(SETTINGS, supervision=Supervision(policy="off"))
+    controller = rn.Controller(SETTINGS, supervision=rn.Supervision(policy="off"))
     controller.step(y=1.0, z=1.0)
     before = controller.k, controller.theta.copy()
     with pytest.raises(InputError):
@@ -49,7 +42,7 @@ def test_without_supervision_it_is_refused_and_nothing_has_moved(masked):
 
 
 def test_unmasked_arrays_step_as_plain_ones():
-    plain, other = Controller(SETTINGS), Controller(SETTINGS)
+    plain, other = rn.Controller(SETTINGS), rn.Controller(SETTINGS)
     for y in Y:
         one = plain.step(y=y, z=y)
         assert one == other.step(y=np.ma.masked_array([y], mask=[False]), z=np.ma.masked_array([y]))
@@ -60,7 +53,7 @@ def test_a_recorder_logs_a_masked_sample_as_a_missed_one(tmp_path):
     logs = []
     for gap in (np.nan, np.ma.masked_array([5.0], mask=[True])):
         path = tmp_path / f"{len(logs)}.csv"
-        with Recorder(Controller(SETTINGS), path) as recorder:
+        with rn.Recorder(rn.Controller(SETTINGS), path) as recorder:
             theta_after(recorder, gap)
         logs.append(path.read_text())
     assert logs[0] == logs[1]
@@ -69,7 +62,7 @@ def test_a_recorder_logs_a_masked_sample_as_a_missed_one(tmp_path):
 def test_a_log_says_where_its_masked_rows_are():
     y = np.ma.masked_equal(np.where(np.arange(20) % 7 == 6, -9999.0, 1.0), -9999.0)
     with pytest.raises(InputError, match=r"y has 2 gaps .*the first at step 6"):
-        ControllerLog(np.ones(20), y)
+        rn.ControllerLog(np.ones(20), y)
     integers = np.ma.masked_equal(np.where(np.arange(20) == 3, -9999, 1), -9999)
     with pytest.raises(InputError, match=r"u has 1 gaps .*the first at step 3"):
-        ControllerLog(integers, np.ones(20))
+        rn.ControllerLog(integers, np.ones(20))

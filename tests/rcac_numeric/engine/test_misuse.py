@@ -12,57 +12,37 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import DivergedError, FunctionFailedError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    CovarianceReset,
-    FixedController,
-    Gradient,
-    Instantaneous,
-    PlantChange,
-    PlantSchedule,
-    SavedState,
-    SlidingWindow,
-    SupervisionWarning,
-    TargetModel,
-    VariableRateForgetting,
-    frozen_twin,
-    iir,
-    servo_plant,
-    simulate,
-    standard_plant,
-)
 from rcac_numeric.arrays._values import replaced as replace
 
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0]), update=rn.UD(R_theta=1.0)
 )
-PLANT = standard_plant("1/(q - 0.9)")
-SCHEDULE = PlantSchedule(
+PLANT = rn.standard_plant("1/(q - 0.9)")
+SCHEDULE = rn.PlantSchedule(
     [
-        PlantChange(start=0, plant=PLANT),
-        PlantChange(start=5, plant=standard_plant("1/(q - 1/2)"), delay=3),
+        rn.PlantChange(start=0, plant=PLANT),
+        rn.PlantChange(start=5, plant=rn.standard_plant("1/(q - 1/2)"), delay=3),
     ]
 )
 RULES = [
     {},
-    {"update": SlidingWindow(R_theta=1.0, window=7)},
+    {"update": rn.SlidingWindow(R_theta=1.0, window=7)},
     {
-        "update": UD(
+        "update": rn.UD(
             R_theta=1.0,
-            lambda_=VariableRateForgetting(3, 9, 0.1),
-            reset=CovarianceReset(at=[3, 30], growth=1.5),
+            lambda_=rn.VariableRateForgetting(3, 9, 0.1),
+            reset=rn.CovarianceReset(at=[3, 30], growth=1.5),
         )
     },
-    {"target_changes": {5: TargetModel([0, 2.0])}, "k_filter": 3, "freeze": [(3, 6)]},
+    {"target_changes": {5: rn.TargetModel([0, 2.0])}, "k_filter": 3, "freeze": [(3, 6)]},
 ]
 
 
 def driven(settings, steps=9):
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     for k in range(steps):
         controller.step(k % 3, k % 2)
     return controller
@@ -94,7 +74,7 @@ def test_a_weight_cannot_drive_its_own_controller(act):
         acts[act](controller)
         return 0.0
 
-    controller = Controller(replace(SETTINGS, R_u=weight))
+    controller = rn.Controller(replace(SETTINGS, R_u=weight))
     start = controller.state
     with pytest.raises(FunctionFailedError, match="in the middle of a step"):
         for _ in range(5):
@@ -107,7 +87,7 @@ def test_a_step_that_was_interrupted_is_not_gone_on_from():
             raise KeyboardInterrupt
         return 0.0
 
-    controller = Controller(replace(SETTINGS, R_u=weight))
+    controller = rn.Controller(replace(SETTINGS, R_u=weight))
     for _ in range(4):
         controller.step(1.0, 1.0)
     good = controller.state
@@ -121,10 +101,11 @@ def test_a_step_that_was_interrupted_is_not_gone_on_from():
 
 
 @pytest.mark.parametrize(
-    "update", [SlidingWindow(R_theta=1.0, window=3), Instantaneous(R_theta=1.0), Gradient(0.1)]
+    "update",
+    [rn.SlidingWindow(R_theta=1.0, window=3), rn.Instantaneous(R_theta=1.0), rn.Gradient(0.1)],
 )
 def test_only_a_covariance_can_be_reset(update):
-    controller = Controller(replace(SETTINGS, update=update))
+    controller = rn.Controller(replace(SETTINGS, update=update))
     with pytest.raises(InputError, match="no covariance that could be reset"):
         controller.reset_covariance()
 
@@ -136,10 +117,13 @@ def test_no_damaged_state_reaches_beyond_an_array(rules, data):
     settings = replace(SETTINGS, **rules)
     w = np.ones((9, 1))
     for state, resume in (
-        (driven(settings).state, lambda s: (c := Controller(settings)).restore(s) or c.step(1, 1)),
         (
-            simulate(SCHEDULE, settings, w).state,
-            lambda s: simulate(SCHEDULE, settings, w, start=s),
+            driven(settings).state,
+            lambda s: (c := rn.Controller(settings)).restore(s) or c.step(1, 1),
+        ),
+        (
+            rn.simulate(SCHEDULE, settings, w).state,
+            lambda s: rn.simulate(SCHEDULE, settings, w, start=s),
         ),
     ):
         bits = state.values.view(np.int64).copy()
@@ -153,16 +137,16 @@ def test_no_damaged_state_reaches_beyond_an_array(rules, data):
             with pytest.raises(InputError, match="damaged: it was changed after it was saved"):
                 resume(replace(state, values=damaged))
         with suppress(
-            InputError, DivergedError, SupervisionWarning
+            InputError, DivergedError, rn.SupervisionWarning
         ):  # by one who knows the checksum, too
-            resume(SavedState.taken(state.kind, state.k, damaged, state.fingerprint))
+            resume(rn.SavedState.taken(state.kind, state.k, damaged, state.fingerprint))
 
 
 @pytest.mark.parametrize("values", ["abc", [1.0, 2.0], None, np.ones(3, int), np.ones((3, 1))])
 def test_the_values_of_a_state_are_an_array(values):
     state = driven(SETTINGS).state
     with pytest.raises(InputError, match="instead of a float64 array"):
-        Controller(SETTINGS).restore(replace(state, values=values))
+        rn.Controller(SETTINGS).restore(replace(state, values=values))
 
 
 def test_a_state_that_cannot_be_written_is_named(tmp_path):
@@ -172,9 +156,9 @@ def test_a_state_that_cannot_be_written_is_named(tmp_path):
 
 def test_a_frozen_twin_starts_where_the_run_did():
     x_0 = np.array([1.0])
-    run = simulate(PLANT, SETTINGS, np.ones((30, 1)), x_0=x_0, divergence_limit=50.0)
+    run = rn.simulate(PLANT, SETTINGS, np.ones((30, 1)), x_0=x_0, divergence_limit=50.0)
     x_0[0] = 100.0
-    twin = frozen_twin(run, 30)
+    twin = rn.frozen_twin(run, 30)
     assert (twin.z == run.z).all() and twin.divergence_limit == 50.0
 
 
@@ -202,6 +186,6 @@ def test_a_system_that_gives_no_more_threads():
 
 
 def test_a_w_of_another_width_is_told_its_columns():
-    plant = servo_plant("1/(q - 0.5)")
+    plant = rn.servo_plant("1/(q - 0.5)")
     with pytest.raises(InputError, match=r"\(steps, 3\) is needed.*: r, d, v"):
-        simulate(plant, FixedController("1/q"), np.ones((50, 1)))
+        rn.simulate(plant, rn.FixedController("1/q"), np.ones((50, 1)))

@@ -9,24 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    ControlLimits,
-    Recorder,
-    Supervision,
-    TargetModel,
-    check_controller,
-    fir_target,
-    iir,
-    read_log,
-    standard_plant,
-)
 
-PLANT = standard_plant("1/(q - 0.9)")
-SETTINGS = ControllerSettings(structure=iir(n_c=2), target=fir_target(PLANT), update=UD(1.0))
+PLANT = rn.standard_plant("1/(q - 0.9)")
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(n_c=2), target=rn.fir_target(PLANT), update=rn.UD(1.0)
+)
 
 KILLED = """
 import os, signal, sys
@@ -76,11 +65,11 @@ def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
     path = tmp_path / "log.csv"
     done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
     assert done.returncode == -signal.SIGKILL
-    log = read_log(path)
+    log = rn.read_log(path)
     assert log.steps == 499
-    found = check_controller(log, structure=SETTINGS.structure, plant=PLANT)
+    found = rn.check_controller(log, structure=SETTINGS.structure, plant=PLANT)
     assert found.is_consistent and found.loop.is_stable
-    assert np.array_equal(log.u[:, 0], driven(Controller(SETTINGS), 499))
+    assert np.array_equal(log.u[:, 0], driven(rn.Controller(SETTINGS), 499))
 
 
 @pytest.mark.costly
@@ -94,12 +83,12 @@ def test_a_full_disk_leaves_whole_rows_and_takes_no_u(tmp_path):
     lines = path.read_text().splitlines(keepends=True)
     assert 1 < len(lines) < 100 and lines[-1].endswith("\n")
     assert len({line.count(",") for line in lines}) == 1
-    assert read_log(path).steps == len(lines) - 1
+    assert rn.read_log(path).steps == len(lines) - 1
 
 
 def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
     path = tmp_path / "log.csv"
-    with Recorder(Controller(SETTINGS), path) as recorder:
+    with rn.Recorder(rn.Controller(SETTINGS), path) as recorder:
         recorder.step(1.0, 1.0)
         recorder.step(2.0, 2.0, u_applied=0.5)
         recorder.step(float("nan"), float("nan"))
@@ -109,7 +98,7 @@ def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
     assert rows["u"][0] == 0.5 and rows["y"].tolist() == [1.0, 2.0, 2.0]
     assert rows["missed"].tolist() == [0, 0, 1]
     with pytest.raises(InputError, match="cannot be written"):
-        Recorder(Controller(SETTINGS), path)
+        rn.Recorder(rn.Controller(SETTINGS), path)
 
 
 @given(
@@ -117,14 +106,14 @@ def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
     rise=st.floats(0.05, 2), fall=st.floats(0.05, 2),
 )  # fmt: skip
 def test_u_keeps_to_its_limits_and_the_regressor_knows(seed, low, high, rise, fall):
-    limits = ControlLimits(low=low, high=high, rise=rise, fall=fall)
-    controller = Controller(SETTINGS, limits=limits)
+    limits = rn.ControlLimits(low=low, high=high, rise=rise, fall=fall)
+    controller = rn.Controller(SETTINGS, limits=limits)
     us = driven(controller, 60, seed)
     assert (us >= low).all() and (us <= high).all()
     steps = np.diff(us, prepend=0.0)
     assert (steps <= rise + 1e-12).all() and (steps >= -fall - 1e-12).all()
     # The same with a saturation outside that is told, one step late.
-    outside, x, applied = Controller(SETTINGS), 0.0, None
+    outside, x, applied = rn.Controller(SETTINGS), 0.0, None
     rng, other = np.random.default_rng(seed), []
     for _ in range(60):
         asked = float(outside.step(x, x, u_applied=applied)[0])
@@ -137,47 +126,47 @@ def test_u_keeps_to_its_limits_and_the_regressor_knows(seed, low, high, rise, fa
 
 def test_every_column_of_a_wide_log_has_its_name(tmp_path):
     path, rng = tmp_path / "log.csv", np.random.default_rng(0)
-    structure = iir(1, 2, 3)
-    target = TargetModel([np.zeros((1, 2)), [[1.0, 0.5]]])
-    settings = ControllerSettings(structure=structure, target=target, update=UD(1.0))
-    with Recorder(Controller(settings), path) as recorder:
+    structure = rn.iir(1, 2, 3)
+    target = rn.TargetModel([np.zeros((1, 2)), [[1.0, 0.5]]])
+    settings = rn.ControllerSettings(structure=structure, target=target, update=rn.UD(1.0))
+    with rn.Recorder(rn.Controller(settings), path) as recorder:
         applied = [recorder.step(rng.standard_normal(3), [1.0]) for _ in range(5)]
     names = path.read_text().splitlines()[0].split(",")
     assert len(set(names)) == len(names) == 2 + 3 + 1 + structure.l_theta + 1
     assert {"u[0]", "u[1]", "y[2]", "z", "missed"} <= set(names)
-    log = read_log(path)
+    log = rn.read_log(path)
     assert np.array_equal(log.u, applied) and log.y.shape == (5, 3)
 
 
 def test_limits_are_saved_and_checked():
-    limits = ControlLimits(rise=0.1)
-    one, two = Controller(SETTINGS, limits=limits), Controller(SETTINGS, limits=limits)
+    limits = rn.ControlLimits(rise=0.1)
+    one, two = rn.Controller(SETTINGS, limits=limits), rn.Controller(SETTINGS, limits=limits)
     driven(one, 30)
     two.restore(one.state)
     assert one.step(1.0, 1.0) == two.step(1.0, 1.0)
     with pytest.raises(InputError, match="other settings"):
-        Controller(SETTINGS).restore(one.state)
-    for supervision in (Supervision(), Supervision("bound")):  # of other limits, or of none
-        one = Controller(SETTINGS, supervision=supervision, limits=limits)
-        for other in (ControlLimits(rise=0.2), None):
+        rn.Controller(SETTINGS).restore(one.state)
+    for supervision in (rn.Supervision(), rn.Supervision("bound")):  # of other limits, or of none
+        one = rn.Controller(SETTINGS, supervision=supervision, limits=limits)
+        for other in (rn.ControlLimits(rise=0.2), None):
             with pytest.raises(InputError, match="other settings"):
-                Controller(SETTINGS, supervision=supervision, limits=other).restore(one.state)
+                rn.Controller(SETTINGS, supervision=supervision, limits=other).restore(one.state)
     for wrong, words in (
         ({}, "low, high"),
         ({"low": 1, "high": 0}, "exceeds"),
         ({"fall": 0}, "positive"),
     ):
         with pytest.raises(InputError, match=words):
-            ControlLimits(**wrong)
+            rn.ControlLimits(**wrong)
     with pytest.raises(InputError, match="l_u = 1"):
-        Controller(SETTINGS, limits=ControlLimits(low=[0.0, 1.0]))
+        rn.Controller(SETTINGS, limits=rn.ControlLimits(low=[0.0, 1.0]))
 
 
 def test_a_takeover_has_no_bump():
-    controller = Controller(SETTINGS)
+    controller = rn.Controller(SETTINGS)
     us = driven(controller, 50)
     controller.take_over(us[-1] + 3.0, fade=0.5)
-    twin = Controller(SETTINGS)
+    twin = rn.Controller(SETTINGS)
     driven(twin, 50)
     asked, given_ = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
     assert given_ == pytest.approx(us[-1] + 3.0) and abs(asked - given_) > 0.1

@@ -9,29 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
 from compensator_theory.errors import FunctionFailedError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    CovarianceReset,
-    Decentralized,
-    Gradient,
-    Instantaneous,
-    Plant,
-    Saturation,
-    SavedState,
-    ScheduledForgetting,
-    SlidingWindow,
-    TargetModel,
-    VariableRateForgetting,
-    frozen_twin,
-    iir,
-    simulate,
-    standard_plant,
-)
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive, with_update
@@ -45,22 +25,24 @@ SIGNALS = ("w", "u", "u_applied", "y", "z", "theta")
 @st.composite
 def rules(draw):
     """Every update with something that it must remember."""
-    update = draw(st.sampled_from([UD, Covariance, SlidingWindow, Instantaneous, Gradient]))
-    if update is SlidingWindow:
+    update = draw(
+        st.sampled_from([rn.UD, rn.Covariance, rn.SlidingWindow, rn.Instantaneous, rn.Gradient])
+    )
+    if update is rn.SlidingWindow:
         return {"update": partial(update, window=draw(st.integers(1, 6)), lambda_=0.9)}
-    if update is Instantaneous:
+    if update is rn.Instantaneous:
         return {"update": update, "form": "filter", "strictly_proper": True}
-    if update is Gradient:
-        return {"update": lambda R_theta: Gradient(0.01), "freeze": ((5, 9), (14, None))}
+    if update is rn.Gradient:
+        return {"update": lambda R_theta: rn.Gradient(0.01), "freeze": ((5, 9), (14, None))}
     if draw(st.integers(0, 4)) == 0:
         return {"update": update, "freeze": ((4, 7), (11, 15))}
     extra = draw(
         st.sampled_from(
             [
-                {"lambda_": ScheduledForgetting({6: 0.9, 12: 1.0})},
-                {"lambda_": VariableRateForgetting(2, 7, 0.5)},
-                {"reset": CovarianceReset(at=[8, 13], every=5, trace_below=0.3)},
-                {"reset": CovarianceReset(growth=1.2, short=2, long=5)},
+                {"lambda_": rn.ScheduledForgetting({6: 0.9, 12: 1.0})},
+                {"lambda_": rn.VariableRateForgetting(2, 7, 0.5)},
+                {"reset": rn.CovarianceReset(at=[8, 13], every=5, trace_below=0.3)},
+                {"reset": rn.CovarianceReset(growth=1.2, short=2, long=5)},
             ]
         )
     )
@@ -73,7 +55,7 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     settings, _ = data.draw(cases(l_u, l_y, l_z, l_r, **data.draw(rules())))
     if (
         data.draw(st.booleans())
-        and isinstance(settings.update, UD)
+        and isinstance(settings.update, rn.UD)
         and settings.update.lambda_ == 1.0
     ):
         Q = positive(np.random.default_rng(seed), settings.structure.l_theta) / 50
@@ -84,16 +66,16 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
         else engine_plants(l_u, l_y, l_z, settings.structure.l_r)
     )
     plant = as_functions(plant) if kind == "functions" else plant
-    saturation = data.draw(st.sampled_from([None, Saturation(low=-0.5, high=0.4, rate=0.2)]))
+    saturation = data.draw(st.sampled_from([None, rn.Saturation(low=-0.5, high=0.4, rate=0.2)]))
     w, steps = noise(seed, 20, plant.l_w), 20
-    whole = simulate(plant, settings, w, saturation=saturation)
+    whole = rn.simulate(plant, settings, w, saturation=saturation)
     if whole.outcome != "completed":
         return
     cut = data.draw(st.integers(1, steps - 1))
     # The usual limit is that of what comes from outside, of which the first piece sees a part.
     limit = whole.divergence_limit
-    first = simulate(plant, settings, w[:cut], saturation=saturation, divergence_limit=limit)
-    rest = simulate(plant, settings, w[cut:], start=first.state, saturation=saturation)
+    first = rn.simulate(plant, settings, w[:cut], saturation=saturation, divergence_limit=limit)
+    rest = rn.simulate(plant, settings, w[cut:], start=first.state, saturation=saturation)
     assert rest.divergence_limit == limit and rest.state == whole.state
     assert rest.first_step == cut and rest.state.k == steps
     for name in SIGNALS:
@@ -107,23 +89,23 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
 @pytest.mark.parametrize("given", ["w", "x_0"])
 def test_a_state_carries_the_size_of_what_came_from_outside(given, tmp_path):
     """A run that goes on from a large signal diverges where the whole run does."""
-    plant = Plant(A=[[1.2]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
-    update = UD(1.0)
-    settings = ControllerSettings(
-        structure=iir(1), target=TargetModel([0, 1.0]), update=update, k_w=10**6
+    plant = rn.Plant(A=[[1.2]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
+    update = rn.UD(1.0)
+    settings = rn.ControllerSettings(
+        structure=rn.iir(1), target=rn.TargetModel([0, 1.0]), update=update, k_w=10**6
     )
     w, x_0 = np.zeros((300, 1)), [1e4 if given == "x_0" else 0.0]
     w[3] = 0.0 if given == "x_0" else 1e4
-    whole = simulate(plant, settings, w, x_0=x_0)
-    first = simulate(plant, settings, w[:50], x_0=x_0)
+    whole = rn.simulate(plant, settings, w, x_0=x_0)
+    first = rn.simulate(plant, settings, w[:50], x_0=x_0)
     first.state.save(tmp_path / "state.npz")
-    state = SavedState.load(tmp_path / "state.npz")
+    state = rn.SavedState.load(tmp_path / "state.npz")
     assert state == first.state and state.scale == 1e4
-    rest = simulate(plant, settings, w[50:], start=state)
+    rest = rn.simulate(plant, settings, w[50:], start=state)
     assert whole.outcome == rest.outcome == "diverged" and whole.divergence_limit == 1e19
     assert 50 + rest.steps == whole.steps
     with pytest.raises(InputError, match="damaged"):
-        simulate(plant, settings, w[50:], start=replace(state, scale=1.0))
+        rn.simulate(plant, settings, w[50:], start=replace(state, scale=1.0))
 
 
 @given(st.data(), sizes, sizes, sizes, seeds)
@@ -140,14 +122,14 @@ def test_a_restored_controller_goes_on_bit_for_bit(data, l_u, l_y, l_z, seed):
         )
         for _ in range(20)
     ]
-    one, other = Controller(settings), Controller(settings)
+    one, other = rn.Controller(settings), rn.Controller(settings)
     cut = data.draw(st.integers(0, 19))
     for step in inputs[:cut]:
         one.step(*step)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "state.npz"
         one.state.save(path)
-        state = SavedState.load(path)
+        state = rn.SavedState.load(path)
     assert state.values.tobytes() == one.state.values.tobytes() and state.k == cut
     for step in inputs[: data.draw(st.integers(0, 19))]:  # whatever it did before is forgotten
         other.step(*step)
@@ -161,8 +143,8 @@ def test_a_restored_controller_goes_on_bit_for_bit(data, l_u, l_y, l_z, seed):
 def test_step_by_step_with_r_is_the_run(data, l_u, l_y, l_z, seed):
     settings, _ = data.draw(cases(l_u, l_y, l_z, 2, ["centralised", "fb_fir", "ff"]))
     plant = data.draw(engine_plants(l_u, l_y, l_z, 2))
-    run = simulate(plant, settings, noise(seed, 15, plant.l_w))
-    controller = Controller(settings)
+    run = rn.simulate(plant, settings, noise(seed, 15, plant.l_w))
+    controller = rn.Controller(settings)
     for k in range(run.steps):
         assert np.array_equal(controller.theta, run.theta[k])
         assert np.array_equal(controller.step(run.y[k], run.z[k], run.w[k, 1:]), run.u[k])
@@ -173,9 +155,9 @@ def test_a_frozen_twin_is_the_run_until_it_stops_adapting(data, l_u, l_z, k, see
     freeze = data.draw(st.sampled_from([(), ((2, 10),), ((3, 6), (12, 14))]))
     parts = [data.draw(cases(l_u, 1, l_z, kinds=["fir", "iir"], freeze=freeze)) for _ in range(2)]
     plant = data.draw(engine_plants(l_u, 1, l_z))
-    for settings in (parts[0][0], Decentralized([part[0] for part in parts])):
-        run = simulate(plant, settings, noise(seed, 16, plant.l_w), x_0=np.ones(plant.n))
-        twin = frozen_twin(run, k)
+    for settings in (parts[0][0], rn.Decentralized([part[0] for part in parts])):
+        run = rn.simulate(plant, settings, noise(seed, 16, plant.l_w), x_0=np.ones(plant.n))
+        twin = rn.frozen_twin(run, k)
         if run.outcome != "completed" or twin.outcome != "completed":
             return
         until = min(k + 1, 16)
@@ -188,37 +170,43 @@ def test_a_frozen_twin_is_the_run_until_it_stops_adapting(data, l_u, l_z, k, see
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
     """In the filter form theta(k) has seen z(k); `compensator_at` is the controller of step k."""
-    plant_settings = ControllerSettings(
-        structure=iir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=0.1), form="filter", k_w=1
+    plant_settings = rn.ControllerSettings(
+        structure=rn.iir(1),
+        target=rn.TargetModel([0, 1.0]),
+        update=rn.UD(R_theta=0.1),
+        form="filter",
+        k_w=1,
     )
     rng = np.random.default_rng(0)
-    run = simulate(standard_plant("1/(q - 0.5)"), plant_settings, rng.standard_normal((9, 1)))
+    run = rn.simulate(rn.standard_plant("1/(q - 0.5)"), plant_settings, rng.standard_normal((9, 1)))
     phi = np.array([run.u[4, 0], run.y[4, 0]])
     assert run.u[5, 0] == pytest.approx(phi @ run.theta[5], rel=1e-14)
     assert run.compensator_at(5).past_y[1, 0, 0] == run.theta[5, 1]
 
 
-SIMPLE = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0))
+SIMPLE = rn.ControllerSettings(
+    structure=rn.iir(1), target=rn.TargetModel([0, 1.0]), update=rn.UD(R_theta=1.0)
+)
 
 
 def test_a_state_of_another_controller_or_loop_is_refused():
-    controller = Controller(SIMPLE)
+    controller = rn.Controller(SIMPLE)
     controller.step(1.0, 1.0)
-    longer = ControllerSettings(
-        structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+    longer = rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.TargetModel([0, 1.0]), update=rn.UD(R_theta=1.0)
     )
     changes = [
-        {"update": UD(R_theta=2.0)},
-        {"update": Covariance(R_theta=1.0)},
+        {"update": rn.UD(R_theta=2.0)},
+        {"update": rn.Covariance(R_theta=1.0)},
         {"freeze": ((3, 4),)},
     ]
     for other in (longer, *(replace(SIMPLE, **change) for change in changes)):
-        fresh = Controller(other)
+        fresh = rn.Controller(other)
         with pytest.raises(InputError, match="belongs to a controller with other settings"):
             fresh.restore(controller.state)
         assert fresh.k == 0
-    plant = standard_plant("1/(q - 0.5)")
-    run = simulate(plant, SIMPLE, np.ones((5, 1)))
+    plant = rn.standard_plant("1/(q - 0.5)")
+    run = rn.simulate(plant, SIMPLE, np.ones((5, 1)))
     with pytest.raises(
         InputError, match="a controller cannot be restored from the state of a loop"
     ):
@@ -226,35 +214,37 @@ def test_a_state_of_another_controller_or_loop_is_refused():
     with pytest.raises(
         InputError, match="a loop cannot be restored from the state of a controller"
     ):
-        simulate(plant, SIMPLE, np.ones((5, 1)), start=controller.state)
+        rn.simulate(plant, SIMPLE, np.ones((5, 1)), start=controller.state)
     with pytest.raises(InputError, match="is not a SavedState"):
-        simulate(plant, SIMPLE, np.ones((5, 1)), start="state.npz")
+        rn.simulate(plant, SIMPLE, np.ones((5, 1)), start="state.npz")
     with pytest.raises(InputError, match="is not a SavedState"):
         controller.restore(run.theta)
-    for changed in (standard_plant("1/(q - 0.6)"), standard_plant("1/(q^2 - 0.5*q)")):
+    for changed in (rn.standard_plant("1/(q - 0.6)"), rn.standard_plant("1/(q^2 - 0.5*q)")):
         with pytest.raises(InputError, match="other settings"):
-            simulate(changed, SIMPLE, np.ones((5, 1)), start=run.state)
+            rn.simulate(changed, SIMPLE, np.ones((5, 1)), start=run.state)
     with pytest.raises(InputError, match="other settings"):
-        simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, saturation=Saturation(low=0))
+        rn.simulate(
+            plant, SIMPLE, np.ones((5, 1)), start=run.state, saturation=rn.Saturation(low=0)
+        )
     with pytest.raises(InputError, match="give either x_0 or start"):
-        simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, x_0=[1.0])
+        rn.simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, x_0=[1.0])
     for k, values, message in (
         (5, run.state.values[:-1], "the state of this loop is damaged"),
         (4, run.state.values, "it is said to be of step 4 and holds step 5"),
     ):
-        other = SavedState.taken("loop", k, values, run.state.fingerprint)
+        other = rn.SavedState.taken("loop", k, values, run.state.fingerprint)
         with pytest.raises(InputError, match=message):
-            simulate(plant, SIMPLE, np.ones((5, 1)), start=other)
+            rn.simulate(plant, SIMPLE, np.ones((5, 1)), start=other)
 
 
 def test_a_file_that_holds_no_state_is_named(tmp_path):
     path = tmp_path / "state.npz"
-    Controller(SIMPLE).state.save(path)
+    rn.Controller(SIMPLE).state.save(path)
     whole = path.read_bytes()
     for length in (0, 3, 10, len(whole) // 2, len(whole) - 5):
         path.write_bytes(whole[:length])
         with pytest.raises(InputError, match=r"holds no saved state|cannot be read"):
-            SavedState.load(path)
+            rn.SavedState.load(path)
     np.savez(tmp_path / "foreign.npz", theta=np.zeros(3))
     np.savez(
         tmp_path / "shapes.npz", kind="loop", k=np.zeros(2), bits=np.zeros(2, "i8"), fingerprint=""
@@ -265,9 +255,9 @@ def test_a_file_that_holds_no_state_is_named(tmp_path):
     (tmp_path / "text.npz").write_text("not a state")
     for name in ("foreign.npz", "shapes.npz", "types.npz", "pickled.npz", "array.npy", "text.npz"):
         with pytest.raises(InputError, match="holds no saved state"):
-            SavedState.load(tmp_path / name)
+            rn.SavedState.load(tmp_path / name)
     with pytest.raises(InputError, match="cannot be read"):
-        SavedState.load(tmp_path / "missing.npz")
+        rn.SavedState.load(tmp_path / "missing.npz")
 
 
 def test_a_restored_controller_forgets_that_a_weight_failed():
@@ -278,7 +268,7 @@ def test_a_restored_controller_forgets_that_a_weight_failed():
             raise OSError("the table is gone")
         return 0.1
 
-    controller = Controller(replace(SIMPLE, R_u=R_u))
+    controller = rn.Controller(replace(SIMPLE, R_u=R_u))
     controller.step(1.0, 1.0)
     controller.step(1.0, 1.0)
     state = controller.state
@@ -293,10 +283,12 @@ def test_a_restored_controller_forgets_that_a_weight_failed():
 
 def test_a_file_from_before_states_had_a_scale_is_read(tmp_path):
     """It has no such entry, and its checksum counts none: the state of a loop at rest."""
-    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
-    settings = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(1.0))
-    state = simulate(plant, settings, np.zeros((5, 1))).state
+    plant = rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
+    settings = rn.ControllerSettings(
+        structure=rn.iir(1), target=rn.TargetModel([0, 1.0]), update=rn.UD(1.0)
+    )
+    state = rn.simulate(plant, settings, np.zeros((5, 1))).state
     state.save(tmp_path / "new.npz")
     with np.load(tmp_path / "new.npz") as entries:
         np.savez(tmp_path / "old.npz", **{k: v for k, v in entries.items() if k != "scale"})
-    assert SavedState.load(tmp_path / "old.npz") == state and state.scale == 0.0
+    assert rn.SavedState.load(tmp_path / "old.npz") == state and state.scale == 0.0

@@ -7,29 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    FunctionPlant,
-    RunInterrupted,
-    SimulationCase,
-    fir_target,
-    iir,
-    simulate_many,
-    simulate_stream,
-    standard_plant,
-)
 
-PLANT = standard_plant("1/(q - 0.9)")
+PLANT = rn.standard_plant("1/(q - 0.9)")
 
 
 def case(seed, steps=60, n_c=2):
-    settings = ControllerSettings(
-        structure=iir(n_c), target=fir_target(PLANT), update=UD(R_theta=1.0 + seed)
+    settings = rn.ControllerSettings(
+        structure=rn.iir(n_c), target=rn.fir_target(PLANT), update=rn.UD(R_theta=1.0 + seed)
     )
     w = np.random.default_rng(seed).standard_normal((steps, 1))
-    return SimulationCase(PLANT, settings, w)
+    return rn.SimulationCase(PLANT, settings, w)
 
 
 @given(
@@ -39,9 +28,9 @@ def case(seed, steps=60, n_c=2):
 )
 def test_they_are_those_of_simulate_many(lengths, at_once, lanes):
     cases = [case(i, steps, 1 + i % 3) for i, steps in enumerate(lengths)]
-    found = list(simulate_stream(cases, at_once=at_once, lanes=lanes))
+    found = list(rn.simulate_stream(cases, at_once=at_once, lanes=lanes))
     assert sorted(result.number for result in found) == list(range(len(cases)))
-    whole = simulate_many(cases, lanes=lanes)
+    whole = rn.simulate_many(cases, lanes=lanes)
     assert all(result.value == whole[result.number] for result in found)
 
 
@@ -49,9 +38,9 @@ def test_a_reducer_takes_the_place_of_the_run():
     cases = [case(seed) for seed in range(20)]
     peaks = {
         result.number: result.value
-        for result in simulate_stream(cases, reduce=lambda i, run: (i, np.abs(run.z).max()))
+        for result in rn.simulate_stream(cases, reduce=lambda i, run: (i, np.abs(run.z).max()))
     }
-    assert peaks == {i: (i, np.abs(r.z).max()) for i, r in enumerate(simulate_many(cases))}
+    assert peaks == {i: (i, np.abs(r.z).max()) for i, r in enumerate(rn.simulate_many(cases))}
 
 
 def test_nothing_of_a_run_is_kept():
@@ -61,7 +50,7 @@ def test_nothing_of_a_run_is_kept():
         seen.append(weakref.ref(run))
         return 0.0
 
-    for _ in simulate_stream((case(s) for s in range(40)), reduce=reduced, at_once=4):
+    for _ in rn.simulate_stream((case(s) for s in range(40)), reduce=reduced, at_once=4):
         alive.append(sum(run() is not None for run in seen))
     assert len(alive) == 40 and max(alive) <= 4
 
@@ -74,7 +63,7 @@ def test_cases_are_taken_when_they_are_needed():
             taken.append(seed)
             yield case(seed)
 
-    next(simulate_stream(cases(), at_once=3))
+    next(rn.simulate_stream(cases(), at_once=3))
     assert len(taken) == 3
 
 
@@ -82,20 +71,20 @@ def test_what_fails_is_a_result_and_the_rest_goes_on():
     def advance(k, x, u, w):
         raise ZeroDivisionError("a fault")
 
-    broken = FunctionPlant(
+    broken = rn.FunctionPlant(
         advance=advance, output=lambda k, x, w: (x, x), n=1, l_u=1, l_w=1, l_y=1, l_z=1
     )
     good = case(1)
     cases = [
         good,
-        SimulationCase(broken, good.settings, good.w),
-        SimulationCase(PLANT, good.settings, [[np.nan]]),
+        rn.SimulationCase(broken, good.settings, good.w),
+        rn.SimulationCase(PLANT, good.settings, [[np.nan]]),
         "no case",
-        SimulationCase(PLANT, good.settings, good.w, {"sride": 2}),
+        rn.SimulationCase(PLANT, good.settings, good.w, {"sride": 2}),
         good,
     ]
     counted = []
-    found = {r.number: r for r in simulate_stream(cases, progress=counted.append)}
+    found = {r.number: r for r in rn.simulate_stream(cases, progress=counted.append)}
     outcomes = [found[i].outcome for i in range(6)]
     assert outcomes == ["completed", "plant failed", "refused", "refused", "refused", "completed"]
     assert "a fault" in found[1].failure and "sride" in found[4].failure
@@ -107,7 +96,7 @@ def test_a_reducer_that_raises_costs_its_own_case():
     def reduced(number, run):
         return 1 / (number - 1)
 
-    found = {r.number: r for r in simulate_stream([case(i) for i in range(3)], reduce=reduced)}
+    found = {r.number: r for r in rn.simulate_stream([case(i) for i in range(3)], reduce=reduced)}
     assert [found[i].outcome for i in range(3)] == ["completed", "reducer failed", "completed"]
     assert found[1].failure.startswith("ZeroDivisionError")
 
@@ -118,15 +107,15 @@ def test_a_key_pressed_keeps_what_was_under_way():
             raise KeyboardInterrupt
         return 0.5 * x + u + w
 
-    plant = FunctionPlant(
+    plant = rn.FunctionPlant(
         advance=advance, output=lambda k, x, w: (x, x), n=1, l_u=1, l_w=1, l_y=1, l_z=1
     )
     good = case(1)
-    with pytest.raises(RunInterrupted) as caught:
-        list(simulate_stream([good, SimulationCase(plant, good.settings, good.w)], threads=1))
+    with pytest.raises(rn.RunInterrupted) as caught:
+        list(rn.simulate_stream([good, rn.SimulationCase(plant, good.settings, good.w)], threads=1))
     assert caught.value.runs[-1].outcome == "interrupted"
 
 
 def test_bad_options_are_refused_before_anything_runs():
     with pytest.raises(InputError, match="at_once"):
-        simulate_stream([], at_once=0)
+        rn.simulate_stream([], at_once=0)

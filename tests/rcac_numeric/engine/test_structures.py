@@ -5,17 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    Decentralized,
-    TargetModel,
-    feedforward,
-    pid,
-    simulate,
-)
+import rcac_numeric as rn
 from tests.support.comparisons import tame
 from tests.support.engine_cases import KINDS, cases, engine_plants, settings_for, structures
 from tests.support.signals import noise
@@ -30,7 +20,7 @@ def test_every_structure_follows_the_text(kind, data, l_u, l_y, l_z, l_r, seed):
     l_r = l_r if kind in ("centralised", "fb_fir", "ff", "table") else 0
     settings, regressor = data.draw(cases(l_u, l_y, l_z, l_r, [kind]))
     plant = data.draw(engine_plants(l_u, l_y, l_z, settings.structure.l_r))
-    run = tame(simulate(plant, settings, noise(seed, 14, plant.l_w)))
+    run = tame(rn.simulate(plant, settings, noise(seed, 14, plant.l_w)))
     assert_follows(run, [(settings, regressor)])
 
 
@@ -41,14 +31,14 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
     structure, _ = data.draw(structures(l_u, l_y, l_r))
     rng = np.random.default_rng(seed)
     theta = rng.uniform(-1, 1, structure.l_theta) / len(structure.taps)
-    settings = ControllerSettings(
+    settings = rn.ControllerSettings(
         structure=structure,
-        target=TargetModel(np.ones((2, 1, l_u))),
-        update=UD(R_theta=1.0),
+        target=rn.TargetModel(np.ones((2, 1, l_u))),
+        update=rn.UD(R_theta=1.0),
         theta_0=theta,
         freeze=((0, None),),
     )
-    controller, fixed = Controller(settings), settings.compensator_of(theta)
+    controller, fixed = rn.Controller(settings), settings.compensator_of(theta)
     steps = settings.k_w + 25
     y, r = noise(seed, steps, l_y), noise(seed + 1, steps, structure.l_r)
     y[: settings.k_w] = 0  # u = 0 is what the compensator makes of them, too
@@ -68,11 +58,11 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
 
 def test_the_pid_controller_of_the_text_by_hand():
     """(2.58)-(2.62) for e = 1, 2, 3, 4, 5: gamma(k-1) = 0, 0, 1, 3, 6."""
-    settings = ControllerSettings(
-        structure=pid(), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0),
+    settings = rn.ControllerSettings(
+        structure=rn.pid(), target=rn.TargetModel([0, 1.0]), update=rn.UD(R_theta=1.0),
         theta_0=[100.0, 10.0, 1.0], freeze=((0, None),),
     )  # fmt: skip
-    controller = Controller(settings)
+    controller = rn.Controller(settings)
     u = [controller.step(e, 0.0)[0] for e in (1.0, 2.0, 3.0, 4.0, 5.0)]
     assert u == [0, 0, 200 + 10 * 1 + 1, 300 + 10 * 3 + 1, 400 + 10 * 6 + 1]
 
@@ -80,7 +70,7 @@ def test_the_pid_controller_of_the_text_by_hand():
 @pytest.mark.parametrize(("k_c", "first_r"), [(0, None), (1, None), (0, 0), (0, 1), (1, 2)])
 def test_a_feedforward_reads_r_from_k_c_on_unless_told(k_c, first_r):
     """r(k - i) for i from first_r to n_c = 2, and as many of u and of y as (2.23) has."""
-    structure = feedforward(2, k_c=k_c, first_r=first_r)
+    structure = rn.feedforward(2, k_c=k_c, first_r=first_r)
     lags = [tap.delay for tap in structure.taps if tap.signal == "r"]
     assert lags == list(range(k_c if first_r is None else first_r, 3))
     assert structure.l_theta == 2 + (3 - k_c) + len(lags)
@@ -91,11 +81,11 @@ def test_decentralised_controllers_follow_the_text(data, l_u, l_y, l_z, shared_u
     """Figure 2.16: each controller's Phi and G_f hold its own u, or the sum."""
     parts = [
         data.draw(cases(l_u, l_y, l_z, l_r, [kind], update=update))
-        for l_r, kind, update in ((0, "fir", UD), (1, "ff", Covariance))
+        for l_r, kind, update in ((0, "fir", rn.UD), (1, "ff", rn.Covariance))
     ]
     plant = data.draw(engine_plants(l_u, l_y, l_z, 1))
-    both = Decentralized([settings for settings, _ in parts], shared_u=shared_u)
-    run = tame(simulate(plant, both, noise(seed, 14, plant.l_w)))
+    both = rn.Decentralized([settings for settings, _ in parts], shared_u=shared_u)
+    run = tame(rn.simulate(plant, both, noise(seed, 14, plant.l_w)))
     assert_follows(run, parts, shared_u=shared_u)
 
 
@@ -111,8 +101,8 @@ def test_a_decentralised_compensator_is_the_frozen_sum(kind, data, l_y, seed):
     w = noise(seed, k_w + 12, plant.l_w)
     w[:k_w] = 0
     for shared_u in (False, True):
-        both = Decentralized(parts, shared_u=shared_u)
-        run = tame(simulate(plant, both, w))
+        both = rn.Decentralized(parts, shared_u=shared_u)
+        run = tame(rn.simulate(plant, both, w))
         fixed = run.compensator
         v = np.concatenate([run.y, w[:, 1:]], axis=1)
         for k in range(len(w)):

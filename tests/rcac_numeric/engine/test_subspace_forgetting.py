@@ -5,21 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    SubspaceForgetting,
-    TargetModel,
-    WhiteNoise,
-    exogenous,
-    iir,
-    simulate,
-    simulate_reference,
-    standard_plant,
-)
 from rcac_numeric.compiled import _kernel
 from tests.support.engine_cases import positive
 from tests.support.strategies import seeds, sizes
@@ -120,21 +107,21 @@ def test_nothing_winds_up_while_the_data_are_poor(kind, in_full):
 
 def closed_loop(lambda_, steps, seed, noise):
     """A lag under a constant disturbance, whose sign and size then change."""
-    plant = standard_plant("(1/10*q + 1/20)/((q - 0.9)*(q - 0.7))")
-    settings = ControllerSettings(
-        structure=iir(n_c=5), target=TargetModel([0, 0.1]),
-        update=UD(R_theta=0.01, lambda_=lambda_),
+    plant = rn.standard_plant("(1/10*q + 1/20)/((q - 0.9)*(q - 0.7))")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(n_c=5), target=rn.TargetModel([0, 0.1]),
+        update=rn.UD(R_theta=0.01, lambda_=lambda_),
     )  # fmt: skip
     w = np.where(np.arange(steps + 3000) < steps, 0.1, -0.2)[:, None]
-    w = w + noise * exogenous([WhiteNoise()], steps + 3000, seed)
-    return simulate(plant, settings, w, stride=1000)
+    w = w + noise * rn.exogenous([rn.WhiteNoise()], steps + 3000, seed)
+    return rn.simulate(plant, settings, w, stride=1000)
 
 
 @pytest.mark.parametrize("noise", [0, 1e-3])
 def test_a_loop_at_rest_still_adapts(noise, in_full):
     """The change costs what it costs without forgetting; exponential forgetting is lost there."""
     steps = 1_000_000 if in_full else 30_000
-    run = closed_loop(SubspaceForgetting(0.99), steps, 0, noise)
+    run = closed_loop(rn.SubspaceForgetting(0.99), steps, 0, noise)
     assert run.outcome == "completed" and np.abs(run.z[steps:]).max() <= 1
     assert np.abs(run.z[-500:]).max() <= 1e-9 + 10 * noise
     bad = closed_loop(0.99, steps, 0, noise)
@@ -143,26 +130,26 @@ def test_a_loop_at_rest_still_adapts(noise, in_full):
 
 def test_only_ud_forgets_so_and_the_reference_says_that_it_does_not():
     with pytest.raises(InputError, match="process_noise"):
-        UD(1.0, lambda_=SubspaceForgetting(0.9), process_noise=0.1)
+        rn.UD(1.0, lambda_=rn.SubspaceForgetting(0.9), process_noise=0.1)
     with pytest.raises(InputError, match="use UD"):
-        Covariance(1.0, lambda_=SubspaceForgetting(0.9))
+        rn.Covariance(1.0, lambda_=rn.SubspaceForgetting(0.9))
     for lambda_ in (0.0, 1.5, "a"):
         with pytest.raises(InputError):
-            SubspaceForgetting(lambda_)
-    plant = standard_plant("1/(q - 0.5)")
-    settings = ControllerSettings(
-        structure=iir(1),
-        target=TargetModel([0, 1]),
-        update=UD(1.0, lambda_=SubspaceForgetting(0.9)),
+            rn.SubspaceForgetting(lambda_)
+    plant = rn.standard_plant("1/(q - 0.5)")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(1),
+        target=rn.TargetModel([0, 1]),
+        update=rn.UD(1.0, lambda_=rn.SubspaceForgetting(0.9)),
     )
     with pytest.raises(InputError, match="does not know the forgetting SubspaceForgetting"):
-        simulate_reference(plant, settings, np.zeros((3, 1)))
-    controller = Controller(settings)
+        rn.simulate_reference(plant, settings, np.zeros((3, 1)))
+    controller = rn.Controller(settings)
     controller.set_lambda(0.99)
-    twin = Controller(
-        ControllerSettings(
-            structure=iir(1), target=TargetModel([0, 1]),
-            update=UD(1.0, lambda_=SubspaceForgetting(0.99)),
+    twin = rn.Controller(
+        rn.ControllerSettings(
+            structure=rn.iir(1), target=rn.TargetModel([0, 1]),
+            update=rn.UD(1.0, lambda_=rn.SubspaceForgetting(0.99)),
         )
     )  # fmt: skip
     for k in range(20):

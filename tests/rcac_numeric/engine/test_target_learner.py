@@ -3,27 +3,17 @@
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    ModellingInformation,
-    SignalWeight,
-    TargetLearner,
-    fir_target,
-    iir,
-    simulate,
-    target_from_data,
-)
 from rcac_numeric.gallery import aircraft_plant, aircraft_transition, plant_zeros
 
 STEPS = 8000
 # The best settings found for Example 3.2 with the zeros known.
-SETTINGS = ControllerSettings(
-    structure=iir(40),
-    target=fir_target(ModellingInformation(1, -0.0126)),
-    update=UD(R_theta=0.62, lambda_=0.9997),
-    R_u=SignalWeight(22000),
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(40),
+    target=rn.fir_target(rn.ModellingInformation(1, -0.0126)),
+    update=rn.UD(R_theta=0.62, lambda_=0.9997),
+    R_u=rn.SignalWeight(22000),
 )
 
 
@@ -34,17 +24,17 @@ def flight(seed, *, dither=1e-4, noise=0.0, learns=True, steps=STEPS):
     w[:, 0] = 0.15
     w[:, 1], w[:, 2] = dither * rng.standard_normal(steps), noise * rng.standard_normal(steps)
     x_0 = 0.01 * np.random.default_rng([seed, 2]).standard_normal(4)
-    learner = TargetLearner(mu=10, n_mod=4, order=4)
+    learner = rn.TargetLearner(mu=10, n_mod=4, order=4)
     hook = {"on_step": learner, "every": 70} if learns else {}
     plant = aircraft_transition(source="corrected")
-    return simulate(plant, SETTINGS, w, x_0=x_0, stride=steps, **hook), learner
+    return rn.simulate(plant, SETTINGS, w, x_0=x_0, stride=steps, **hook), learner
 
 
 def zeros_before(run, k, window=70):
     """The zeros that the window before step k shows, with their uncertainty."""
     u, z = run.u_applied + run.w[:, 1:2], run.z - run.w[:, :1]
     rows = slice(k - window, k)
-    return target_from_data(u[rows], z[rows], mu=10, n_mod=4, order=4).zeros
+    return rn.target_from_data(u[rows], z[rows], mu=10, n_mod=4, order=4).zeros
 
 
 def rms(values):
@@ -90,9 +80,9 @@ def test_noise_that_hides_the_zeros_leaves_the_run_as_it_is():
 
 
 def test_too_few_samples_are_refused():
-    learner = TargetLearner(mu=10, n_mod=4, order=4, window=70)
+    learner = rn.TargetLearner(mu=10, n_mod=4, order=4, window=70)
     w = np.full((60, 3), [0.15, 0.0, 0.0])
-    simulate(aircraft_transition(), SETTINGS, w, on_step=learner, every=50)
+    rn.simulate(aircraft_transition(), SETTINGS, w, on_step=learner, every=50)
     (found,) = learner.windows
     assert (found.k, found.action, found.reason) == (50, "refused", "only 50 samples so far")
 
@@ -110,4 +100,4 @@ def test_too_few_samples_are_refused():
 )
 def test_settings_that_make_no_sense_are_refused(options, message):
     with pytest.raises(InputError, match=message):
-        TargetLearner(**{"mu": 10, "n_mod": 4, "order": 4, **options})
+        rn.TargetLearner(**{"mu": 10, "n_mod": 4, "order": 4, **options})

@@ -10,40 +10,28 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    Covariance,
-    FunctionPlant,
-    SimulationCase,
-    SlidingWindow,
-    fir_target,
-    iir,
-    simulate,
-    simulate_many,
-    standard_plant,
-)
+import rcac_numeric as rn
 from rcac_numeric.compiled import _kernel
 from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.lane_cases import ready_run
 from tests.support.strategies import seeds, sizes
 
-BODY = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+BODY = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
 
 
-def rcac(l_theta, update=UD(R_theta=1.0), **options):
-    return ControllerSettings(
-        structure=iir(l_theta // 2), target=fir_target(BODY), update=update, **options
+def rcac(l_theta, update=rn.UD(R_theta=1.0), **options):
+    return rn.ControllerSettings(
+        structure=rn.iir(l_theta // 2), target=rn.fir_target(BODY), update=update, **options
     )
 
 
 EXPENSIVE = {
     "l_theta = 500": (rcac(500), 1, False),
-    "l_theta = 500, as printed": (rcac(500, Covariance(R_theta=1.0)), 1, False),
+    "l_theta = 500, as printed": (rcac(500, rn.Covariance(R_theta=1.0)), 1, False),
     "l_theta = 500 in lanes": (rcac(500), 8, True),
     "l_theta = 500, eight runs": (rcac(500), 8, False),
-    "a window of 200": (rcac(40, SlidingWindow(R_theta=1.0, window=200)), 1, False),
+    "a window of 200": (rcac(40, rn.SlidingWindow(R_theta=1.0, window=200)), 1, False),
 }
 
 
@@ -84,7 +72,7 @@ def test_few_steps_are_begun_when_the_time_is_up(quick, last):
         return 0.5 * x + u + w
 
     one = {"n": 1, "l_u": 1, "l_w": 1, "l_y": 1, "l_z": 1}
-    plant = FunctionPlant(advance=advance, output=lambda k, x, w: (x, x), **one)
+    plant = rn.FunctionPlant(advance=advance, output=lambda k, x, w: (x, x), **one)
     run = ready_run(plant, rcac(8), np.zeros((30_000, 1)), stride=30_000)
     assert _kernel.run_jobs([run.job], 1, SECONDS)
     assert run.job.done == len(begun)
@@ -135,13 +123,13 @@ class Watched:
 def test_a_key_is_answered(lanes, monkeypatch, at_a_terminal):
     """At the end of the slice in which it was pressed."""
     w = np.random.default_rng(0).standard_normal((50_000, 1))
-    case = SimulationCase(BODY, rcac(500), w, {"stride": len(w)})
+    case = rn.SimulationCase(BODY, rcac(500), w, {"stride": len(w)})
     kernel = Watched()
     monkeypatch.setattr(_kernel, "run_jobs", kernel.run_jobs)
     with pytest.raises(KeyboardInterrupt):
         if lanes is None:
-            simulate(BODY, case.settings, w, stride=len(w))
+            rn.simulate(BODY, case.settings, w, stride=len(w))
         else:
-            simulate_many([case] * 3, threads=2, lanes=lanes)
+            rn.simulate_many([case] * 3, threads=2, lanes=lanes)
     kernel.thread.join()
     assert kernel.is_pressed and kernel.after == 0

@@ -4,17 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    TargetModel,
-    iir,
-    simulate,
-    simulate_reference,
-    standard_plant,
-)
+import rcac_numeric as rn
 from rcac_numeric.arrays._values import replaced as replace
 from tests.support.dissertation_plants import PLANT_4_1
 from tests.support.examples import EXAMPLE_4_6, EXAMPLE_4_7, EXAMPLE_4_8
@@ -36,18 +26,18 @@ def targets_of_4_1():
     bottom = np.real(np.poly([*(1 / outside), *inside_yw, *(1 / outside_yw)]))
     power = PLANT_4_1.n - d_zu - d_yw
     padded = np.concatenate([top, np.zeros(power)])  # descending powers of q
-    high = TargetModel(np.concatenate([np.zeros(len(bottom) - len(padded)), padded]), bottom)
-    return high, TargetModel(np.concatenate([np.zeros(d_zu), top]))
+    high = rn.TargetModel(np.concatenate([np.zeros(len(bottom) - len(padded)), padded]), bottom)
+    return high, rn.TargetModel(np.concatenate([np.zeros(d_zu), top]))
 
 
 def example(name, k_w):
     """(plant, settings, w) with 200 steps."""
     if name.startswith("4.1"):
         high, fir = targets_of_4_1()
-        structure, target = (iir(5), high) if name == "4.1, n_c = 5" else (iir(20), fir)
+        structure, target = (rn.iir(5), high) if name == "4.1, n_c = 5" else (rn.iir(20), fir)
         w = 0.1 * np.random.default_rng(0).standard_normal((200, 1))
-        return PLANT_4_1, ControllerSettings(
-            structure=structure, target=target, update=UD(R_theta=1.0), k_w=k_w
+        return PLANT_4_1, rn.ControllerSettings(
+            structure=structure, target=target, update=rn.UD(R_theta=1.0), k_w=k_w
         ), w  # fmt: skip
     loop = {"4.6": EXAMPLE_4_6, "4.7": EXAMPLE_4_7, "4.8": EXAMPLE_4_8}[name]
     return loop.plant, replace(loop.settings, k_w=k_w, k_update=k_w), loop.w(200)
@@ -70,14 +60,14 @@ def example(name, k_w):
 def test_ud_keeps_ten_digits_for_every_R_theta(name, k_w, lost_at_1e_10, lost_at_1e_20):
     plant, settings, w = example(name, k_w)
     for R_theta, lost in ((1.0, None), (1e-10, lost_at_1e_10), (1e-20, lost_at_1e_20)):
-        chosen = replace(settings, update=UD(R_theta=R_theta))
-        exact = simulate_reference(plant, chosen, w, digits=400)
+        chosen = replace(settings, update=rn.UD(R_theta=R_theta))
+        exact = rn.simulate_reference(plant, chosen, w, digits=400)
         assert 50 < exact.digits < 450
         size = np.abs(exact.theta_final).max()
-        run = simulate(plant, chosen, w)
+        run = rn.simulate(plant, chosen, w)
         assert np.abs(run.theta_final - exact.theta_final).max() < 1e-10 * size
         if lost is not None:
-            plain = simulate(plant, replace(chosen, update=Covariance(R_theta=R_theta)), w)
+            plain = rn.simulate(plant, replace(chosen, update=rn.Covariance(R_theta=R_theta)), w)
             assert (
                 plain.outcome != "completed"
                 or np.abs(plain.theta_final - exact.theta_final).max() > lost * size
@@ -90,16 +80,21 @@ def test_ud_keeps_ten_digits_for_every_R_theta(name, k_w, lost_at_1e_10, lost_at
 def test_a_million_steps_with_80_coefficients(in_full, lambda_):
     """P stays positive definite, and theta is the batch minimiser of (2.41) to nine digits."""
     steps, n_c = (1_000_000 if in_full else 20_000), 40
-    plant = standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.5)")
-    target, R_theta = TargetModel([0, 1.0]), 1e-3
-    settings = ControllerSettings(
-        structure=iir(n_c), target=target, update=UD(R_theta=R_theta, lambda_=lambda_), k_w=n_c
+    plant = rn.standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.5)")
+    target, R_theta = rn.TargetModel([0, 1.0]), 1e-3
+    settings = rn.ControllerSettings(
+        structure=rn.iir(n_c),
+        target=target,
+        update=rn.UD(R_theta=R_theta, lambda_=lambda_),
+        k_w=n_c,
     )
     w = np.random.default_rng(1).standard_normal((steps, 1))
     run, state, chunk = None, None, steps // 5
     u, y, z = [], [], []
     for i in range(5):
-        run = simulate(plant, settings, w[i * chunk : (i + 1) * chunk], start=state, stride=chunk)
+        run = rn.simulate(
+            plant, settings, w[i * chunk : (i + 1) * chunk], start=state, stride=chunk
+        )
         state = run.state
         assert run.outcome == "completed" and run.guard_count == 0
         for name, kept in (("u", u), ("y", y), ("z", z)):
@@ -122,7 +117,7 @@ def test_a_million_steps_with_80_coefficients(in_full, lambda_):
     theta = np.linalg.solve(R, right)
     assert np.abs(run.theta_final - theta).max() < 1e-9 * np.abs(theta).max()
 
-    controller = Controller(settings)  # the same data once more, to look at P on the way
+    controller = rn.Controller(settings)  # the same data once more, to look at P on the way
     for k in range(steps):
         controller.step(y[k], z[k])
         if (k + 1) % (steps // 10) == 0:

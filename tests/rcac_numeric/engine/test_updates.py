@@ -7,39 +7,21 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    Controller,
-    ControllerSettings,
-    Covariance,
-    CovarianceReset,
-    Gradient,
-    Instantaneous,
-    Saturation,
-    ScheduledForgetting,
-    SignalWeight,
-    SlidingWindow,
-    TargetModel,
-    VariableRateForgetting,
-    fir,
-    iir,
-    simulate,
-    standard_plant,
-)
+import rcac_numeric as rn
 from tests.support.comparisons import steady, tame
 from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 from tests.support.textbook_loop import assert_follows
 
-RECURSIVE = st.sampled_from([UD, Covariance])
+RECURSIVE = st.sampled_from([rn.UD, rn.Covariance])
 PLAIN = ["iir", "fir", "pid"]
 STEPS = 18
 
 
 def step_of(size):
     """An update that needs no R_theta."""
-    return lambda R_theta: Gradient(step_size=size)
+    return lambda R_theta: rn.Gradient(step_size=size)
 
 
 def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fixed):
@@ -47,7 +29,7 @@ def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fi
     plant = data.draw(engine_plants(l_u, l_y, l_z, l_r))
     w = noise(seed, STEPS, plant.l_w)
     settings = steady(plant, settings, regressor, w, saturation)
-    run = simulate(plant, settings, w, saturation=saturation)
+    run = rn.simulate(plant, settings, w, saturation=saturation)
     return tame(run), assert_follows(run, [(settings, regressor)])["books"][0]
 
 
@@ -58,14 +40,14 @@ def test_the_recursions_minimise_2_41(data, l_u, l_y, l_z, update, lambda_, seed
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
 def test_forgetting_may_change_on_schedule(data, l_u, l_y, l_z, update, seed):
-    rule = ScheduledForgetting({7: 0.9, 12: 1.0, 15: 0.95}, initial=0.97)
+    rule = rn.ScheduledForgetting({7: 0.9, 12: 1.0, 15: 0.95}, initial=0.97)
     follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=rule))
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
 def test_variable_rate_forgetting_is_its_formula(data, l_u, l_y, l_z, update, seed):
     short = data.draw(st.integers(1, 3))
-    rule = VariableRateForgetting(short, data.draw(st.integers(short + 1, 9)), gain=0.3)
+    rule = rn.VariableRateForgetting(short, data.draw(st.integers(short + 1, 9)), gain=0.3)
     follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=rule))
 
 
@@ -73,11 +55,15 @@ def test_variable_rate_forgetting_is_its_formula(data, l_u, l_y, l_z, update, se
 def test_weights_follow_the_signals(data, l_u, l_y, l_z, update, seed):
     R_u = data.draw(
         st.sampled_from(
-            [SignalWeight(0.3, 0.1), SignalWeight(0.2), lambda k, y, z, u: 0.1 * k + y @ y + u @ u]
+            [
+                rn.SignalWeight(0.3, 0.1),
+                rn.SignalWeight(0.2),
+                lambda k, y, z, u: 0.1 * k + y @ y + u @ u,
+            ]
         )
     )
     R_z = data.draw(
-        st.sampled_from([SignalWeight(0.1, 0.5), lambda k, y, z, u: 1 + abs(z[0]) + u @ u])
+        st.sampled_from([rn.SignalWeight(0.1, 0.5), lambda k, y, z, u: 1 + abs(z[0]) + u @ u])
     )
     form = data.draw(st.sampled_from(["predictor", "filter"]))
     follows(
@@ -91,11 +77,11 @@ def test_a_covariance_reset_is_a_new_prior(data, l_u, l_y, l_z, update, seed):
     rule = data.draw(
         st.sampled_from(
             [
-                CovarianceReset(at=[9, 3, 14]),
-                CovarianceReset(every=4),
-                CovarianceReset(trace_below=0.5),
-                CovarianceReset(growth=1.1, short=1, long=4),
-                CovarianceReset(at=[10], every=5, trace_below=0.3),
+                rn.CovarianceReset(at=[9, 3, 14]),
+                rn.CovarianceReset(every=4),
+                rn.CovarianceReset(trace_below=0.5),
+                rn.CovarianceReset(growth=1.1, short=1, long=4),
+                rn.CovarianceReset(at=[10], every=5, trace_below=0.3),
             ]
         )
     )
@@ -117,7 +103,9 @@ def test_frozen_steps_are_no_data(data, l_u, l_y, l_z, seed):
         )
     )
     update = data.draw(
-        st.sampled_from([UD, partial(SlidingWindow, window=4), Instantaneous, step_of(0.01)])
+        st.sampled_from(
+            [rn.UD, partial(rn.SlidingWindow, window=4), rn.Instantaneous, step_of(0.01)]
+        )
     )
     run, _ = follows(data, seed, l_u, l_y, l_z, update=update, freeze=freeze)
     for start, stop in freeze:
@@ -138,14 +126,14 @@ def test_process_noise_is_a_random_walk_of_theta(data, l_u, l_y, l_z, update, fo
                      update=partial(update, process_noise=Q))
     )  # fmt: skip
     plant = data.draw(engine_plants(l_u, l_y, l_z))
-    run = tame(simulate(plant, settings, noise(seed, STEPS, plant.l_w)))
+    run = tame(rn.simulate(plant, settings, noise(seed, STEPS, plant.l_w)))
     assert_follows(run, [(settings, regressor)])
 
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from([1.0, 0.9]), seeds)
 def test_the_filter_form_uses_z_before_u(data, l_u, l_y, l_z, lambda_, seed):
-    update = data.draw(st.sampled_from([UD, Covariance, Instantaneous]))
-    if update is not Instantaneous:
+    update = data.draw(st.sampled_from([rn.UD, rn.Covariance, rn.Instantaneous]))
+    if update is not rn.Instantaneous:
         update = partial(update, lambda_=lambda_)
     follows(
         data, seed, l_u, l_y, l_z, kinds=["iir", "fir", "pid", "table"], update=update,
@@ -155,17 +143,18 @@ def test_the_filter_form_uses_z_before_u(data, l_u, l_y, l_z, lambda_, seed):
 
 @given(st.data(), sizes, sizes, sizes, st.integers(1, 20), st.sampled_from([1.0, 0.8]), seeds)
 def test_the_sliding_window_is_its_batch(data, l_u, l_y, l_z, window, lambda_, seed):
-    update = partial(SlidingWindow, window=window, lambda_=lambda_)
+    update = partial(rn.SlidingWindow, window=window, lambda_=lambda_)
     follows(data, seed, l_u, l_y, l_z, update=update)
 
 
 def test_a_window_longer_than_float64_remembers():
     """0.5^-2000 is infinite: what is older than that is forgotten, and the run goes on."""
-    plant, w = standard_plant("1/(q - 0.9)"), noise(1, 1500, 1)
-    settings = {"structure": iir(1), "target": TargetModel([0, 1.0])}
-    updates = [SlidingWindow(R_theta=1.0, window=n, lambda_=0.5) for n in (1400, 1000)]
+    plant, w = rn.standard_plant("1/(q - 0.9)"), noise(1, 1500, 1)
+    settings = {"structure": rn.iir(1), "target": rn.TargetModel([0, 1.0])}
+    updates = [rn.SlidingWindow(R_theta=1.0, window=n, lambda_=0.5) for n in (1400, 1000)]
     longer, long = (
-        simulate(plant, ControllerSettings(update=update, **settings), w) for update in updates
+        rn.simulate(plant, rn.ControllerSettings(update=update, **settings), w)
+        for update in updates
     )
     assert longer.outcome == long.outcome == "completed"
     assert longer.theta == pytest.approx(long.theta, rel=1e-9)
@@ -173,7 +162,7 @@ def test_a_window_longer_than_float64_remembers():
 
 @given(st.data(), sizes, sizes, sizes, st.booleans(), seeds)
 def test_the_memoryless_updates(data, l_u, l_y, l_z, gradient, seed):
-    follows(data, seed, l_u, l_y, l_z, update=step_of(0.02) if gradient else Instantaneous)
+    follows(data, seed, l_u, l_y, l_z, update=step_of(0.02) if gradient else rn.Instantaneous)
 
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from(["predictor", "filter"]), seeds)
@@ -181,7 +170,7 @@ def test_the_target_may_change(data, l_u, l_y, l_z, form, seed):
     later = {k: data.draw(targets(l_z, l_u)) for k in (6, 11)}
     if form == "filter":
         later = {
-            k: TargetModel(np.concatenate([0 * t.numerator[:1], t.numerator]), t.denominator)
+            k: rn.TargetModel(np.concatenate([0 * t.numerator[:1], t.numerator]), t.denominator)
             for k, t in later.items()
         }
     follows(data, seed, l_u, l_y, l_z, target_changes=later, form=form,
@@ -190,13 +179,13 @@ def test_the_target_may_change(data, l_u, l_y, l_z, form, seed):
 
 @given(st.data(), sizes, sizes, seeds)
 def test_reflected_poles_are_inside(data, l_y, l_z, seed):
-    update = data.draw(st.sampled_from([UD, partial(Covariance, lambda_=0.9), step_of(0.01)]))
+    update = data.draw(st.sampled_from([rn.UD, partial(rn.Covariance, lambda_=0.9), step_of(0.01)]))
     structure, regressor = data.draw(structures(1, l_y, 0, ["iir"]))
     settings = data.draw(settings_for(structure, l_z, update=update, reflect_poles=True))
     plant = data.draw(engine_plants(1, l_y, l_z))
     w = noise(seed, STEPS, plant.l_w)
     settings = steady(plant, settings, regressor, w)
-    run = simulate(plant, settings, w)
+    run = rn.simulate(plant, settings, w)
     of_u = slice(0, structure.n_c)
     sizes_of_poles = [np.abs(np.roots([1.0, *-row])) for row in run.theta[:, of_u]]
     moved = run.theta[settings.k_update + 1 :]
@@ -218,11 +207,11 @@ def test_the_regressor_holds_what_was_applied(data, l_u, l_y, l_z, seed):
     )
     run, book = follows(
         data, seed, l_u, l_y, l_z, kinds=["iir", "quasi_fir", "table"], strictly_proper=True,
-        saturation=Saturation(**bounds),
+        saturation=rn.Saturation(**bounds),
     )  # fmt: skip
     if "low" in bounds:
         assert run.u_applied.min() >= -0.2 and run.u_applied.max() <= 0.1
-    controller, applied = Controller(book.c), None
+    controller, applied = rn.Controller(book.c), None
     for k in range(run.steps):
         assert np.array_equal(controller.theta, run.theta[k])
         assert np.array_equal(controller.step(run.y[k], run.z[k], u_applied=applied), run.u[k])
@@ -233,8 +222,8 @@ def test_the_regressor_holds_what_was_applied(data, l_u, l_y, l_z, seed):
 @given(st.data(), sizes, sizes, sizes, st.floats(1e-3, 1), seeds)
 def test_the_covariance_stays_positive_definite(data, l_u, l_y, l_z, size, seed):
     lambda_ = data.draw(st.sampled_from([1.0, 0.9]))
-    case, _ = data.draw(cases(l_u, l_y, l_z, update=partial(UD, lambda_=lambda_)))
-    controller, rng = Controller(case), np.random.default_rng(seed)
+    case, _ = data.draw(cases(l_u, l_y, l_z, update=partial(rn.UD, lambda_=lambda_)))
+    controller, rng = rn.Controller(case), np.random.default_rng(seed)
     for _ in range(25):
         controller.step(rng.standard_normal(l_y), size * rng.standard_normal(l_z))
         P = controller.P
@@ -246,9 +235,9 @@ def test_the_covariance_stays_positive_definite(data, l_u, l_y, l_z, size, seed)
 
 def test_a_gradient_step_by_hand():
     """theta = 0, z = 1, phi_f = 2, R_z = 1: half the gradient of (1 + 2 theta)^2 is 2."""
-    controller = Controller(
-        ControllerSettings(
-            structure=fir(1), target=TargetModel([0, 1.0]), update=Gradient(step_size=0.25)
+    controller = rn.Controller(
+        rn.ControllerSettings(
+            structure=rn.fir(1), target=rn.TargetModel([0, 1.0]), update=rn.Gradient(step_size=0.25)
         )
     )
     for y, z in ((2.0, 0.0), (0.0, 0.0), (0.0, 1.0)):

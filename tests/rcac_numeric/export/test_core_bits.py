@@ -6,23 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 
+import rcac_numeric as rn
 from compensator_theory.errors import DivergedError
-from rcac_numeric import (
-    UD,
-    Compensator,
-    Controller,
-    ControllerSettings,
-    FixedController,
-    Plant,
-    Saturation,
-    Supervision,
-    TargetModel,
-    WhiteNoise,
-    exogenous,
-    iir,
-    simulate,
-    standard_plant,
-)
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.export._tables import core_tables, scaled
 from tests.support import core_builds
@@ -56,7 +41,7 @@ def same(a, b):
 
 def unsupervised(given_settings):
     """What leaves the range of the numbers is an error, as it is in the core."""
-    return Controller(given_settings, Supervision("off"))
+    return rn.Controller(given_settings, rn.Supervision("off"))
 
 
 def hold_together(case, seed, steps=STEPS):
@@ -135,9 +120,9 @@ def closed_loop(controller, core, loop, steps, between=lambda k: None, move=True
     return steps
 
 
-PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
 
 
@@ -148,8 +133,8 @@ def test_a_target_model_that_is_set_while_it_runs(past, denominator):
     core = Core(core_tables(SETTINGS, live_order=4))
     controller = unsupervised(SETTINGS)
     order = max(2, len(denominator) - 1)
-    first = TargetModel(np.append([0, 0.9, -0.2], [0.0] * (order - 2)), denominator)
-    second = TargetModel([0, 0.8])
+    first = rn.TargetModel(np.append([0, 0.9, -0.2], [0.0] * (order - 2)), denominator)
+    second = rn.TargetModel([0, 0.8])
 
     def between(k):
         for at, model in ((60, first), (400, second), (430, first)):
@@ -158,7 +143,7 @@ def test_a_target_model_that_is_set_while_it_runs(past, denominator):
                 used = controller.changes[-1].covariance
                 number = ("keep", "reset", "blend").index(used)
                 padded = model.numerator, model.denominator
-                assert core.set_target(TargetModel(*padded), number) == OK
+                assert core.set_target(rn.TargetModel(*padded), number) == OK
         if k == 200:
             controller.set_lambda(0.99)
             assert core.set_lambda(0.99) == OK
@@ -204,9 +189,9 @@ def test_what_an_actuator_left_of_u(case, seed):
 
 
 def test_a_saturation_that_the_core_applies_itself():
-    limits = Saturation(low=-0.4, high=0.3, rate=0.2)
-    w = exogenous([WhiteNoise()], 400, 5)
-    run = simulate(PLANT, SETTINGS, w, saturation=limits)
+    limits = rn.Saturation(low=-0.4, high=0.3, rate=0.2)
+    w = rn.exogenous([rn.WhiteNoise()], 400, 5)
+    run = rn.simulate(PLANT, SETTINGS, w, saturation=limits)
     core = Core(core_tables(SETTINGS, saturation=limits))
     for k in range(400):
         status, u = core.step(run.y[k], run.z[k])
@@ -233,12 +218,12 @@ def test_control_before_the_measurement():
 def test_a_fixed_compensator():
     rng = np.random.default_rng(4)
     for l_u, l_y, order in ((1, 1, 3), (2, 1, 2), (1, 2, 0), (2, 2, 1)):
-        compensator = Compensator(
+        compensator = rn.Compensator(
             0.3 * rng.standard_normal((order, l_u, l_u)), rng.standard_normal((order + 1, l_u, l_y))
         )
         core = Core(core_tables(compensator))
-        plant = Plant(np.zeros((1, 1)), np.zeros((1, l_u)), np.ones((1, 1)), C=np.ones((l_y, 1)))
-        run = simulate(plant, FixedController(compensator), rng.standard_normal((100, 1)))
+        plant = rn.Plant(np.zeros((1, 1)), np.zeros((1, l_u)), np.ones((1, 1)), C=np.ones((l_y, 1)))
+        run = rn.simulate(plant, rn.FixedController(compensator), rng.standard_normal((100, 1)))
         for k in range(100):
             status, u = core.step(run.y[k], None)
             assert status == OK and same(u, run.u[k])
@@ -265,7 +250,7 @@ def test_a_saved_state_goes_on_bit_for_bit():
         changed[damage] ^= 4
         now = core.save()
         assert core.restore(bytes(changed)) == REFUSED and core.save() == now
-    other = Core(core_tables(replace(SETTINGS, update=UD(0.06)), live_order=2))
+    other = Core(core_tables(replace(SETTINGS, update=rn.UD(0.06)), live_order=2))
     assert other.restore(saved) == REFUSED
 
 
@@ -288,7 +273,7 @@ def test_what_does_not_fit_is_refused():
         )
         assert status == REFUSED and live.save() == before
     assert live.correct([0.1]) == OK
-    assert live.set_target(TargetModel([0.5, 1.0, 0.0]), 0) == OK
+    assert live.set_target(rn.TargetModel([0.5, 1.0, 0.0]), 0) == OK
     assert live.correct([0.1]) == REFUSED  # u(k) is in the filter already
 
 

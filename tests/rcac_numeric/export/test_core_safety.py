@@ -9,19 +9,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from rcac_numeric import (
-    UD,
-    Compensator,
-    ControllerSettings,
-    Normalization,
-    Saturation,
-    SignalWeight,
-    Supervision,
-    TargetModel,
-    VariableRateForgetting,
-    iir,
-    pid,
-)
+import rcac_numeric as rn
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.export._header import config_header
 from rcac_numeric.export._tables import core_tables, scaled
@@ -33,8 +21,8 @@ from tests.support.strategies import seeds
 pytestmark = pytest.mark.skipif(
     core_builds.compiler() is None, reason="there is no C compiler on this machine"
 )
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
 # A program of its own, so that the sanitizers are there before anything else.
 FUZZER = """
@@ -108,19 +96,19 @@ int main(void) {
 }
 """
 RICH = replace(
-    SETTINGS, structure=pid(integral_limit=2.0),
-    update=UD(1e-6, lambda_=VariableRateForgetting(3, 9, 0.2)),
-    R_u=SignalWeight(0.1, 0.2), z_normalization=Normalization(2.0, 1.0, "root"), theta_0=None,
-    fixed=Compensator([[[0.5]]], [[[0.1]], [[0.2]]]), R_u_unfiltered=0.1,
+    SETTINGS, structure=rn.pid(integral_limit=2.0),
+    update=rn.UD(1e-6, lambda_=rn.VariableRateForgetting(3, 9, 0.2)),
+    R_u=rn.SignalWeight(0.1, 0.2), z_normalization=rn.Normalization(2.0, 1.0, "root"), theta_0=None,
+    fixed=rn.Compensator([[[0.5]]], [[[0.1]], [[0.2]]]), R_u_unfiltered=0.1,
 )  # fmt: skip
 FUZZED = {
     "iir": (SETTINGS, {"live_order": 4}),
-    "rich": (RICH, {"saturation": Saturation(low=-1, high=1)}),
+    "rich": (RICH, {"saturation": rn.Saturation(low=-1, high=1)}),
     "watched": (
         RICH,
-        {"saturation": Saturation(low=-1, high=1), "supervision": Supervision(limit=9.0)},
+        {"saturation": rn.Saturation(low=-1, high=1), "supervision": rn.Supervision(limit=9.0)},
     ),
-    "extreme": (replace(SETTINGS, update=UD(1e-38, lambda_=0.5)), {}),
+    "extreme": (replace(SETTINGS, update=rn.UD(1e-38, lambda_=0.5)), {}),
 }
 
 
@@ -240,7 +228,7 @@ def test_float32_follows_float64(case, seed, cc):
 @pytest.mark.long
 def test_forgetting_without_excitation_does_not_leave_float32(in_full):
     """D <= D(0) holds where P would grow like lambda^-k."""
-    tables = scaled(core_tables(replace(SETTINGS, update=UD(0.05, lambda_=0.99))))
+    tables = scaled(core_tables(replace(SETTINGS, update=rn.UD(0.05, lambda_=0.99))))
     core = Core(tables, "float32")
     for k in range(200_000 if in_full else 2000):
         status, _ = core.step([float(k < 5)], [float(k < 5)])

@@ -8,19 +8,8 @@ import zipfile
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
-from rcac_numeric import (
-    UD,
-    Compensator,
-    Controller,
-    ControllerSettings,
-    Supervision,
-    TargetModel,
-    export_fmu,
-    iir,
-    simulate,
-    standard_plant,
-)
 from tests.support import core_builds
 from tests.support.core_cases import Loop
 from tests.support.signals import noise
@@ -29,10 +18,10 @@ fmpy = pytest.importorskip("fmpy", reason="needs fmpy: pip install it")
 pytestmark = pytest.mark.skipif(
     core_builds.compiler() is None, reason="there is no C compiler on this machine"
 )
-SETTINGS = ControllerSettings(
-    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+SETTINGS = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
-PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 
 
 @pytest.fixture(autouse=True)
@@ -97,9 +86,9 @@ class Slave:
 def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version):
     from fmpy.validation import validate_fmu
 
-    file = export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1, version=version)
+    file = rn.export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1, version=version)
     assert validate_fmu(str(file)) == []
-    slave, controller = Slave(str(file), version), Controller(SETTINGS)
+    slave, controller = Slave(str(file), version), rn.Controller(SETTINGS)
     loop = Loop(PLANT, 0, 1000, 1)
     state = "FMUState" if version == "3.0" else "FMUstate"
     for k in range(1000):
@@ -128,8 +117,8 @@ def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version):
 @pytest.mark.costly
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_fmpy_runs_it_with_the_signals_of_a_run(tmp_path, version):
-    run = simulate(PLANT, SETTINGS, noise(1, 200, 1))
-    file = export_fmu(run, tmp_path / "c.fmu", sample_time=0.1, version=version)
+    run = rn.simulate(PLANT, SETTINGS, noise(1, 200, 1))
+    file = rn.export_fmu(run, tmp_path / "c.fmu", sample_time=0.1, version=version)
     names = ("y[1]", "z[1]") if version == "2.0" else ("y", "z")
     inputs = np.zeros(200, dtype=[("time", float)] + [(name, float) for name in names])
     inputs[names[0]], inputs[names[1]] = run.y[:, 0], run.z[:, 0]
@@ -162,11 +151,11 @@ def built_from_its_sources(file, target):
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version):
     """Where z is missed it is `Controller` bit for bit; where y is, u stays finite."""
-    supervision = Supervision(limit=2.0)
-    file = export_fmu(
+    supervision = rn.Supervision(limit=2.0)
+    file = rn.export_fmu(
         SETTINGS, tmp_path / "c.fmu", sample_time=0.1, version=version, supervision=supervision
     )
-    slave, controller = Slave(str(file), version), Controller(SETTINGS, supervision)
+    slave, controller = Slave(str(file), version), rn.Controller(SETTINGS, supervision)
     loop, rng, noted = Loop(PLANT, 0, 600, 1), np.random.default_rng(0), 0
     for k in range(500):
         u = slave.read("u")
@@ -188,28 +177,28 @@ def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version)
 
 @pytest.mark.costly
 def test_the_same_settings_give_the_same_bytes(tmp_path):
-    files = [export_fmu(SETTINGS, tmp_path / f"{i}.fmu", sample_time=0.1) for i in range(2)]
+    files = [rn.export_fmu(SETTINGS, tmp_path / f"{i}.fmu", sample_time=0.1) for i in range(2)]
     assert files[0].read_bytes() == files[1].read_bytes()
     names = zipfile.ZipFile(files[0]).namelist()
     assert "sources/rcac.c" in names and "modelDescription.xml" in names
 
 
 def test_what_an_fmu_cannot_be(tmp_path):
-    direct = Compensator([[[0.5]]], [[[0.1]], [[0.2]]])
+    direct = rn.Compensator([[[0.5]]], [[[0.1]], [[0.2]]])
     for controller, more, words in (
         (direct, {}, "before y"),
         (SETTINGS, {"sample_time": 0.0}, "sample_time"),
         (SETTINGS, {"version": "1.0"}, "1.0"),
     ):
         with pytest.raises(InputError, match=words):
-            export_fmu(controller, tmp_path / "c.fmu", **{"sample_time": 0.1, **more})
+            rn.export_fmu(controller, tmp_path / "c.fmu", **{"sample_time": 0.1, **more})
     with pytest.raises(InputError, match=r"\.fmu"):
-        export_fmu(SETTINGS, tmp_path / "c.zip", sample_time=0.1)
+        rn.export_fmu(SETTINGS, tmp_path / "c.zip", sample_time=0.1)
 
 
 @pytest.mark.costly
 def test_another_step_is_refused(tmp_path):
-    file = export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1)
+    file = rn.export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1)
     slave = Slave(str(file), "2.0")
     with pytest.raises(Exception, match="failed"):
         slave.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.05)

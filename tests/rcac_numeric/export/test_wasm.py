@@ -8,15 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from rcac_numeric import (
-    UD,
-    Compensator,
-    ControllerSettings,
-    TargetModel,
-    export_controller,
-    fir,
-    iir,
-)
+import rcac_numeric as rn
 from rcac_numeric.export._recording import recorded
 from rcac_numeric.export._tables import core_tables
 from tests.support import core_builds
@@ -32,16 +24,16 @@ pytestmark = [
     ),
 ]
 CASES = {
-    "iir": ControllerSettings(
-        structure=iir(2), target=TargetModel([0, 1.0, -0.3], [1, 0.3]), update=UD(0.05)
+    "iir": rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3], [1, 0.3]), update=rn.UD(0.05)
     ),
-    "two": ControllerSettings(
-        structure=fir(2, l_u=2, l_y=2), update=UD(0.1, lambda_=0.99),
-        target=TargetModel(
+    "two": rn.ControllerSettings(
+        structure=rn.fir(2, l_u=2, l_y=2), update=rn.UD(0.1, lambda_=0.99),
+        target=rn.TargetModel(
             np.array([np.zeros((1, 2)), [[1.0, -0.5]]]), [np.eye(1), np.zeros((1, 1))]
         ),
     ),
-    "fixed": Compensator([[[0.5]], [[-0.2]]], [[[0.1]], [[0.3]], [[0.2]]]),
+    "fixed": rn.Compensator([[[0.5]], [[-0.2]]], [[[0.1]], [[0.3]], [[0.2]]]),
 }  # fmt: skip
 DRIVE = """
 const core = await load(new Response(Uint8Array.from(atob(MODULE), (c) => c.charCodeAt(0))));
@@ -59,7 +51,7 @@ out.again = ROWS.slice(50).map((row) => core.step(row[0], row[1], row[2]));
 
 def built(path, name):
     """(the module, its JavaScript, what it should answer)."""
-    export_controller(CASES[name], path, layout="wasm")
+    rn.export_controller(CASES[name], path, layout="wasm")
     module = []
     for _ in range(2):
         subprocess.run(["sh", path / "wasm" / "build.sh"], check=True, capture_output=True)

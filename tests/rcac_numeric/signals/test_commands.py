@@ -6,15 +6,8 @@ import scipy.signal
 from hypothesis import given
 from hypothesis import strategies as st
 
+import rcac_numeric as rn
 from compensator_theory import InputError
-from rcac_numeric import (
-    FilteredCommand,
-    Harmonic,
-    Levels,
-    Recorded,
-    Step,
-    WhiteNoise,
-)
 
 omegas = st.floats(1e-3, 3.0)
 zetas = st.one_of(st.none(), st.floats(0.05, 20.0), st.just(1.0))
@@ -34,7 +27,7 @@ def test_between_the_limits_it_has_the_poles_of_the_sampled_filter(omega, zeta, 
         poles = np.exp(np.roots([1, 2 * zeta * omega, omega**2]))
         numerator = [0, np.prod(1 - poles).real, 0]
     expected = scipy.signal.lfilter(numerator, np.real(np.poly(poles)), r)
-    found = FilteredCommand(Levels(r), omega, zeta).samples(80)
+    found = rn.FilteredCommand(rn.Levels(r), omega, zeta).samples(80)
     # Poles that meet, or lie near 1, are told apart from roots of a polynomial only to sqrt(eps).
     assert found == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
@@ -45,7 +38,7 @@ def test_no_limit_is_ever_left(omega, zeta, seed, rate):
     r = rng.standard_normal(200) * 10.0 ** rng.integers(-2, 6, 200)
     low, high = sorted(rng.standard_normal(2))
     limits = {"low": low, "high": high, "rate": rate, "initial": (low + high) / 2}
-    found = FilteredCommand(Levels(r), omega, zeta, **limits).samples(200)
+    found = rn.FilteredCommand(rn.Levels(r), omega, zeta, **limits).samples(200)
     assert found[0] == (low + high) / 2
     assert found.min() >= low and found.max() <= high
     assert np.abs(np.diff(found)).max() <= rate * (1 + 1e-12)
@@ -56,21 +49,21 @@ def test_a_constant_is_reached(omega, zeta, height):
     """As far as its limit; the slowest pole is e^(-omega/(2 zeta)) or faster."""
     slowest = omega if zeta is None else omega * min(zeta, 1 / (2 * zeta))
     steps = int(40 / slowest) + 100
-    command = FilteredCommand(Step(height), omega, zeta, low=-1.0, high=2.0, rate=0.5)
+    command = rn.FilteredCommand(rn.Step(height), omega, zeta, low=-1.0, high=2.0, rate=0.5)
     assert command.samples(steps)[-1] == pytest.approx(np.clip(height, -1, 2), abs=1e-9)
 
 
 def test_without_overshoot_where_it_is_damped():
-    x = FilteredCommand(Step(), omega=0.2, zeta=1.2).samples(200)
+    x = rn.FilteredCommand(rn.Step(), omega=0.2, zeta=1.2).samples(200)
     assert (np.diff(x) >= 0).all() and x.max() <= 1
-    assert FilteredCommand(Step(), omega=0.2, zeta=0.3).samples(200).max() > 1.3
-    assert FilteredCommand(Step(), omega=0.2, zeta=0.3, high=1.0).samples(200).max() == 1.0
+    assert rn.FilteredCommand(rn.Step(), omega=0.2, zeta=0.3).samples(200).max() > 1.3
+    assert rn.FilteredCommand(rn.Step(), omega=0.2, zeta=0.3, high=1.0).samples(200).max() == 1.0
 
 
 @given(omega=omegas, zeta=zetas, seed=seeds)
 def test_beside_a_device_it_is_the_same(omega, zeta, seed):
     r = np.random.default_rng(seed).standard_normal(30)
-    command = FilteredCommand(Levels(r), omega, zeta, high=0.5, rate=0.2)
+    command = rn.FilteredCommand(rn.Levels(r), omega, zeta, high=0.5, rate=0.2)
     state, found = command.start, [command.start[0]]
     for value in r[:-1]:
         state = command.advance(state, value)
@@ -79,10 +72,10 @@ def test_beside_a_device_it_is_the_same(omega, zeta, seed):
 
 
 def test_what_is_random_or_ends_is_that_of_the_signal():
-    noisy = FilteredCommand(WhiteNoise(), omega=3.0)
+    noisy = rn.FilteredCommand(rn.WhiteNoise(), omega=3.0)
     one, other = (noisy.samples(20, np.random.default_rng(seed)) for seed in (1, 2))
     assert not np.array_equal(one, other)
-    record = FilteredCommand(Recorded([1.0, 2.0], "flight"), omega=1.0)
+    record = rn.FilteredCommand(rn.Recorded([1.0, 2.0], "flight"), omega=1.0)
     assert record.samples(3).shape == (3,)  # x(2) is of r(1)
     with pytest.raises(InputError, match=r"flight .*filtered at 1 rad/sample is known for 3"):
         record.samples(4)
@@ -104,10 +97,10 @@ def test_what_is_random_or_ends_is_that_of_the_signal():
 )
 def test_what_is_wrong_is_named(options, says):
     with pytest.raises(InputError, match=says):
-        FilteredCommand(**{"signal": Harmonic(0.1), **options})
+        rn.FilteredCommand(**{"signal": rn.Harmonic(0.1), **options})
 
 
 def test_a_command_that_is_no_number_is_named():
-    command = FilteredCommand(Step(), omega=1.0)
+    command = rn.FilteredCommand(rn.Step(), omega=1.0)
     with pytest.raises(InputError, match="r has the entry nan"):
         command.advance(command.start, np.nan)
