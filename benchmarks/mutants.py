@@ -96,7 +96,9 @@ def mutated(text: str, number: int) -> tuple[ast.Module, str]:
 
 def tests_of(module: Path) -> Path:
     """Where the tests of a module's name stand."""
-    return ROOT / "tests" / module.parent.relative_to(ROOT) / f"test_{module.name}"
+    return (
+        ROOT / "tests" / module.parent.relative_to(ROOT) / f"test_{module.name.removeprefix('_')}"
+    )
 
 
 def modules(chosen: list[str]) -> list[Path]:
