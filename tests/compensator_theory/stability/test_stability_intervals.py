@@ -190,6 +190,16 @@ def test_conditions_with_denominators_multiplied_out_or_not(drawn, values, varia
     assert terms == 2000 or all(len(x.args) <= terms for x in conditions)
 
 
+@pytest.mark.parametrize(("terms", "is_product"), [(9, False), (8, True)])
+def test_a_coefficient_over_a_symbolic_denominator_has_as_many_terms_as_are_allowed(
+    terms, is_product
+):
+    with ct.budget(terms=terms):
+        (condition,) = ct.stability_conditions("s + (a + b + c)/(d + e + f)", "s")
+    wanted = sympy.sympify("(a + b + c)*(d + e + f)")
+    assert condition == (wanted if is_product else sympy.expand(wanted))
+
+
 def test_two_pendula_with_sixteen_symbols():
     """The gains of a state feedback and the data of the plant, at points of both kinds."""
     I_L, I_T, d_L, d_T, m_L, m_T, l_L, g = plant = sympy.symbols("I_L I_T d_L d_T m_L m_T l_L g")

@@ -221,3 +221,13 @@ def test_channels_that_act_one_way_only_are_as_good_as_alone():
         loop = two_channels(coupling)
         alone = [stability_margins(loop, channel=i).disk.alpha for i in (0, 1)]
         assert multivariable_disk_margin(loop).alpha == pytest.approx(min(alone), rel=1e-4)
+
+
+def test_the_ends_of_the_disk_are_inverse_gains():
+    """K = 1/2 in front of 1/(q - 1/2), u = -K y: alpha by S - T on the circle, where q = 1, -1."""
+    disk = stability_margins(control.tf([0.5], [1, -0.5], True), feedback=-1).disk
+    grid = np.exp(1j * np.linspace(0, np.pi, 20001))
+    L = 0.5 / (grid - 0.5)
+    alpha = 2 / np.abs((1 - L) / (1 + L)).max()
+    wanted = ((2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha))
+    assert disk.alpha == pytest.approx(alpha) and disk.gain == pytest.approx(wanted)
