@@ -8,8 +8,30 @@ import scipy.io
 from hypothesis import given
 from hypothesis import strategies as st
 
-import rcac_numeric as rn
 from compensator_theory.errors import DivergedError, InputError
+from rcac_numeric import (
+    UD,
+    Compensator,
+    ControllerLog,
+    ControllerSettings,
+    Covariance,
+    Harmonic,
+    Plant,
+    Step,
+    TargetModel,
+    WhiteNoise,
+    check_controller,
+    exogenous,
+    fir,
+    fir_target,
+    iir,
+    pid,
+    read_log,
+    replay,
+    servo_plant,
+    simulate,
+    standard_plant,
+)
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.checks._check import arguments_of_run
 from rcac_numeric.checks._replays import replay_compensator
@@ -22,17 +44,17 @@ OCTAVE = "examples/octave/rcac_loop.mat"
 @pytest.fixture(scope="module")
 def octave():
     plant, target = EXAMPLE_4_7.plant, EXAMPLE_4_7.settings.target
-    return rn.check_controller(
-        rn.read_log(OCTAVE), structure=rn.iir(n_c=4), plant=plant, target=target, k_w=50
+    return check_controller(
+        read_log(OCTAVE), structure=iir(n_c=4), plant=plant, target=target, k_w=50
     )
 
 
-@pytest.mark.parametrize("update", [rn.UD(R_theta=1e-6), rn.Covariance(R_theta=1e-6)], ids=repr)
+@pytest.mark.parametrize("update", [UD(R_theta=1e-6), Covariance(R_theta=1e-6)], ids=repr)
 def test_the_log_that_octave_wrote_is_the_run_that_our_engine_makes(octave, update):
     """The same w. The transient is ill-conditioned (R_theta = 1e-6), what it ends at is not."""
     log = octave.log
     settings = replace(EXAMPLE_4_7.settings, update=update)
-    ours = rn.simulate(EXAMPLE_4_7.plant, settings, log.w)
+    ours = simulate(EXAMPLE_4_7.plant, settings, log.w)
     assert np.abs(ours.z - log.z).max() < 1e-4 * np.abs(log.z).max()
     assert np.abs(ours.u - log.u).max() < 1e-4 * np.abs(log.u).max()
     assert np.abs(ours.theta[-1] - log.theta[-1]).max() < 1e-4 * np.abs(log.theta[-1]).max()
@@ -59,11 +81,11 @@ def test_the_octave_log_is_consistent_and_says_everything(octave):
 
 
 def logged(plant, structure, signals, steps=300, **options):
-    target = rn.fir_target(plant)
-    settings = rn.ControllerSettings(
-        structure=structure, target=target, update=rn.UD(R_theta=1e-2), **options
+    target = fir_target(plant)
+    settings = ControllerSettings(
+        structure=structure, target=target, update=UD(R_theta=1e-2), **options
     )
-    run = rn.simulate(plant, settings, rn.exogenous(signals, steps))
+    run = simulate(plant, settings, exogenous(signals, steps))
     assert run.outcome == "completed"
     return run
 
@@ -73,12 +95,12 @@ def test_replay_of_any_structure_size_and_weight_agrees(data):
     plant = data.draw(plants())
     settings = data.draw(controllers(plant.l_u, plant.l_y, plant.l_z))
     rng = np.random.default_rng(data.draw(seeds))
-    run = rn.simulate(plant, settings, rng.standard_normal((40, plant.l_w)))
+    run = simulate(plant, settings, rng.standard_normal((40, plant.l_w)))
     if run.outcome != "completed":
         return
-    log = rn.ControllerLog(u=run.u, y=run.y, z=run.z, w=run.w, theta=run.theta)
-    assert rn.replay(log, settings.structure, k_w=settings.k_w).worst < 1e-10
-    check = rn.check_controller(
+    log = ControllerLog(u=run.u, y=run.y, z=run.z, w=run.w, theta=run.theta)
+    assert replay(log, settings.structure, k_w=settings.k_w).worst < 1e-10
+    check = check_controller(
         log, structure=settings.structure, plant=plant, target=settings.target, k_w=settings.k_w
     )
     if check.loop.is_stable and np.abs(run.theta_final).max() < 1e3:
@@ -89,62 +111,62 @@ def test_replay_of_any_structure_size_and_weight_agrees(data):
 
 def test_a_run_says_its_arguments_itself():
     """The target is the last that was in force, not one that was still to come."""
-    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    first, later, never = (rn.TargetModel([0, 1.0, a]) for a in (-0.1, -0.2, -0.3))
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    first, later, never = (TargetModel([0, 1.0, a]) for a in (-0.1, -0.2, -0.3))
     run = logged(
-        plant, rn.iir(n_c=2), [rn.WhiteNoise()], target_changes={50: first, 100: later, 300: never}
+        plant, iir(n_c=2), [WhiteNoise()], target_changes={50: first, 100: later, 300: never}
     )
     known = arguments_of_run(run)
     assert (known["target"], known["plant"], known["k_w"]) == (later, plant, run.settings.k_w)
-    assert rn.check_controller(run).replay.agrees and known["structure"] == rn.iir(n_c=2)
+    assert check_controller(run).replay.agrees and known["structure"] == iir(n_c=2)
 
 
 def test_rows_that_an_update_left_are_recognised():
-    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, rn.iir(n_c=2), [rn.WhiteNoise()])
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     after = np.vstack([run.theta[1:], run.theta_final])
-    found = rn.replay(rn.ControllerLog(u=run.u, y=run.y, theta=after), rn.iir(n_c=2))
+    found = replay(ControllerLog(u=run.u, y=run.y, theta=after), iir(n_c=2))
     assert found.agrees and found.shift == 1
 
 
 @pytest.mark.parametrize(
-    "structure", [rn.pid(), rn.fir(n_c=3), rn.iir(n_c=3, k_c=0)], ids=["PID", "FIR", "proper"]
+    "structure", [pid(), fir(n_c=3), iir(n_c=3, k_c=0)], ids=["PID", "FIR", "proper"]
 )
 def test_other_structures_replay_too(structure):
-    run = logged(rn.servo_plant("0.1/(q - 0.9)"), structure, [rn.Step(), rn.Step(0), rn.Step(0)])
-    log = rn.ControllerLog(u=run.u, y=run.y, theta=run.theta)
-    assert rn.replay(log, structure, k_w=run.settings.k_w).worst < 1e-12
+    run = logged(servo_plant("0.1/(q - 0.9)"), structure, [Step(), Step(0), Step(0)])
+    log = ControllerLog(u=run.u, y=run.y, theta=run.theta)
+    assert replay(log, structure, k_w=run.settings.k_w).worst < 1e-12
 
 
 def test_a_u_that_did_not_come_from_theta_is_found():
-    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, rn.iir(n_c=2), [rn.WhiteNoise()])
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     u = run.u.copy()
     u[200] += 0.1 * np.abs(u).max()
-    found = rn.replay(rn.ControllerLog(u=u, y=run.y, theta=run.theta), rn.iir(n_c=2))
+    found = replay(ControllerLog(u=u, y=run.y, theta=run.theta), iir(n_c=2))
     assert not found.agrees and 200 <= found.worst_step <= 202
-    check = rn.check_controller(u, run.y, theta=run.theta, structure=rn.iir(n_c=2))
+    check = check_controller(u, run.y, theta=run.theta, structure=iir(n_c=2))
     assert not check.is_consistent and "is NOT the output of theta" in str(check)
 
 
 def test_a_shift_is_no_convention_where_u_is_not_the_output_either_way():
-    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, rn.iir(n_c=2), [rn.WhiteNoise()])
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     left = np.vstack([run.theta[1:], run.theta_final])
     words = "row k of theta is what step k left"
-    fits = rn.replay(rn.ControllerLog(u=run.u, y=run.y, theta=left), rn.iir(n_c=2))
+    fits = replay(ControllerLog(u=run.u, y=run.y, theta=left), iir(n_c=2))
     assert fits.agrees and fits.shift == 1 and words in str(fits)
     u = run.u.copy()
     u[200] += 1e-3 * np.abs(u).max()
-    found = rn.replay(rn.ControllerLog(u=u, y=run.y, theta=left), rn.iir(n_c=2))
+    found = replay(ControllerLog(u=u, y=run.y, theta=left), iir(n_c=2))
     assert not found.agrees and found.shift == 1
     assert words not in str(found) and "row k - 1 of theta for step k" in str(found)
 
 
 def test_last_coefficients_alone_are_compared_with_the_last_tenth():
-    plant = rn.standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, rn.iir(n_c=2), [rn.Harmonic(0.3)], steps=2000)
-    check = rn.check_controller(run.u, run.y, theta=run.theta_final, structure=rn.iir(n_c=2))
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    run = logged(plant, iir(n_c=2), [Harmonic(0.3)], steps=2000)
+    check = check_controller(run.u, run.y, theta=run.theta_final, structure=iir(n_c=2))
     assert check.replay.start == 1800 and check.unanswered["convergence"]
     assert len(check.plot().axes) == 3
 
@@ -193,10 +215,10 @@ def test_what_is_not_answered_has_its_reason(width, left_out):
 
 def test_what_a_harmonic_leaves_in_the_controller():
     """Example 2.1's idea: a harmonic command drives controller poles to exp(+-j omega)."""
-    plant = rn.servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
-    run = logged(plant, rn.iir(n_c=4), [rn.Harmonic(0.5), rn.Step(0), rn.Step(0)], steps=3000)
-    check = rn.check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
-                             structure=rn.iir(n_c=4), plant=plant)  # fmt: skip
+    plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
+    run = logged(plant, iir(n_c=4), [Harmonic(0.5), Step(0), Step(0)], steps=3000)
+    check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
+                             structure=iir(n_c=4), plant=plant)  # fmt: skip
     model = min(check.internal_models, key=lambda m: abs(m.omega - 0.5))
     assert abs(model.omega - 0.5) < 1e-3 and "harmonics of 0.5" in model.rejects
     assert model.gains["r"] < 0.05
@@ -207,11 +229,11 @@ def test_what_a_harmonic_leaves_in_the_controller():
 @pytest.mark.costly
 def test_without_a_plant_or_w_it_says_what_it_cannot_say(octave):
     log = octave.log
-    alone = rn.check_controller(log.u, log.y, theta=log.theta, structure=rn.iir(n_c=4))
+    alone = check_controller(log.u, log.y, theta=log.theta, structure=iir(n_c=4))
     assert set(alone.unanswered) == {"poles", "costs", "margins", "match", "split"}
     assert alone.poles is None and alone.margins == {} and len(alone.plot().axes) == 3
-    without_w = rn.check_controller(
-        log.u, log.y, z=log.z, theta=log.theta, structure=rn.iir(n_c=4), plant=octave.plant,
+    without_w = check_controller(
+        log.u, log.y, z=log.z, theta=log.theta, structure=iir(n_c=4), plant=octave.plant,
         target=octave.target,
     )  # fmt: skip
     assert without_w.unanswered == {"split": "the exogenous input w was not logged"}
@@ -220,46 +242,46 @@ def test_without_a_plant_or_w_it_says_what_it_cannot_say(octave):
 def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
     fixed = octave.compensator
     log = octave.log
-    given = rn.check_controller(log.u, log.y, compensator=fixed, plant=octave.plant)
-    polynomials = rn.ControllerLog(
+    given = check_controller(log.u, log.y, compensator=fixed, plant=octave.plant)
+    polynomials = ControllerLog(
         u=log.u, y=log.y, D_c=2 * fixed.denominator, N_c=2 * fixed.numerator
     )
-    other = rn.check_controller(polynomials, plant=octave.plant)
+    other = check_controller(polynomials, plant=octave.plant)
     assert np.allclose(given.poles, other.poles) and given.unanswered["convergence"]
 
 
 @pytest.mark.costly
 @pytest.mark.parametrize("size", [1e-300, 1e-150, 1e-8, 1e20, 1e80])
 def test_extreme_coefficients_are_reported_without_a_warning_or_a_foreign_error(size):
-    plant = rn.standard_plant("(q - 1.1)/((q - 0.9)*(q - 0.95))")
+    plant = standard_plant("(q - 1.1)/((q - 0.9)*(q - 0.95))")
     for sign in (1, -1):
-        for structure in (rn.iir(n_c=2), rn.iir(n_c=2, k_c=0)):
+        for structure in (iir(n_c=2), iir(n_c=2, k_c=0)):
             theta = sign * size * np.arange(1.0, structure.l_theta + 1)
-            check = rn.check_controller(
+            check = check_controller(
                 np.ones(30), np.ones(30), z=np.ones(30), w=np.ones(30), theta=theta,
-                structure=structure, plant=plant, target=rn.fir_target(plant),
+                structure=structure, plant=plant, target=fir_target(plant),
             )  # fmt: skip
             assert str(check) and check.loop.is_stable == (size < 1)
 
 
 def test_a_diverged_controller_is_refused():
     with pytest.raises(DivergedError, match=r"1e\+150.*Cut the log"):
-        rn.check_controller(np.ones(9), np.ones(9), theta=[1.0, 1e150], structure=rn.iir(n_c=1))
+        check_controller(np.ones(9), np.ones(9), theta=[1.0, 1e150], structure=iir(n_c=1))
 
 
 @pytest.mark.costly
 def test_an_unstable_loop_and_several_inputs():
-    unstable = rn.check_controller(
+    unstable = check_controller(
         np.zeros(20), np.zeros(20), z=np.ones(20), w=np.ones(20), theta=[0.1, 0.2],
-        structure=rn.iir(n_c=1), plant=rn.standard_plant("1/(q - 3)"),
-        target=rn.fir_target(rn.standard_plant("1/(q - 3)")),
+        structure=iir(n_c=1), plant=standard_plant("1/(q - 3)"),
+        target=fir_target(standard_plant("1/(q - 3)")),
     )  # fmt: skip
     assert unstable.costs.reached.value == np.inf and not unstable.margins["u"].is_stable
     assert "UNSTABLE" in str(unstable)
-    two = rn.Plant(A=[[0.5, 0.1], [0, 0.2]], B=np.eye(2), D_1=np.ones((2, 1)), C=np.eye(2))
-    check = rn.check_controller(
+    two = Plant(A=[[0.5, 0.1], [0, 0.2]], B=np.eye(2), D_1=np.ones((2, 1)), C=np.eye(2))
+    check = check_controller(
         np.zeros((20, 2)), np.zeros((20, 2)), plant=two,
-        compensator=rn.Compensator(np.zeros((1, 2, 2)), 0.1 * np.ones((2, 2, 2))),
+        compensator=Compensator(np.zeros((1, 2, 2)), 0.1 * np.ones((2, 2, 2))),
     )  # fmt: skip
     assert set(check.margins) == {"u1", "u2"} and check.disk.alpha > 0
     assert "all of u at once" in str(check) and "zeros" in check.unanswered
@@ -278,26 +300,24 @@ def test_an_unstable_loop_and_several_inputs():
         ({"u": None}, "u is needed"),
         ({"theta": None}, "no theta; give theta with a structure"),
         ({"structure": None}, "needs the structure"),
-        ({"plant": rn.Plant(A=[[0.5]], B=[[1.0]], D_1=[[1, 1]], C=[[1]]), "w": np.ones(30)},
+        ({"plant": Plant(A=[[0.5]], B=[[1.0]], D_1=[[1, 1]], C=[[1]]), "w": np.ones(30)},
          "w has 1 components; the plant has l_w = 2"),
         ({"target": "1/q"}, "not a TargetModel"),
         ({"plant": 5}, "not a Plant"),
     ],
 )  # fmt: skip
 def test_refusals(arguments, words):
-    given = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": rn.iir(n_c=2)}
+    given = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": iir(n_c=2)}
     with pytest.raises(InputError, match=words):
-        rn.check_controller(**{**given, **arguments})
+        check_controller(**{**given, **arguments})
 
 
 def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():
-    plant = rn.servo_plant("1/(q - 0.5)")
-    run = logged(plant, rn.iir(n_c=2), [rn.Step(), rn.Step(0), rn.Step(0)], steps=500)
+    plant = servo_plant("1/(q - 0.5)")
+    run = logged(plant, iir(n_c=2), [Step(), Step(0), Step(0)], steps=500)
     with pytest.raises(InputError, match="they need the plant"):
-        rn.check_controller(
-            run.u, run.y, theta=run.theta, structure=rn.iir(n_c=2), noise={"d": 1.0}
-        )
-    check = rn.check_controller(run.u, run.y, theta=run.theta, structure=rn.iir(n_c=2), plant=plant,
+        check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), noise={"d": 1.0})
+    check = check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), plant=plant,
                              noise={"d": 0.0, "v": 1.0})  # fmt: skip
     assert check.costs.reached.shares["d"] == 0.0
     assert check.costs.reached.value == check.costs.reached.shares["v"]
@@ -315,7 +335,7 @@ def test_a_fixed_compensator_is_replayed(seed, l_u, l_y, n_c):
             u[k] += P[i] @ u[k - 1 - i]
         for i in range(min(n_c, k) + 1):
             u[k] += Q[i] @ y[k - i]
-    log = rn.ControllerLog(u=u, y=y)
-    assert replay_compensator(log, rn.Compensator(P, Q)).worst < 1e-12
+    log = ControllerLog(u=u, y=y)
+    assert replay_compensator(log, Compensator(P, Q)).worst < 1e-12
     Q[-1, 0, 0] += 0.1
-    assert not replay_compensator(log, rn.Compensator(P, Q)).agrees
+    assert not replay_compensator(log, Compensator(P, Q)).agrees

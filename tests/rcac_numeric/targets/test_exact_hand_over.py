@@ -7,8 +7,14 @@ import pytest
 from sympy import Poly, Symbol
 
 import rcac_numeric
-import rcac_numeric as rn
 from compensator_theory import CompensatorError
+from rcac_numeric import (
+    Compensator,
+    ModellingInformation,
+    compare_exactly,
+    pole_placement_target,
+    standard_plant,
+)
 from rcac_numeric.targets import modelling_information
 from rcac_numeric.targets._modelling import factor_not_inside, zeros_not_inside
 from tests.support.public import public_objects
@@ -96,8 +102,8 @@ def test_the_target_of_a_plant_has_an_exact_prediction_for_it(name, kind, words)
     again = MADE[name](modelling_information(one), *BESIDES.get(name, ()))
     assert again == target and again.exact == target.exact
     n_c = one.n
-    zero = rn.Compensator(past_u=np.zeros((n_c, 1, 1)), past_y=np.zeros((n_c + 1, 1, 1)))
-    found = rn.compare_exactly(one, zero, target)
+    zero = Compensator(past_u=np.zeros((n_c, 1, 1)), past_y=np.zeros((n_c + 1, 1, 1)))
+    found = compare_exactly(one, zero, target)
     assert not found.obstacle
     N_zu = one.problem.numerator("zu")
     left = found.asked * target.exact.numerator
@@ -106,14 +112,14 @@ def test_the_target_of_a_plant_has_an_exact_prediction_for_it(name, kind, words)
 
 def test_where_conjugates_are_on_both_sides_nothing_is_called_exact():
     """Of q^2 - 3 q + 1 one zero is NMP, and no rational polynomial has it alone."""
-    one = rn.standard_plant("(q**2 - 3*q + 1)/(q**3*(q - 1/2))")
+    one = standard_plant("(q**2 - 3*q + 1)/(q**3*(q - 1/2))")
     known = modelling_information(one)
     assert not known.is_exact and factor_not_inside(Poly("q**2 - 3*q + 1", q)) is None
     for source in (one, known):
-        target = rn.pole_placement_target(source, ["1/2"])
+        target = pole_placement_target(source, ["1/2"])
         assert target.exact is None
-        zero = rn.Compensator(past_u=np.zeros((5, 1, 1)), past_y=np.zeros((6, 1, 1)))
-        assert "float64" in rn.compare_exactly(one, zero, target).obstacle
+        zero = Compensator(past_u=np.zeros((5, 1, 1)), past_y=np.zeros((6, 1, 1)))
+        assert "float64" in compare_exactly(one, zero, target).obstacle
     golden = (3 + 5**0.5) / 2
     assert np.allclose(target.numerator.ravel()[2:4], [1, -golden])
 
@@ -126,5 +132,5 @@ def test_another_gain_or_delay_keeps_the_zeros_exact(words):
     other = known.changed(d_zu=7, H="1/3")
     assert (other.d_zu, other.H) == (7, "1/3") and other.nmp_polynomial() == factor
     mine = known.changed(nmp_zeros=(2,))
-    assert mine == rn.ModellingInformation(known.d_zu, known.H, (2,))
+    assert mine == ModellingInformation(known.d_zu, known.H, (2,))
     assert len(zeros_not_inside(factor)) == factor.degree() == len(known.nmp_zeros)
