@@ -20,6 +20,7 @@ import random
 import signal
 import sys
 import time
+import traceback
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -208,7 +209,7 @@ class Judge:
                     reach[file, line] |= set(tests)
             return dict(reach), took
 
-        return self._forked(run, 3600)
+        return self._forked(run, 3600) or sys.exit("the tests did not come to an end unchanged")
 
     def _survives(self, mutant: Mutant, items: list[Any]) -> bool:
         mutant.put()
@@ -234,6 +235,8 @@ class Judge:
                 with os.fdopen(write, "wb") as pipe:
                     pipe.write(pickle.dumps(work()))
                 status = 0
+            except BaseException:
+                say(traceback.format_exc())
             finally:
                 os._exit(status)
         os.close(write)
@@ -269,11 +272,10 @@ def main(count: str = "10", seed: str = "0", *chosen: str) -> None:
         child = os.fork()
         if child == 0:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            pytest.main(
-                [*OPTIONS, *tests, *doctests], plugins=[Judge(verbs, int(count), int(seed))]
-            )
-            os._exit(0)
-        os.waitpid(child, 0)
+            judge = Judge(verbs, int(count), int(seed))
+            os._exit(int(pytest.main([*OPTIONS, *tests, *doctests], plugins=[judge])))
+        if os.waitpid(child, 0)[1]:
+            say(f"the tests of {', '.join(verbs)} did not come to an end")
 
 
 if __name__ == "__main__":
