@@ -23,6 +23,7 @@ import time
 import traceback
 from collections import defaultdict
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import CodeType, FunctionType
@@ -176,7 +177,7 @@ class Judge:
                 near &= set(took)
                 ordered = [items[t] for t in sorted(near, key=lambda t: (took[t], t))]
                 begun = time.monotonic()
-                lives = self._forked(lambda m=mutant, o=ordered: self._survives(m, o))
+                lives = self._forked(partial(self._survives, mutant, ordered))
                 killed += not lives
                 where = f"{mutant.path.relative_to(ROOT)} #{mutant.number}"
                 what = mutated(mutant.path.read_text(), mutant.number)[1]
@@ -209,7 +210,8 @@ class Judge:
                     reach[file, line] |= set(tests)
             return dict(reach), took
 
-        return self._forked(run, 3600) or sys.exit("the tests did not come to an end unchanged")
+        found: tuple[dict[Any, set[str]], dict[str, float]] | None = self._forked(run, 3600)
+        return found or sys.exit("the tests did not come to an end unchanged")
 
     def _survives(self, mutant: Mutant, items: list[Any]) -> bool:
         mutant.put()
