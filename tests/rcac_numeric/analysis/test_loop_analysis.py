@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import rcac_numeric as rn
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     ClosedLoop,
