@@ -40,10 +40,10 @@ def settings_of(rng: np.random.Generator) -> dict[str, object]:
 def errors(table: Raw, name: str, controller: dict[str, object], seeds: range) -> np.ndarray:
     """The four numbers of HEADS for the roll angle, a row for each initial state."""
     named = next(run for run in table["runs"] if run["name"] == name)
-    made = {**named, "controller": {**named.get("controller", {}), **controller}}
+    tables = {**named, "controller": {**named.get("controller", {}), **controller}}
     run = {**table["run"], "seed": seeds[0], "seeds": len(seeds), "stride": 1000}
     whole = {key: table[key] for key in ("plant", "signals", "target", "controller")}
-    specification = build({**whole, "run": run, "runs": [made]}, "search").main_run
+    specification = build({**whole, "run": run, "runs": [tables]}, "search").main_run
     return np.array([_of(result.run.z[:, -1]) for result in specification.execute().repetitions])
 
 
@@ -71,27 +71,27 @@ def printed(found: np.ndarray) -> str:
 
 def main() -> None:
     """Search, select, and tell the distribution over held-out initial states."""
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    asked.add_argument("number", choices=["3.1", "3.2"])
-    asked.add_argument("name", help="a run of the example's file, whose settings are varied")
-    asked.add_argument("--draws", type=int, default=600)
-    asked.add_argument("--kept", type=int, default=30)
-    asked.add_argument("--seed", type=int, default=0)
-    given = asked.parse_args()
-    table, _ = read_example(given.number)
-    known, rng = given.name.startswith("known"), np.random.default_rng(given.seed)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("number", choices=["3.1", "3.2"])
+    parser.add_argument("name", help="a run of the example's file, whose settings are varied")
+    parser.add_argument("--draws", type=int, default=600)
+    parser.add_argument("--kept", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    table, _ = read_example(options.number)
+    known, rng = options.name.startswith("known"), np.random.default_rng(options.seed)
 
     def scored(settings: dict[str, object], seeds: range) -> float:
-        return score(errors(table, given.name, settings, seeds), known)
+        return score(errors(table, options.name, settings, seeds), known)
 
-    drawn = [settings_of(rng) for _ in range(given.draws)]
-    first = sorted(((scored(s, TRAINING), i) for i, s in enumerate(drawn)))[: given.kept]
+    drawn = [settings_of(rng) for _ in range(options.draws)]
+    first = sorted(((scored(s, TRAINING), i) for i, s in enumerate(drawn)))[: options.kept]
     again = sorted((scored(drawn[i], SELECTION), i) for _, i in first)
     for value, index in again[:5]:
         print(f"worst score {value:.4g} of {len(SELECTION)} others: {drawn[index]}")
     print("median / 90 % / worst over", len(HELD_OUT), "held-out initial states")
-    for what, settings in (("as printed", {}), ("best found", drawn[again[0][1]])):
-        print(f"{what}: {printed(errors(table, given.name, settings, HELD_OUT))}")
+    for name, settings in (("as printed", {}), ("best found", drawn[again[0][1]])):
+        print(f"{name}: {printed(errors(table, options.name, settings, HELD_OUT))}")
 
 
 if __name__ == "__main__":

@@ -131,11 +131,11 @@ def cells():
     for path, value in AXES.items():
         count = 10 if path == "plant.G" else 100
         study = Study(BASE, [Axis("x", [value(0), value(1)], sets=path)], [Kept("rms")])
-        made = Cells(study)
-        made.cell({"x": value(0)})
+        cells_of_study = Cells(study)
+        cells_of_study.cell({"x": value(0)})
         numbers = iter(range(2, 10**9))
 
-        def some(made=made, value=value, numbers=numbers, count=count):
+        def some(made=cells_of_study, value=value, numbers=numbers, count=count):
             for _ in range(count):
                 made.cell({"x": value(next(numbers))})
 
@@ -150,15 +150,15 @@ def chunks(runs, repetitions):
         gains = [10.0 ** (8 * i / runs - 4) for i in range(runs)]
         many = Study(base, [Axis("x", [1.0, 10.0], sets="controller.R_theta")], [Kept("rms")])
         map_ = Study(base, [Axis("x", gains[:2], sets="controller.R_theta")], [Kept("rms")])
-        found = {}
+        times = {}
         for name, study, where in (
             ("two cells", many, lambda i: {"x": 1.0 + 9.0 * (i % 2)}),
             ("a map", map_, lambda i, gains=gains: {"x": gains[i]}),
         ):
-            found[name] = statistics.median(chunked(study, where, runs) for _ in range(repetitions))
+            times[name] = statistics.median(chunked(study, where, runs) for _ in range(repetitions))
         print(
             f"  l_theta = {2 * n_c:2d}: "
-            + ", ".join(f"{name} {1e6 * spent / runs:.0f}" for name, spent in found.items()),
+            + ", ".join(f"{name} {1e6 * spent / runs:.0f}" for name, spent in times.items()),
             flush=True,
         )
 
@@ -181,11 +181,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=10_000)
     parser.add_argument("--repetitions", type=int, default=3)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     before_the_first_step()
     batches()
     cells()
-    chunks(asked.runs, asked.repetitions)
+    chunks(options.runs, options.repetitions)
 
 
 if __name__ == "__main__":

@@ -154,13 +154,15 @@ def float32(most: int) -> None:
                 (place / "rcac_config.h").write_text(config_header(tables, "float32"))
                 sources = [place / "rcac.c", place / "driver.c"]
                 program = compiled(sources, place / "driver", includes=[place])
-                found = compiled_recording(program, tables, run, run.steps)
+                recording = compiled_recording(program, tables, run, run.steps)
         except (CompensatorError, AttributeError) as error:
             print(f"{number:7}  {str(error)[:100]}")
             continue
         tail = slice(run.steps - run.steps // 5, None)
-        rms = [float(np.sqrt(np.mean(np.square(z[tail].astype(float))))) for z in (run.z, found.z)]
-        gap = np.abs(found.theta - run.theta_final).max() / np.abs(run.theta_final).max()
+        rms = [
+            float(np.sqrt(np.mean(np.square(z[tail].astype(float))))) for z in (run.z, recording.z)
+        ]
+        gap = np.abs(recording.theta - run.theta_final).max() / np.abs(run.theta_final).max()
         R_theta = 1 / max(core_tables(run.settings, saturation=run.saturation).D_0)
         print(f"{number:7}  {tables.l_theta:7d}  {R_theta:7.1e}  {run.steps:5d}  {rms[0]:13.2e}  "
               f"{rms[1]:13.2e}  {gap:.1e}")  # fmt: skip

@@ -30,9 +30,9 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
               suppress_health_check=list(HealthCheck))  # fmt: skip
     @given(boundary_loops(variable, max_order=2 + batch % 2))
     def run(pair):
-        asked = Asked()
+        requests = Asked()
         try:
-            sentences = contradictions(*pair, asked)
+            sentences = contradictions(*pair, requests)
         except Exception as error:  # an error that is not ours, or a check that fails
             where = traceback.extract_tb(error.__traceback__)[-1]
             sentences = [f"{type(error).__name__} in {where.name}: {error}"[:200]]
@@ -40,7 +40,7 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
         for sentence in sentences:
             found[sentence] += 1
             print(f"FALSE {sentence}: {pair[0]}  {pair[1]}", flush=True)
-        for name, took in asked.seconds.items():
+        for name, took in requests.seconds.items():
             worst[name] = max(worst.get(name, (0.0, "")), (took, f"{pair[0]}  {pair[1]}"))
 
     run()

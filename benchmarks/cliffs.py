@@ -171,7 +171,7 @@ def brunovsky_form_100() -> Call:
 
 def _timed(name: str, repeats: int) -> list[float]:
     """Seconds of processor time of calls after a first one, of which SymPy remembers nothing."""
-    found = []
+    times = []
     ROWS[name].call()()
     from sympy import CRootOf
     from sympy.core.cache import clear_cache
@@ -182,8 +182,8 @@ def _timed(name: str, repeats: int) -> list[float]:
         CRootOf.clear_cache()
         start = time.process_time()
         call()
-        found.append(time.process_time() - start)
-    return found
+        times.append(time.process_time() - start)
+    return times
 
 
 def _asked(python: str, name: str, repeats: int, limit: float) -> str | list[float]:
@@ -195,8 +195,8 @@ def _asked(python: str, name: str, repeats: int, limit: float) -> str | list[flo
         return f"over {limit:g}"
     if done.returncode:
         return done.stderr.strip().splitlines()[-1].split(":")[0].split(".")[-1]
-    found: list[float] = json.loads(done.stdout)
-    return found
+    times: list[float] = json.loads(done.stdout)
+    return times
 
 
 def main() -> None:
@@ -208,19 +208,19 @@ def main() -> None:
     reader.add_argument("--repeats", type=int, default=3)
     reader.add_argument("--limit", type=float, default=60.0, help="seconds for a row")
     reader.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
-    given = reader.parse_args()
-    if given.child:
-        print(json.dumps(_timed(given.rows[0], given.repeats)))
+    options = reader.parse_args()
+    if options.child:
+        print(json.dumps(_timed(options.rows[0], options.repeats)))
         return
-    chosen = [n for n in ROWS if not given.rows or any(word in n for word in given.rows)]
-    pythons = [python for python in (given.before, sys.executable) if python]
-    print(f"{'':32}" + "".join(f"{'before' if p == given.before else 'now':>14}" for p in pythons)
+    chosen = [n for n in ROWS if not options.rows or any(word in n for word in options.rows)]
+    pythons = [python for python in (options.before, sys.executable) if python]
+    print(f"{'':32}" + "".join(f"{'before' if p == options.before else 'now':>14}" for p in pythons)
           + f"{'aim':>8}")  # fmt: skip
     for name in chosen:
         shown = []
         for python in pythons:
-            found = _asked(python, name, given.repeats, given.limit)
-            shown.append(found if isinstance(found, str) else f"{median(found):.3f}")
+            times = _asked(python, name, options.repeats, options.limit)
+            shown.append(times if isinstance(times, str) else f"{median(times):.3f}")
         print(f"{name:32}" + "".join(f"{s:>14}" for s in shown) + f"{ROWS[name].aim:8.2g}",
               flush=True)  # fmt: skip
 

@@ -170,8 +170,11 @@ def memory():
     run = simulate(PLANT, s, w, stride=1000)
     peak = tracemalloc.get_traced_memory()[1] + w.nbytes
     tracemalloc.stop()
-    kept = sum(a.nbytes for a in (run.w, run.u, run.y, run.z, run.theta))
-    print(f"1e6 steps: {kept / 1e6:.0f} MB kept, peak {peak / 1e6:.0f} MB: {peak / kept:.2f} times")
+    bytes_of_run = sum(a.nbytes for a in (run.w, run.u, run.y, run.z, run.theta))
+    print(
+        f"1e6 steps: {bytes_of_run / 1e6:.0f} MB kept, peak {peak / 1e6:.0f} MB: "
+        f"{peak / bytes_of_run:.2f} times"
+    )
 
 
 def import_time():

@@ -112,26 +112,26 @@ def cases(tests) -> int:
 def version(path: Path, name: str) -> str:
     """Return a digest of the test and of all in its file that is no other test."""
     tree = ast.parse(path.read_text())
-    kept = [
+    tests = [
         node
         for node in tree.body
         if not (isinstance(node, ast.FunctionDef) and node.name.startswith("test_"))
         or node.name == name
     ]
-    return hashlib.sha256("".join(map(ast.dump, kept)).encode()).hexdigest()[:12]
+    return hashlib.sha256("".join(map(ast.dump, tests)).encode()).hexdigest()[:12]
 
 
 def parameter_sets(function) -> list[dict[str, object]]:
     """Return what pytest's parametrize gives to the test: one empty set without it."""
-    found: list[dict[str, object]] = [{}]
+    sets: list[dict[str, object]] = [{}]
     for mark in getattr(function, "pytestmark", ()):
         if mark.name != "parametrize":
             continue
         names, values = mark.args[:2]
         names = [n.strip() for n in names.split(",")] if isinstance(names, str) else list(names)
         rows = [getattr(v, "values", None) or ((v,) if len(names) == 1 else v) for v in values]
-        found = [one | dict(zip(names, row, strict=True)) for one in found for row in rows]
-    return found
+        sets = [one | dict(zip(names, row, strict=True)) for one in sets for row in rows]
+    return sets
 
 
 def constructions(chosen: list[int]) -> dict[int, list[Test]]:
@@ -142,12 +142,12 @@ def constructions(chosen: list[int]) -> dict[int, list[Test]]:
     if set(named) != set(paths):
         raise SystemExit(f"{TESTS.name} and the page differ in {sorted(set(named) ^ set(paths))}")
     known: dict[str, Test] = {}
-    found: dict[int, list[Test]] = {}
+    tests_by_row: dict[int, list[Test]] = {}
     for number, path in paths.items():
         if chosen and int(number) not in chosen:
             continue
         module = importlib.import_module(path.removesuffix(".py").replace("/", "."))
-        tests = found.setdefault(int(number), [])
+        tests = tests_by_row.setdefault(int(number), [])
         for name in named[number]:
             bare, _, index = name.partition("[")
             function = getattr(module, bare, None)
@@ -159,14 +159,14 @@ def constructions(chosen: list[int]) -> dict[int, list[Test]]:
                 if f"{path}::{full}" not in known:
                     known[f"{path}::{full}"] = Test(path, full, function, sets[k])
                 tests.append(known[f"{path}::{full}"])
-    return found
+    return tests_by_row
 
 
 def commit() -> str:
     """Return which state of the code is judged."""
-    asked = ["git", "describe", "--always", "--dirty", "--exclude=*"]
-    found = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=False)
-    return found.stdout.strip()
+    command = ["git", "describe", "--always", "--dirty", "--exclude=*"]
+    answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    return answer.stdout.strip()
 
 
 def raise_interrupt(*_) -> None:
@@ -220,9 +220,9 @@ def main() -> int:
     print(f"\n{'#':>3} {'cases':>6} {'s':>8} {'ms/case':>8}")
     for number, row in rows.items():
         count, spent = cases(row), sum(t.sum("seconds") for t in row)
-        said = [f"{t.id.partition('::')[2]}: {t.end}" for t in row if t.end]
+        problems = [f"{t.id.partition('::')[2]}: {t.end}" for t in row if t.end]
         mean = 1000 * spent / max(count, 1)
-        print(f"{number:3d} {count:6d} {spent:8.1f} {mean:8.1f}  {'; '.join(said)}")
+        print(f"{number:3d} {count:6d} {spent:8.1f} {mean:8.1f}  {'; '.join(problems)}")
     wrong = [test.id for test in tests.values() if test.end.startswith("WRONG")]
     short = [n for n, row in rows.items() if cases(row) < chosen.draws]
     total = cases(tests.values())

@@ -33,15 +33,15 @@ WAYS = ("told", "data driven", "data driven, replay", "without the zeros")
 
 def roots(rng, count, low, high):
     """Real roots and conjugate pairs with moduli in [low, high]."""
-    found = []
-    while len(found) < count:
+    values = []
+    while len(values) < count:
         size = rng.uniform(low, high)
-        if count - len(found) > 1 and rng.random() < 0.5:
+        if count - len(values) > 1 and rng.random() < 0.5:
             angle = rng.uniform(0.2, 2.9)
-            found += [size * np.exp(1j * angle), size * np.exp(-1j * angle)]
+            values += [size * np.exp(1j * angle), size * np.exp(-1j * angle)]
         else:
-            found.append(size * rng.choice([1, 1, 1, -1]))
-    return found
+            values.append(size * rng.choice([1, 1, 1, -1]))
+    return values
 
 
 def random_plant(seed):

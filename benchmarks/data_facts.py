@@ -46,14 +46,14 @@ def plant_of(seed):
 
 
 def main(count=200, first=700_000):
-    made, refused, right, sure, right_unsure = 0, 0, Counter(), Counter(), Counter()
+    answered_count, refused, right, sure, right_unsure = 0, 0, Counter(), Counter(), Counter()
     seed = first - 1
-    while made < count:
+    while answered_count < count:
         seed += 1
         plant = plant_of(seed)
         if plant is None:
             continue
-        made += 1
+        answered_count += 1
         B, A, order = plant
         rng = np.random.default_rng([seed, 22])
         u = rng.standard_normal(STEPS)
@@ -61,19 +61,19 @@ def main(count=200, first=700_000):
         e = lfilter([1.0], [1.0, -0.8], rng.standard_normal(STEPS))
         y = y + e * y.std() / e.std() / np.exp(rng.uniform(*np.log([3, 100])))
         try:
-            found = target_from_data(u, y, mu=3 * order + 5, n_mod=order, order=order)
+            target = target_from_data(u, y, mu=3 * order + 5, n_mod=order, order=order)
         except CompensatorError:
             refused += 1
             continue
         d = int(np.flatnonzero(B)[0])
         truth = (str(d), "+" if B[d] > 0 else "-", str(int((np.abs(np.roots(B[d:])) > 1).sum())))
-        for fact, true in zip(found.facts, truth, strict=True):
+        for fact, true in zip(target.facts, truth, strict=True):
             sure[fact.name] += fact.is_sure
             (right if fact.is_sure else right_unsure)[fact.name] += fact.value == true
-    answered = made - refused
-    print(f"{made} logs, {refused} refused")
+    share = answered_count - refused
+    print(f"{answered_count} logs, {refused} refused")
     for name, number in sure.items():
-        rest = answered - number
+        rest = share - number
         print(f"{name}: sure of {number}, of these {right[name]} right "
               f"({100 * right[name] / max(number, 1):.1f} %); of the other {rest} "
               f"{right_unsure[name]} right")  # fmt: skip

@@ -66,9 +66,9 @@ def log_of(model, ratio, seed):
 def log_of_loop(model, ratio, seed):
     """U and y of the plant while a controller holds it and the command moves."""
     expected, _ = read_expected(1.0, None, None, np.inf, model.low_gain)
-    held = reference_loop(model, expected, np.inf, variations(model, Uncertainty()))
+    loop = reference_loop(model, expected, np.inf, variations(model, Uncertainty()))
     r = np.repeat(np.random.default_rng([seed, 9]).choice([-1.0, 1.0], STEPS // 10), 10)
-    w, controller = np.zeros((STEPS, 3)), FixedController(held.compensator)
+    w, controller = np.zeros((STEPS, 3)), FixedController(loop.compensator)
     w[:, 0] = r
     y = r - simulate(model.servo(), controller, w).y[:, 0]
     w[:, 2] = coloured(seed) * y.std() / ratio
@@ -80,40 +80,42 @@ def judged(model, kind, ratio, seed):
     """What became of one log: (refused, cannot tell, COLUMNS)."""
     log = (log_of_loop if kind == "unstable" else log_of)(model, ratio, seed)
     try:
-        found = design(log, sample_time=1.0, seeds=1, steps=500)
+        designed = design(log, sample_time=1.0, seeds=1, steps=500)
     except CompensatorError as error:
         print(f"{seed} {kind}, {ratio}: {str(error)[:150]}", flush=True)
         return True, True, (False,) * len(COLUMNS)
-    v = found.logged.noise
+    v = designed.logged.noise
     known, _ = read_expected(Step(1.0), v, None, np.inf, model.low_gain)
     best = reference_loop(model, known, np.inf, variations(model, Uncertainty()))
     w = exogenous([Step(0.0), Step(1.0), WhiteNoise(v)], STEPS, seed)
-    ways = FixedController(best.compensator), found.fixed, found.settings
+    ways = FixedController(best.compensator), designed.fixed, designed.settings
     runs = simulate_many([SimulationCase(model.servo(), one, w, {"stride": STEPS}) for one in ways])
     (_, tail, peak, _), *results = (measured(run) for run in runs)
     of_ways = [
         word for stable, rms, highest, _ in results
         for word in (stable, stable and rms < 2 * tail and highest < 10 * peak)
     ]  # fmt: skip
-    gains = found.logged.gains
-    sure = found.logged.held(found.fixed.compensator) == PARTS
+    gains = designed.logged.gains
+    sure = designed.logged.held(designed.fixed.compensator) == PARTS
     sure = sure and sum(gain > 0 for gain in gains) == PARTS
-    near = abs(found.model.delay - model.delay) <= 1
-    close = 0.9 < found.model.low_gain / model.low_gain < 1.1
-    return False, not sure, (near, close, found.model.sign == model.sign, *of_ways)
+    near = abs(designed.model.delay - model.delay) <= 1
+    close = 0.9 < designed.model.low_gain / model.low_gain < 1.1
+    return False, not sure, (near, close, designed.model.sign == model.sign, *of_ways)
 
 
 def print_shares(rows, name):
-    made = np.array([columns for refused, _, columns in rows if not refused])
+    columns = np.array([columns for refused, _, columns in rows if not refused])
     refused, unsure = (sum(row[i] for row in rows) for i in (0, 1))
     sure = [columns for _, cannot, columns in rows if not cannot]
     shares = "; ".join(
         f"{column} {100 * share:.0f}"
-        for column, share in zip(COLUMNS, made.mean(axis=0) if len(made) else (), strict=False)
+        for column, share in zip(
+            COLUMNS, columns.mean(axis=0) if len(columns) else (), strict=False
+        )
     )
-    held = f"{100 * np.mean([row[3] for row in sure]):.0f}" if sure else "none"
+    share = f"{100 * np.mean([row[3] for row in sure]):.0f}" if sure else "none"
     print(f"{name}: {len(rows)} logs, {refused} refused, {unsure} cannot tell; in % of those "
-          f"answered: {shares}; fixed stable where it can tell: {held}", flush=True)  # fmt: skip
+          f"answered: {shares}; fixed stable where it can tell: {share}", flush=True)  # fmt: skip
 
 
 def main(count=30, first=80_000, ratios=RATIOS):
@@ -126,8 +128,8 @@ def main(count=30, first=80_000, ratios=RATIOS):
         ]
         print_shares([row for _, row in rows], f"ratio {ratio}")
         for group in GROUPS:
-            if own := [row for kind, row in rows if kind == group]:
-                print_shares(own, f"  {group}")
+            if rows_of_group := [row for kind, row in rows if kind == group]:
+                print_shares(rows_of_group, f"  {group}")
         print(f"{time.perf_counter() - start:.0f} s", flush=True)
 
 

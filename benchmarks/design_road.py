@@ -189,10 +189,10 @@ def surroundings(model, seed):
     if kind == "step":
         return kind, Step(1.0) + little, None, level * low
     if kind == "white":
-        found = reference_loop(
+        loop = reference_loop(
             model, read_expected(WhiteNoise(1.0), 1e-3 * low, None, np.inf, low)[0]
         )
-        return kind, WhiteNoise(1.0), None, level * np.sqrt(found.lqg.cost.value) * low
+        return kind, WhiteNoise(1.0), None, level * np.sqrt(loop.lqg.cost.value) * low
     if kind == "sinusoid":
         wave = Harmonic(omega, 1.0, float(rng.uniform(0, 6)))
         return kind, wave + little, None, level * float(np.linalg.norm(model.response(omega)[0], 2))
@@ -201,39 +201,45 @@ def surroundings(model, seed):
 
 def controllers(model, known, size):
     """From the ways to controllers, or to why there is none."""
-    made = {}
+    controllers_by_name = {}
     for name, expected in (("signals known", known), ("size known", size)):
         try:
             others = variations(model, Uncertainty())
             reference = reference_loop(model, expected, np.inf, others)
-            fixed = made[f"fixed, {name}"] = FixedController(reference.compensator)
-            road = made[f"road, {name}"] = settings_of(model, reference, expected)
+            fixed = controllers_by_name[f"fixed, {name}"] = FixedController(reference.compensator)
+            road = controllers_by_name[f"road, {name}"] = settings_of(model, reference, expected)
             trials = Trials({RCAC: road, FIXED: fixed}, model, expected, others, STEPS, DRAWS)
             use = verdict_of(trials.in_threads()).use
-            made[f"verdict, {name}"] = road if use == RCAC else fixed
+            controllers_by_name[f"verdict, {name}"] = road if use == RCAC else fixed
         except CompensatorError as error:
-            made.setdefault(f"fixed, {name}", str(error))
-            made[f"road, {name}"] = made[f"verdict, {name}"] = str(error)
+            controllers_by_name.setdefault(f"fixed, {name}", str(error))
+            controllers_by_name[f"road, {name}"] = controllers_by_name[f"verdict, {name}"] = str(
+                error
+            )
     if model.m > 1:
         try:
-            told = direction_information(model.servo())
-            made["cold_start"] = cold_start(told, order=len(model.A), stable=model.is_stable)
+            directions = direction_information(model.servo())
+            controllers_by_name["cold_start"] = cold_start(
+                directions, order=len(model.A), stable=model.is_stable
+            )
         except CompensatorError as error:
-            made["cold_start"] = str(error)
-        return made
+            controllers_by_name["cold_start"] = str(error)
+        return controllers_by_name
     try:
-        made["SIMC"] = simc(model)
+        controllers_by_name["SIMC"] = simc(model)
     except CompensatorError as error:
-        made["SIMC"] = str(error)
+        controllers_by_name["SIMC"] = str(error)
     try:
-        order, told = len(model.A), modelling_information(model.servo())
-        made["cold_start"] = cold_start(told, order=order, stable=model.is_stable)
-        made[WAYS[-1]] = ControllerSettings(
-            structure=iir(n_c=order + 1), target=fir_target(told), update=UD(R_theta=1.0)
+        order, directions = len(model.A), modelling_information(model.servo())
+        controllers_by_name["cold_start"] = cold_start(
+            directions, order=order, stable=model.is_stable
+        )
+        controllers_by_name[WAYS[-1]] = ControllerSettings(
+            structure=iir(n_c=order + 1), target=fir_target(directions), update=UD(R_theta=1.0)
         )
     except CompensatorError as error:
-        made["cold_start"] = made[WAYS[-1]] = str(error)
-    return made
+        controllers_by_name["cold_start"] = controllers_by_name[WAYS[-1]] = str(error)
+    return controllers_by_name
 
 
 def judged(G, period, late, seed):
@@ -242,9 +248,9 @@ def judged(G, period, late, seed):
     kind, disturbance, command, noise = surroundings(model, seed)
     known, _ = read_expected(disturbance, noise, command, np.inf, model.low_gain, model.m)
     size, _ = read_expected(known.size, noise, command, np.inf, model.low_gain, model.m)
-    made = controllers(model, known, size)
+    controllers_by_name = controllers(model, known, size)
     cases, keys = [], []
-    for way, controller in made.items():
+    for way, controller in controllers_by_name.items():
         if isinstance(controller, str):
             continue
         for true in plants_of(model):
@@ -256,16 +262,16 @@ def judged(G, period, late, seed):
             cases.append(SimulationCase(servo, controller, w, {"stride": STEPS}))
             keys.append((way, true.name))
     runs = simulate_many(cases, threads=1)
-    found = dict(zip(keys, (measured(run) for run in runs), strict=True))
-    _, tail, peak, _ = found.get(("fixed, signals known", "nominal"), (False, 1.0, 1.0, 1.0))
+    measures = dict(zip(keys, (measured(run) for run in runs), strict=True))
+    _, tail, peak, _ = measures.get(("fixed, signals known", "nominal"), (False, 1.0, 1.0, 1.0))
     scaled = {
         key: (stable, rms / tail, highest / peak, Ms)
-        for key, (stable, rms, highest, Ms) in found.items()
+        for key, (stable, rms, highest, Ms) in measures.items()
     }
     outcomes = {
         key: run.outcome for key, run in zip(keys, runs, strict=True) if key[1] == "nominal"
     }
-    return scaled, kind, made, outcomes
+    return scaled, kind, controllers_by_name, outcomes
 
 
 def is_good(found):
@@ -308,10 +314,10 @@ def table(results, title, ways=WAYS, plants=TRUE):
 def failures(results, names, way):
     counts, examples = Counter(), {}
     for name, (scaled, kind, made, outcomes) in zip(names, results, strict=True):
-        found = scaled.get((way, "nominal"))
-        if found is None or not is_good(found):
+        measures = scaled.get((way, "nominal"))
+        if measures is None or not is_good(measures):
             why = made[way] if isinstance(made[way], str) else ""
-            word = failure(found, outcomes.get((way, "nominal"), ""), why)
+            word = failure(measures, outcomes.get((way, "nominal"), ""), why)
             word = f"{word}, {kind}"
             counts[word] += 1
             examples.setdefault(word, []).append(name)
@@ -331,8 +337,8 @@ def main(count=200, first=50_000):
         rows = [r for r, plant in zip(results, plants, strict=True) if plant[1] == kind]
         shares = []
         for way in WAYS:
-            found = [scaled.get((way, "nominal")) for scaled, *_ in rows]
-            share = np.mean([one is not None and is_good(one) for one in found])
+            measures = [scaled.get((way, "nominal")) for scaled, *_ in rows]
+            share = np.mean([one is not None and is_good(one) for one in measures])
             shares.append(f"{way}: {share:.0%}")
         print(f"good, {kind}: {'; '.join(shares)}")
     book = [judged(*entry, first + i) for i, entry in enumerate(TEXTBOOK.values())]

@@ -26,15 +26,15 @@ def main(count=30, first=70_000, budget=40):
         kind, G, late = random_plant(seed)
         model = read_plant(G, 1.0, late)
         signals, disturbance, command, noise = surroundings(model, seed)
-        told = disturbance if seed % 2 else 1.0
+        size = disturbance if seed % 2 else 1.0
         try:
-            found = design(G, sample_time=1.0, dead_time=late, disturbance=told, command=command,
+            designed = design(G, sample_time=1.0, dead_time=late, disturbance=size, command=command,
                            noise=noise, seeds=1)  # fmt: skip
         except CompensatorError as error:
             print(f"{seed} {kind}: {error}")
             continue
         began = time.process_time()
-        tuned = tune(found, budget)
+        tuned = tune(designed, budget)
         beside = tuned.beside_rule
         gains.append(beside.ratio)
         stable += beside.stable[0], beside.fixed_stable[0]
@@ -42,7 +42,7 @@ def main(count=30, first=70_000, budget=40):
         print(f"{seed} {kind}, {signals}{'' if seed % 2 else ', size known'}: chosen "
               f"{tuned.chosen.name}, rms over the rule's {beside.ratio:.3g}, stable "
               f"{beside.stable[0]} and {beside.fixed_stable[0]} of {beside.stable[1]}, verdict "
-              f"{tuned.verdict.use}, before {found.verdict.use}; "
+              f"{tuned.verdict.use}, before {designed.verdict.use}; "
               f"{time.process_time() - began:.1f} s", flush=True)  # fmt: skip
     quartiles = np.nanquantile(gains, [0, 0.25, 0.5, 0.75, 1])
     print(f"\nheld-out rms over the rule's, quartiles: {np.round(quartiles, 3)}")

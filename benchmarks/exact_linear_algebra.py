@@ -86,11 +86,11 @@ def medians(calls):
     slowest = max(once.values())
     turns = 1 if slowest > 10 else 3 if slowest > 1 else TURNS if slowest > 0.001 else MORE_TURNS
     repetitions = {who: max(1, int(SHORTEST / max(t, 1e-6))) for who, t in once.items()}
-    found = {who: [] for who in calls}
+    times = {who: [] for who in calls}
     for _ in range(turns):
         for who, call in calls.items():
-            found[who].append(seconds_of(call, repetitions[who]))
-    return {who: median(values) for who, values in found.items()}
+            times[who].append(seconds_of(call, repetitions[who]))
+    return {who: median(values) for who, values in times.items()}
 
 
 def median_seconds(function, *arguments):
@@ -179,10 +179,10 @@ def gains(n, rng):
     descending = [int(c) for c in goal.all_coeffs()]
 
     def krylov():
-        a, found = flint.fmpz_mat(rows), [flint.fmpz_mat(column)]
+        a, columns = flint.fmpz_mat(rows), [flint.fmpz_mat(column)]
         for _ in range(n - 1):
-            found.append(a * found[-1])
-        return a, flint.fmpz_mat([[c[i, 0] for i in range(n)] for c in found])
+            columns.append(a * columns[-1])
+        return a, flint.fmpz_mat([[c[i, 0] for i in range(n)] for c in columns])
 
     def ackermann():
         a, kalman = krylov()
@@ -232,17 +232,17 @@ def matrices(n, rng):
 
     def leverrier():
         a, v, c = flint.fmpz_mat(rows), flint.fmpz_mat(column), flint.fmpz_mat(row)
-        p, b, found = a.charpoly(), flint.fmpz_mat(column), []
+        p, b, columns = a.charpoly(), flint.fmpz_mat(column), []
         for k in range(n):
-            found.append((c * v)[0, 0])
+            columns.append((c * v)[0, 0])
             v = a * v + b * p[n - 1 - k]
-        return found, p
+        return columns, p
 
     def shown():
-        found, p = leverrier()
+        columns, p = leverrier()
         return [
             sympy.Poly(list(map(int, descending)), S, domain="QQ")
-            for descending in (found, reversed(p.coeffs()))
+            for descending in (columns, reversed(p.coeffs()))
         ]
 
     yield "transfer function of (A, B, C)", {
@@ -310,8 +310,8 @@ def by_sylvester(D, N, T):
     n = D.degree()
     columns = [[*[0] * k, *p.coeffs()] for p in (D, N) for k in range(n + (p is D))]
     matrix = flint.fmpq_mat([c + [0] * (2 * n + 1 - len(c)) for c in columns]).transpose()
-    found = matrix.solve(flint.fmpq_mat(2 * n + 1, 1, T.coeffs())).entries()
-    return flint.fmpq_poly(found[: n + 1]), flint.fmpq_poly(found[n + 1 :])
+    solution = matrix.solve(flint.fmpq_mat(2 * n + 1, 1, T.coeffs())).entries()
+    return flint.fmpq_poly(solution[: n + 1]), flint.fmpq_poly(solution[n + 1 :])
 
 
 def integer_roots(n):
@@ -391,8 +391,10 @@ def symbolic_works(count, rng):
         })  # fmt: skip
 
     def by_flint():
-        found = read(p).resultant(read(q), "s")
-        terms = {tuple(map(int, k[1:])): QQ(int(c.p), int(c.q)) for k, c in found.to_dict().items()}
+        resultant = read(p).resultant(read(q), "s")
+        terms = {
+            tuple(map(int, k[1:])): QQ(int(c.p), int(c.q)) for k, c in resultant.to_dict().items()
+        }
         return sympy.Poly.from_dict(terms, *symbols, domain=QQ).as_expr()
 
     raw = [read(part) for part in (p, q)]

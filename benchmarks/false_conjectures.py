@@ -70,8 +70,8 @@ positive = st.lists(st.integers(1, 9), min_size=4, max_size=5)
 def placements(draw: st.DrawFn) -> Any:
     """A plant and the compensator that places twice its order of poles."""
     plant = draw(ours.strictly_proper_plants(max_order=3))
-    wanted = polynomial_from_roots(draw(ours.spectra(2 * plant.order)), "s")
-    return place_poles(plant, wanted, feedback=-1).compensator
+    target = polynomial_from_roots(draw(ours.spectra(2 * plant.order)), "s")
+    return place_poles(plant, target, feedback=-1).compensator
 
 
 CONJECTURES = (

@@ -49,11 +49,12 @@ def main() -> None:
             raise AssertionError(f"step {k} differs after the restoration")
         x = 0.9 * x + float(u) + 0.3 * (noise[k] - 0.5)
         peak = max(peak, abs(x))
-    found = one.record.troubles
+    troubles = one.record.troubles
     print(f"{steps} steps: largest abs(x) {peak:.3g}; {one.record}")
     print(
-        f"done: {missed} missed, {jumps} jumps; noted: {found['missed sample'].steps - jumps} and "
-        f"{found['jump'].steps}; the restored one is the same: {one.state == two.state}"
+        f"done: {missed} missed, {jumps} jumps; noted: "
+        f"{troubles['missed sample'].steps - jumps} and "
+        f"{troubles['jump'].steps}; the restored one is the same: {one.state == two.state}"
     )
 
 

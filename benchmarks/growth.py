@@ -246,15 +246,15 @@ def work(pipe, name, inputs, cap, skipped):
         used = math.ceil(time.process_time() + cap)
         resource.setrlimit(resource.RLIMIT_CPU, (used, resource.RLIM_INFINITY))
         pipe.send((label, None, ""))
-        begin, found, note = time.thread_time(), None, ""
+        begin, answer, note = time.thread_time(), None, ""
         try:
-            found = call()
+            answer = call()
         except BudgetError:
             note = "budget"
         except CompensatorError as refusal:
             note = type(refusal).__name__
         pipe.send((label, time.thread_time() - begin, note))
-        return found, note
+        return answer, note
 
     try:
         positional, named, _ = inputs.arguments(name)
@@ -271,7 +271,7 @@ def work(pipe, name, inputs, cap, skipped):
 
 def measure(name, inputs, cap, already):
     """Return {label: (seconds, note)} of one call in a child; what is skipped has no row."""
-    found, skipped = {}, set(already)
+    rows_done, skipped = {}, set(already)
     while True:
         here, there = CONTEXT.Pipe(False)
         child = CONTEXT.Process(target=work, args=(there, name, inputs, cap, skipped), daemon=True)
@@ -286,18 +286,18 @@ def measure(name, inputs, cap, already):
                     break
                 label, seconds, note = here.recv()
                 if seconds is not None:
-                    found[label] = seconds, note
+                    rows_done[label] = seconds, note
                 else:
                     pending = label
         except EOFError:  # ended by the cap, or by an error of its own
             child.join()
         if pending:
             note = {-signal.SIGXCPU: "capped", -signal.SIGKILL: "waited"}.get(child.exitcode)
-            found[pending] = (float(cap) if note == "capped" else 0.0, note or "failed")
+            rows_done[pending] = (float(cap) if note == "capped" else 0.0, note or "failed")
             skipped.add(pending)
         child.join()
         if not pending or pending == name or len(skipped) > len(already) + MOST_CAPPED:
-            return found
+            return rows_done
 
 
 class Kept:
@@ -322,17 +322,17 @@ class Kept:
 
 def rows(name, kind, points, cap, kept):
     """Return {label: [(size, seconds, note)]}; a row ends where it is refused or capped."""
-    found, ended = {}, set()
+    rows_done, ended = {}, set()
     for size, inputs in points:
         measured = kept.measured(name, kind, size, lambda i=inputs: measure(name, i, cap, ended))
         for label, (seconds, note) in measured.items():
             if label not in ended:
-                found.setdefault(label, []).append((size, seconds, note))
+                rows_done.setdefault(label, []).append((size, seconds, note))
             if note:
                 ended.add(label)
         if name in ended:
             break
-    return found
+    return rows_done
 
 
 def exponent(row):
@@ -375,16 +375,16 @@ def main():
     parser.add_argument("--sizes", nargs="+", type=int, default=[2, 5, 10, 20, 50, 100])
     parser.add_argument("--cap", type=float, default=15.0)
     parser.add_argument("--kept", type=Path, help="a file of JSON lines")
-    given = parser.parse_args()
-    cliffs, fixed, kept = [], [], Kept(given.kept)
-    for name in given.names:
+    options = parser.parse_args()
+    cliffs, fixed, kept = [], [], Kept(options.kept)
+    for name in options.names:
         if not grows(name):
             fixed.append(name)
             continue
-        numbers = [(n, Inputs(n)) for n in given.sizes]
+        numbers = [(n, Inputs(n)) for n in options.sizes]
         symbols = [(m, Inputs(ORDER, m)) for m in range(1, len(NAMES) + 1)]
         for kind, points in (("n", numbers), ("symbols", symbols)):
-            for label, row in rows(name, kind, points, given.cap, kept).items():
+            for label, row in rows(name, kind, points, options.cap, kept).items():
                 line = f"{label:40} {kind:8} {written(row)}"
                 if label == name or max(t for _, t, _ in row) > 0.1:
                     print(line, flush=True)

@@ -63,13 +63,13 @@ def places(text: str) -> Iterator[tuple[int, str, str]]:
 
 def headers(chosen: list[str]) -> list[Path]:
     """The headers of the folders that have tests, of all or of those chosen, below kernel/."""
-    given = [Path(one).relative_to("kernel") for one in chosen] or [
+    names = [Path(one).relative_to("kernel") for one in chosen] or [
         Path(one) for one in KERNEL_TESTS
     ]
     kernel = ROOT / "kernel"
     files = [
         f
-        for one in given
+        for one in names
         for f in ([kernel / one] if one.suffix else kernel.joinpath(one).rglob("*.hpp"))
     ]
     return sorted(f.relative_to(ROOT) for f in files)

@@ -92,8 +92,8 @@ def drawn(seed: int) -> Loop:
     places = bool(rng.random() < 0.4)
     if places:
         n_c = n + 1
-        asked = [f"{v:.2f}" for v in rng.uniform(-0.3, 0.7, n_c + relative)]
-        target = pole_placement_target(plant, asked)
+        coefficients = [f"{v:.2f}" for v in rng.uniform(-0.3, 0.7, n_c + relative)]
+        target = pole_placement_target(plant, coefficients)
     else:
         n_c, target = int(rng.integers(n, 2 * n + 3)), fir_target(plant)
     wrong = rng.random() < 0.08
@@ -137,11 +137,11 @@ def truth(loop: Loop, run) -> list[str]:
     A = np.block([[plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c], [B_c @ plant.C, A_c]])
     if np.abs(np.linalg.eigvals(A)).max() >= 1:
         return ["unstable"]
-    found = []
+    outcomes = []
     idle = simulate(loop.plant, FixedController(_nothing(plant)), loop.w)
     scale = max(np.abs(run.w).max(), np.abs(idle.z).max() if idle.outcome == "completed" else 0.0)
     if np.abs(run.z).max() > BLOWN * scale:
-        found.append("blew up on the way")
+        outcomes.append("blew up on the way")
     rng = np.random.default_rng(999)
     size = np.sqrt(np.mean((run.w - run.w.mean(axis=0)) ** 2, axis=0))
     size = np.where(size > 0, size, np.abs(run.w).max(axis=0))
@@ -155,15 +155,15 @@ def truth(loop: Loop, run) -> list[str]:
         added = np.abs(kicked.z[:steps] - plain.z[:steps]).max(initial=0.0)
         frozen = np.abs(simulate(plant, FixedController(c), kick).z).max()
         if kicked.outcome != "completed" or added > FAR * frozen:
-            found.append("next disturbance")
+            outcomes.append("next disturbance")
             break
     target = loop.settings.target
     if target.denominator[1:].any() and "wrong" not in loop.words:
-        asked = np.roots(target.denominator[:, 0, 0])
-        gaps = np.abs(asked[:, None] - np.linalg.eigvals(A)[None])
+        requested = np.roots(target.denominator[:, 0, 0])
+        gaps = np.abs(requested[:, None] - np.linalg.eigvals(A)[None])
         rows, columns = optimize.linear_sum_assignment(gaps)
         if gaps[rows, columns].max() > MISSED:
-            found.append("missed poles")
+            outcomes.append("missed poles")
     if loop.noise:
         B = np.vstack([plant.D_1 + plant.B @ D_c @ plant.D_2, B_c @ plant.D_2])
         E = np.hstack([plant.E_1 + plant.E_2 @ D_c @ plant.C, plant.E_2 @ C_c])
@@ -174,8 +174,8 @@ def truth(loop: Loop, run) -> list[str]:
         except (np.linalg.LinAlgError, ValueError):
             least = None
         if least is not None and COSTLY * least * (1 + 1e-6) < J:
-            found.append("costly")
-    return found
+            outcomes.append("costly")
+    return outcomes
 
 
 def _nothing(plant) -> Compensator:
@@ -220,12 +220,14 @@ def main() -> None:
         kinds.update(wrong)
         grave = [w.code for w in health.warnings if w.is_grave]
         if wrong:
-            said = "bad, grave" if grave else "bad, warned" if health.warnings else "bad, SILENT"
+            verdict = "bad, grave" if grave else "bad, warned" if health.warnings else "bad, SILENT"
         else:
-            said = "good, GRAVE" if grave else "good, warned" if health.warnings else "good, silent"
-        table[said] += 1
-        if said in ("bad, SILENT", "good, GRAVE"):
-            print(f"seed {seed}: {said}: {wrong or grave}; {loop.words}", flush=True)
+            verdict = (
+                "good, GRAVE" if grave else "good, warned" if health.warnings else "good, silent"
+            )
+        table[verdict] += 1
+        if verdict in ("bad, SILENT", "good, GRAVE"):
+            print(f"seed {seed}: {verdict}: {wrong or grave}; {loop.words}", flush=True)
     print(f"{count} loops: {dict(table)}; wrong: {dict(kinds)}")
 
 

@@ -127,21 +127,21 @@ def main(number: int, seed: int, every: int) -> None:
             row = rows.setdefault(kind, Counter())
             begin = time.process_time()
             try:
-                found = lqg_controller(plant, digits=DIGITS)
+                controller = lqg_controller(plant, digits=DIGITS)
             except CompensatorError as error:
                 row[f"no LQG ({type(error).__name__})"] += 1
                 continue
             seconds.setdefault(kind, []).append(time.process_time() - begin)
             done += 1
-            sides = found.regulator, found.estimator
+            sides = controller.regulator, controller.estimator
             row["designs"] += 1
-            row["gains exact"] += found.is_exact
-            row["gains rational"] += found.is_rational
+            row["gains exact"] += controller.is_exact
+            row["gains rational"] += controller.is_rational
             row["certified"] += all(
                 s.certificate is not None and s.certificate.holds for s in sides
             )
-            row["formula"] += not found.is_exact and all(s.formula is not None for s in sides)
-            row["one field"] += found.matrices_in_field is not None
+            row["formula"] += not controller.is_exact and all(s.formula is not None for s in sides)
+            row["one field"] += controller.matrices_in_field is not None
             for side in sides:
                 assert all(0 in entry for line in side.residual for entry in line)
                 if done % every:

@@ -48,17 +48,17 @@ def main() -> None:
     """Print the table."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     first = int(sys.argv[2]) if len(sys.argv) > 2 else 0
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     errors, seeds = [], []
     for seed in range(first, first + count):
         outcome, error = compared(seed)
-        found[outcome] += 1
+        counts[outcome] += 1
         if outcome != "designed":
             print(f"seed {seed}: {outcome}", flush=True)
         else:
             errors.append(error)
             seeds.append(seed)
-    print(f"{count} designs: {found['designed']} designed, {count - found['designed']} refused")
+    print(f"{count} designs: {counts['designed']} designed, {count - counts['designed']} refused")
     if errors:
         worst = int(np.argmax(errors))
         print(

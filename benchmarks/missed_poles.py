@@ -40,14 +40,19 @@ def main() -> None:
             if loop is None:
                 continue
             drawn += 1
-            found = compare_exactly(loop.plant, loop.compensator, loop.target)
+            comparison = compare_exactly(loop.plant, loop.compensator, loop.target)
             kinds[loop.words.partition(":")[0]] += 1
-            largest, least = max(largest, found.backward_error), min(least, found.backward_error)
+            largest, least = (
+                max(largest, comparison.backward_error),
+                min(least, comparison.backward_error),
+            )
             for limit in by_distance:
-                by_distance[limit] += (found.worst_distance <= limit) != loop.is_same
+                by_distance[limit] += (comparison.worst_distance <= limit) != loop.is_same
             alarmed = said_by_health(loop)
-            if found.is_reached != loop.is_same or (loop.is_same and alarmed):
-                wrong.append((seed, loop.words, found.worst_distance, found.backward_error))
+            if comparison.is_reached != loop.is_same or (loop.is_same and alarmed):
+                wrong.append(
+                    (seed, loop.words, comparison.worst_distance, comparison.backward_error)
+                )
             if loop.run is not None and not loop.is_same and not alarmed:
                 wrong.append((seed, loop.words, "not in its health"))
         print(f"{drawn} loops that {name} their target: {len(wrong)} judged wrongly; "

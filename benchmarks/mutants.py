@@ -104,12 +104,14 @@ def tests_of(module: Path) -> Path:
 def modules(chosen: list[str]) -> list[Path]:
     """The modules of the core that have tests of their name, of all or of those chosen."""
     if chosen:
-        given = [ROOT / one for one in chosen]
-        found = [m for one in given for m in ([one] if one.is_file() else one.rglob("*.py"))]
+        chosen_modules = [ROOT / one for one in chosen]
+        files = [
+            m for one in chosen_modules for m in ([one] if one.is_file() else one.rglob("*.py"))
+        ]
     else:
-        found = [m for package in PACKAGES for m in (ROOT / package).rglob("*.py")]
-        found = [m for m in found if not NOT_CORE & set(m.relative_to(ROOT).parts)]
-    return sorted(m for m in found if tests_of(m).is_file())
+        files = [m for package in PACKAGES for m in (ROOT / package).rglob("*.py")]
+        files = [m for m in files if not NOT_CORE & set(m.relative_to(ROOT).parts)]
+    return sorted(m for m in files if tests_of(m).is_file())
 
 
 def pytest_configure() -> None:
@@ -157,8 +159,8 @@ def main(count: str = "60", seed: str = "0", *chosen: str) -> None:
     for module, number in sorted(drawn):
         survived = survives([tests_of(module)], f"{module}:{number}")
         killed += not survived
-        what = mutated(module.read_text(), number)[1]
-        print("SURVIVES" if survived else "killed  ", module.relative_to(ROOT), what, flush=True)
+        change = mutated(module.read_text(), number)[1]
+        print("SURVIVES" if survived else "killed  ", module.relative_to(ROOT), change, flush=True)
     print(f"{killed} of {len(drawn)} killed, drawn among {len(every)} with seed {seed}.")
 
 

@@ -32,7 +32,7 @@ def main() -> int:
         table = read_example(number)[0]
         claims = [claim for claim in load_example(number).claims if claim.whose != OURS]
         with np.errstate(all="ignore"):
-            held = {i for i, o in enumerate(outcomes(table, number)) if o == HOLDS}
+            holding = {i for i, o in enumerate(outcomes(table, number)) if o == HOLDS}
             found: set[int] = set()
             for name, changed in mutations(table):
                 try:
@@ -40,13 +40,13 @@ def main() -> int:
                 except CompensatorError as error:
                     print(f"{number}, {name}: no experiment any more, {str(error)[:80]}")
                     continue
-                lost = {i for i in held if after[i] != HOLDS}
+                lost = {i for i in holding if after[i] != HOLDS}
                 turned[name] += len(lost)
-                could[name] += len(held)
+                could[name] += len(holding)
                 found |= lost
-                print(f"{number}, {name}: {len(lost)} of {len(held)}", flush=True)
-        total, some = total + len(held), some + len(found)
-        for i in sorted(held - found):
+                print(f"{number}, {name}: {len(lost)} of {len(holding)}", flush=True)
+        total, some = total + len(holding), some + len(found)
+        for i in sorted(holding - found):
             print(f"{number}: nothing turns {claims[i].text!r}")
         print(f"{number}: {time.perf_counter() - begun:.0f} s", flush=True)
     for name, count in could.items():

@@ -53,8 +53,8 @@ def main():
                           arguments.repetitions)  # fmt: skip
         exact = "-"
         if n <= arguments.exact_up_to:
-            taken = seconds(lambda p=plant, c=compensator: observer_forms(p, c), 1)
-            exact = f"{len(forms) / taken:.0f}"
+            duration = seconds(lambda p=plant, c=compensator: observer_forms(p, c), 1)
+            exact = f"{len(forms) / duration:.0f}"
         print(
             f"{n:>2}{len(forms):>8}{len(forms) / numeric:>16.0f}{exact:>14}"
             f"{forms.residual.max():>12.1e}"

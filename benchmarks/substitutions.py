@@ -323,51 +323,51 @@ def points_of(found: Any, rng: random.Random) -> Iterator[tuple[Fraction, ...]]:
 def hold(name: str, wanted: int, rng: random.Random) -> Counter[str]:
     """Compare a construction at so many points."""
     function, template, key = CASES[name]
-    seen: Counter[str] = Counter()
-    while sum(seen.values()) < wanted:
+    counts: Counter[str] = Counter()
+    while sum(counts.values()) < wanted:
         parts = [rng.choice(PARTS) for _ in range(4)]
         arguments, options = template(*(f"({part})" for part in parts))
         try:
-            found = exceptional_cases(function, *arguments, cases=60, **options)
+            cases = exceptional_cases(function, *arguments, cases=60, **options)
         except CompensatorError:  # the template has no answer for any value
-            seen["no generic answer"] += 1
+            counts["no generic answer"] += 1
             continue
-        for point in dict.fromkeys(points_of(found, rng)):
+        for point in dict.fromkeys(points_of(cases, rng)):
             at = {
                 x: sympy.Rational(v.numerator, v.denominator)
                 for x, v in zip(SYMBOLS, point, strict=True)
             }
             numbers = {x.name: v for x, v in at.items()}
-            case = found.at(at)
+            case = cases.at(at)
             if case.status == "open" or case.is_generic:
-                seen["open"] += 1
+                counts["open"] += 1
                 continue
             given, also = template(*(f"({sympy.sympify(part, locals=numbers)})" for part in parts))
-            kind = "beside" if not case.values and case is found.generic else "on"
+            kind = "beside" if not case.values and case is cases.generic else "on"
             try:
                 expected = function(*given, **also)
             except CompensatorError as error:
                 right = case.status == "refused" and isinstance(error, case.error)
-                seen[f"{kind}, refused" if right else "CONTRADICTS"] += 1
+                counts[f"{kind}, refused" if right else "CONTRADICTS"] += 1
                 if not right:
                     print(f"  {name} {parts} {point}: {case.status}, but {error}", flush=True)
                 continue
             right = case.status == "answered" and agrees(key(case.answer), key(expected), at)
-            seen[kind if right else "CONTRADICTS"] += 1
+            counts[kind if right else "CONTRADICTS"] += 1
             if not right:
                 print(f"  {name} {parts} {point}: {case}\n    but {expected}", flush=True)
-    return seen
+    return counts
 
 
 if __name__ == "__main__":
-    wanted = int(sys.argv[1]) if len(sys.argv) > 1 else 40
+    points = int(sys.argv[1]) if len(sys.argv) > 1 else 40
     rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
     total: Counter[str] = Counter()
     for name in CASES:
         begun = time.perf_counter()
-        seen = hold(name, wanted, rng)
-        total += seen
-        if set(seen) == {"no generic answer"}:
+        counts = hold(name, points, rng)
+        total += counts
+        if set(counts) == {"no generic answer"}:
             raise SystemExit(f"{name} refuses its templates: they are not of its kind")
-        print(f"{name:32} {time.perf_counter() - begun:6.1f} s  {dict(seen)}", flush=True)
+        print(f"{name:32} {time.perf_counter() - begun:6.1f} s  {dict(counts)}", flush=True)
     print(f"{sum(total.values())} points: {dict(total)}")

@@ -156,13 +156,13 @@ def coordinated(store, workers, kind, *words):
 
 def children(pid):
     """The processes that any thread of a process has started."""
-    found = []
+    processes = []
     for listed in Path(f"/proc/{pid}/task").glob("*/children"):
         try:
-            found += map(int, listed.read_text().split())
+            processes += map(int, listed.read_text().split())
         except OSError:
             continue
-    return found
+    return processes
 
 
 def say(what, found):
@@ -208,18 +208,20 @@ def kills(folder, reference, count):
             if now <= before or sum(ended.values()) >= count - done or not workers:
                 continue
             before = now
-            what = rng.choice(["a worker", "a coordinator", "both"])
-            if what != "a coordinator":
+            victim = rng.choice(["a worker", "a coordinator", "both"])
+            if victim != "a coordinator":
                 with suppress(ProcessLookupError):
                     os.kill(max(workers), signal.SIGKILL)
-            if what != "a worker":
+            if victim != "a worker":
                 started[i].kill()
                 started[i].communicate()
                 started[i] = coordinate(store, 1)
-            ended[what] += 1
+            ended[victim] += 1
         for process in started:
-            said = process.communicate()[1] if process.stderr and not process.stderr.closed else ""
-            assert process.returncode == 0 and "Traceback" not in said, said
+            messages = (
+                process.communicate()[1] if process.stderr and not process.stderr.closed else ""
+            )
+            assert process.returncode == 0 and "Traceback" not in messages, messages
         words = ", ".join(f"{what} {number}" for what, number in sorted(ended.items()))
         verdict(f"of two coordinators killed so far: {words}", store, reference)
 
@@ -254,8 +256,8 @@ def two(folder, reference):
 
 def disk(folder, reference):
     store = folder / "disk"
-    said = coordinate(store, 1, RLIMIT_FSIZE=20_000).communicate()[1]
-    assert "the disk is full" in said and "Traceback" not in said, said
+    messages = coordinate(store, 1, RLIMIT_FSIZE=20_000).communicate()[1]
+    assert "the disk is full" in messages and "Traceback" not in messages, messages
     run_study(study(), store, workers=0)
     verdict("no file may be larger than 20 kB, then it may", store, reference)
     mount = folder / "mount"
@@ -265,16 +267,16 @@ def disk(folder, reference):
         say("a disk of 1.5 MB", "cannot be mounted here")
         return
     try:
-        said = coordinate(mount / "store", 1).communicate()[1]
-        assert "the disk is full" in said and "Traceback" not in said, said
-        found = check_store(mount / "store")
-        assert found.is_whole and found.done, found
+        messages = coordinate(mount / "store", 1).communicate()[1]
+        assert "the disk is full" in messages and "Traceback" not in messages, messages
+        report = check_store(mount / "store")
+        assert report.is_whole and report.done, report
         hidden = list((mount / "store" / "chunks").glob(".*"))
         shutil.copytree(mount / "store", folder / "larger")
     finally:
         subprocess.run(["umount", str(mount)], check=True)
     run_study(study(), folder / "larger", workers=0)
-    words = f"a disk of 1.5 MB full after {found.done} runs ({len(hidden)} hidden files left)"
+    words = f"a disk of 1.5 MB full after {report.done} runs ({len(hidden)} hidden files left)"
     verdict(words + ", then a larger one", folder / "larger", reference)
 
 
@@ -288,8 +290,8 @@ def readonly(folder, reference):
         return
     try:
         subprocess.run(["mount", "-o", "remount,bind,ro", str(store)], check=True)
-        out, said = coordinate(store, 0).communicate()
-        assert out.strip() == "0", said
+        out, messages = coordinate(store, 0).communicate()
+        assert out.strip() == "0", messages
         verdict("a file system that may only be read, the command given again", store, reference)
         try:
             run_study(study(repetitions=101), store, workers=0)
@@ -313,13 +315,13 @@ def deadly(folder):
             "executor": partial(ProcessPoolExecutor, 2)
         },
     }
-    for what, how in pools.items():
-        store, start = folder / f"deadly{len(what)}", time.perf_counter()
+    for name, how in pools.items():
+        store, start = folder / f"deadly{len(name)}", time.perf_counter()
         progress = run_study(whole, store, **how)
         table = read_table(store)
         assert set(table.failed["R_theta"]) == {studies.DEADLY} and progress.failed == 2
         assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
-        say(f"2 of 10 runs end their worker; {what}", f"those 2 named, {since(start)}")
+        say(f"2 of 10 runs end their worker; {name}", f"those 2 named, {since(start)}")
     with ProcessPoolExecutor(2) as pool:
         try:
             run_study(whole, folder / "broken", executor=pool)
@@ -330,15 +332,15 @@ def deadly(folder):
         start, how = time.perf_counter(), client.get_executor(pure=False)
         try:
             run_study(whole, folder / "dask", executor=how)
-            said = "those 2 named"
+            message = "those 2 named"
         except StoreError as error:  # its nannies gave up
             assert f"R_theta = {studies.DEADLY}" in str(error), error
-            said = "refused, and the run named; then on processes of ours: those 2 named"
+            message = "refused, and the run named; then on processes of ours: those 2 named"
             run_study(whole, folder / "dask", workers=2)
         table = read_table(folder / "dask")
         assert set(table.failed["R_theta"]) == {studies.DEADLY} and table.failures == 2
         assert np.array_equal(np.sort(table["rms"]), np.sort(expected))
-        say("the same; dask, allowed-failures 0", f"{said}, {since(start)}")
+        say("the same; dask, allowed-failures 0", f"{message}, {since(start)}")
     sweep._chunk_size = small
 
 
@@ -362,8 +364,8 @@ def memory(folder):
     store, other = folder / "memory", folder / "enough"
     whole = study("greedy", repetitions=10)
     process = coordinate(store, 1, "greedy", RLIMIT_AS=2**31 + 2**28)
-    said = process.communicate()[1]
-    assert process.returncode == 0, said
+    messages = process.communicate()[1]
+    assert process.returncode == 0, messages
     table = read_table(store)
     words = f"memory limit: {table.failures} of 30 failed ({set(table.failed['outcome'])})"
     assert table.failures == 30
@@ -406,18 +408,18 @@ def losing(client, what, lost):
 
 
 def dask(folder, reference):
-    for what in ("scheduler", "worker"):
-        store, lost = folder / what, []
-        with cluster(2 if what == "worker" else 1) as client:
+    for name in ("scheduler", "worker"):
+        store, lost = folder / name, []
+        with cluster(2 if name == "worker" else 1) as client:
             try:
                 run_study(study(), store, executor=client.get_executor(pure=False), window=4,
-                          progress=losing(client, what, lost))  # fmt: skip
+                          progress=losing(client, name, lost))  # fmt: skip
                 ended = "went on by itself"
             except StoreError as error:
                 ended = f"refused ({str(error)[:60]}...), then gone on with"
         assert lost
         run_study(study(), store, workers=0)
-        verdict(f"dask lost its {what}: {ended}", store, reference)
+        verdict(f"dask lost its {name}: {ended}", store, reference)
 
 
 def reduced(path):
@@ -435,28 +437,28 @@ def executors(folder, old):
     """The studies among the examples: an old store converted, and the same computed anew."""
     sweep._chunk_size = lambda study, first, pool: 4
     for path in sorted(EXAMPLES.glob("*.toml")):
-        one, told = reduced(path), []
+        one, messages = reduced(path), []
         base = folder / path.stem
         base.mkdir()
         run_study(one, base / "in process", workers=0)
         expected = read_table(base / "in process")
         ways = {"2 processes": {"workers": 2}, "3 threads": {"executor": ThreadPoolExecutor(3)}}
-        for what, how in ways.items():
-            run_study(one, base / what, **how)
-            assert read_table(base / what) == expected, (path, what)
-            told.append(what)
+        for name, how in ways.items():
+            run_study(one, base / name, **how)
+            assert read_table(base / name) == expected, (path, name)
+            messages.append(name)
         lost = []
         with cluster(2) as client:
             run_study(one, base / "dask", executor=client.get_executor(pure=False), window=4,
                       progress=losing(client, "worker", lost))  # fmt: skip
         assert read_table(base / "dask") == expected and lost, path
-        told.append("dask, one of two workers killed")
+        messages.append("dask, one of two workers killed")
         if old is not None:
-            found = convert_store(old / f"{path.stem}.sqlite", base / "converted")
-            assert found.is_whole and found.done == one.runs
+            converted = convert_store(old / f"{path.stem}.sqlite", base / "converted")
+            assert converted.is_whole and converted.done == one.runs
             assert same_bits(read_table(base / "converted"), expected), path
-            told.append("old store converted")
-        say(f"{path.stem}, {one.runs} runs in process", "the same bits: " + ", ".join(told))
+            messages.append("old store converted")
+        say(f"{path.stem}, {one.runs} runs in process", "the same bits: " + ", ".join(messages))
 
 
 def same_bits(a, b):
@@ -511,13 +513,13 @@ def hostile(folder):
         command = [sys.executable, "-c", MEASURED, str(got)]
         out = subprocess.run(command, capture_output=True, text=True, check=False)
         assert not out.stderr, (kind, out.stderr)
-        most, own, child = map(float, out.stdout.splitlines()[-1].split())
-        seconds, megabytes = max(seconds, own, child), max(megabytes, most)
+        most, local, child = map(float, out.stdout.splitlines()[-1].split())
+        seconds, megabytes = max(seconds, local, child), max(megabytes, most)
         again = computed_again(one, got, before)
         assert victim.read_text() == "mine" and sorted(victim.parent.iterdir()) == mine, kind
         for moved in victim.parent.glob("chunks*"):
             shutil.rmtree(moved)
-        words = f"{out.stdout.splitlines()[0]}; {again}; {max(own, child):.1f} s, {most:.0f} MB"
+        words = f"{out.stdout.splitlines()[0]}; {again}; {max(local, child):.1f} s, {most:.0f} MB"
         say(kind, words)
     say(f"{len(hostile_folders.HOSTILE)} kinds", "0 wrong tables, nothing outside touched; at most "
         f"{seconds:.1f} s of processor, {megabytes:.0f} MB")  # fmt: skip
@@ -526,7 +528,7 @@ def hostile(folder):
 def damaged(folder, count):
     """Bytes that were changed, in this process: what a check, a reader and the study make of it."""
     one, before, victim = whole_study(folder)
-    rng, seen, slowest = random.Random(7), Counter(), 0.0
+    rng, counts, slowest = random.Random(7), Counter(), 0.0
     folders.read_guarded = reader.read_here
     for i in range(count):
         got = folder / "got"
@@ -546,8 +548,8 @@ def damaged(folder, count):
             read = "refused"
         slowest = max(slowest, time.process_time() - start)
         again = computed_again(one, got, before) if i % 10 == 0 else "not run"
-        seen[f"{read}{', named by the check' if is_named else ''}", again] += 1
-    for (read, again), number in sorted(seen.items()):
+        counts[f"{read}{', named by the check' if is_named else ''}", again] += 1
+    for (read, again), number in sorted(counts.items()):
         say(f"{number} folders with changed bytes", f"{read}; {again}")
     say(f"{count} folders", f"0 wrong tables; at most {slowest:.1f} s of processor")
 
@@ -596,11 +598,11 @@ def main():
             "hostile": lambda: hostile(folder),
             "damaged": lambda: damaged(folder, chosen.folders),
         }
-        wanted = chosen.only.split(",")
-        if not set(wanted) <= {"executors", "hostile", "damaged", "deadly", "hang", "memory"}:
+        chosen_parts = chosen.only.split(",")
+        if not set(chosen_parts) <= {"executors", "hostile", "damaged", "deadly", "hang", "memory"}:
             run_study(study(), folder / "reference", workers=0)
             reference = read_table(folder / "reference")
-        for scenario in wanted:
+        for scenario in chosen_parts:
             scenarios[scenario]()
 
 

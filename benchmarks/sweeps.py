@@ -136,9 +136,10 @@ def reading(runs):
         start = time.perf_counter()
         check_store(path)
         whole = time.perf_counter() - start
-    held, alone = (statistics.median(taken[key]) for key in ("held", "pyarrow"))
+    guarded, alone = (statistics.median(taken[key]) for key in ("held", "pyarrow"))
     print(
-        f"reading {runs} rows: {1e6 * held / runs:.1f} us a row, {held / alone:.2f} times what "
+        f"reading {runs} rows: {1e6 * guarded / runs:.1f} us a row, {guarded / alone:.2f} times "
+        "what "
         f"pyarrow takes without a look; a check, in a child, {whole:.1f} s of wall"
     )
 

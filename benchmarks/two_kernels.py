@@ -83,13 +83,13 @@ def measure(path: str) -> None:
     assert spec.loader is not None
     sys.modules[name] = module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    made = {}
+    times = {}
     for line in sys.stdin:
         kind, l_theta = line.split()
-        if (kind, l_theta) not in made:
-            made[kind, l_theta] = measurements(kind, int(l_theta))
-            made[kind, l_theta][0]()
-        run, count = made[kind, l_theta]
+        if (kind, l_theta) not in times:
+            times[kind, l_theta] = measurements(kind, int(l_theta))
+            times[kind, l_theta][0]()
+        run, count = times[kind, l_theta]
         start = time.process_time()
         run()
         print(1e9 * (time.process_time() - start) / count, flush=True)

@@ -154,20 +154,20 @@ KERNELS = ("ud", "symmetric covariance", "covariance")
 
 def measure(repetitions, seconds):
     """Medians of everything, each measured once per repetition."""
-    found = {}
+    times = {}
     for _ in range(repetitions):
-        found.setdefault("dgemm", []).append(dgemm())
+        times.setdefault("dgemm", []).append(dgemm())
         for l_theta in SIZES:
             for update in KERNELS:
-                found.setdefault((update, l_theta), []).append(kernel(update, l_theta, seconds))
+                times.setdefault((update, l_theta), []).append(kernel(update, l_theta, seconds))
             for name, make in OTHERS.items():
                 time_ = from_python(make(l_theta), l_theta, seconds)
-                found.setdefault((name, l_theta), []).append(time_)
+                times.setdefault((name, l_theta), []).append(time_)
         for l_theta in LANE_SIZES:
             for threads in (1, 2):
                 time_ = lanes(l_theta, seconds, threads)
-                found.setdefault((f"lanes, {threads}", l_theta), []).append(time_)
-    return {what: statistics.median(times) for what, times in found.items()}
+                times.setdefault((f"lanes, {threads}", l_theta), []).append(time_)
+    return {name: statistics.median(times) for name, times in times.items()}
 
 
 def table(title, rows, sizes):

@@ -135,9 +135,9 @@ def walk(task: Callable[[], Any]) -> tuple[dict[str, set[str]], int, set[str]]:
         nonlocal depth, deepest
         code = frame.f_code
         if event == "call" and code.co_name in MAKING:
-            made = type(frame.f_locals.get("self"))
-            if made.__module__.startswith(NAMES):
-                classes.add(f"{made.__module__}.{made.__qualname__}")
+            kind = type(frame.f_locals.get("self"))
+            if kind.__module__.startswith(NAMES):
+                classes.add(f"{kind.__module__}.{kind.__qualname__}")
         if not code.co_filename.startswith(PACKAGES):
             return
         if event == "call":

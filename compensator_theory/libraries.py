@@ -70,8 +70,8 @@ def absent(name: str, *packages: ModuleType) -> AttributeError:
     >>> print(absent("tustin", compensator_theory))
     module 'compensator_theory' has no attribute 'tustin'; it is compensator_theory.sampling.tustin
     """
-    found = None if name.startswith("_") else next(_places(name, packages), None)
-    hint = "" if found is None else f"; it is {found}.{name}"
+    package = None if name.startswith("_") else next(_places(name, packages), None)
+    hint = "" if package is None else f"; it is {package}.{name}"
     return AttributeError(f"module {packages[0].__name__!r} has no attribute {name!r}{hint}")
 
 

@@ -70,15 +70,17 @@ def main() -> int:
         except Error as error:
             print(f"NOT CHECKED: the docs were not opened; Chromium does not start: {error}")
             return NOT_CHECKED
-        wanted = {
+        questions = {
             question: pages
             for path in SEARCHES
             for question, pages in tomllib.loads(path.read_text()).items()
         }
         with served(options.site) as site:
-            wrong = [*searches(browser, site, wanted), *views(browser, site, options.pictures)]
+            wrong = [*searches(browser, site, questions), *views(browser, site, options.pictures)]
         browser.close()
-    print("\n".join(wrong) or f"docs in Chromium: {len(wanted)} searches, {len(LOOKED_AT)} pages")
+    print(
+        "\n".join(wrong) or f"docs in Chromium: {len(questions)} searches, {len(LOOKED_AT)} pages"
+    )
     return 1 if wrong else 0
 
 
@@ -120,9 +122,9 @@ def searches(browser: Any, site: str, wanted: dict[str, list[str]]) -> Iterator[
     )
     shown = [re.sub(r"^https?://[^/]+/|\.html|[?#].*", "", link) for link in links]
     for question, pages in wanted.items():
-        found = shown if question == TYPED else page.evaluate(FIRST, question)
-        if not found or found[0] not in pages:
-            yield f'search for "{question}": {pages[0]} is not first but {", ".join(found)}'
+        titles = shown if question == TYPED else page.evaluate(FIRST, question)
+        if not titles or titles[0] not in pages:
+            yield f'search for "{question}": {pages[0]} is not first but {", ".join(titles)}'
 
 
 def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
@@ -131,16 +133,16 @@ def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
         for scheme in ("light", "dark"):
             view = {"width": width, "height": 900}
             page = new_page(browser, site, viewport=view, color_scheme=scheme)
-            said: list[str] = []
-            page.on("pageerror", lambda error, said=said: said.append(str(error)))
-            page.on("console", lambda m, said=said: said.extend(_error(m)))
+            messages: list[str] = []
+            page.on("pageerror", lambda error, said=messages: said.append(str(error)))
+            page.on("console", lambda m, said=messages: said.extend(_error(m)))
             for name in LOOKED_AT:
                 page.goto(f"{site}/{name}.html", wait_until="load")
                 wide = page.evaluate("document.documentElement.scrollWidth")
                 if wide > width:
                     yield f"{name} is {wide} pixels wide at {width}, {scheme}"
-                yield from (f"{name}: {words}" for words in said)
-                said.clear()
+                yield from (f"{name}: {words}" for words in messages)
+                messages.clear()
                 if pictures:
                     file = f"{name.replace('/', '-')}-{width}-{scheme}.png"
                     pictures.mkdir(exist_ok=True)

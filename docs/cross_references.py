@@ -114,8 +114,8 @@ def resolve_public(app: Any, env: Any, node: Any, contnode: Any) -> Any:
 
 def _only(domain: Any, env: Any, target: str) -> str | None:
     """The one object of this short name that is not public."""
-    found = domain.find_obj(env, None, None, target, None, 1)
-    return found[0][0] if len(found) == 1 else None
+    objects = domain.find_obj(env, None, None, target, None, 1)
+    return objects[0][0] if len(objects) == 1 else None
 
 
 def _holder(target: str) -> str | None:
@@ -126,12 +126,12 @@ def _holder(target: str) -> str | None:
     head, _, last = path.rpartition(".")
     for module, attribute in ((path, ""), (head, last)):
         try:
-            found: Any = importlib.import_module(module)
-            found = getattr(found, attribute) if attribute else found
+            holder: Any = importlib.import_module(module)
+            holder = getattr(holder, attribute) if attribute else holder
         except (ImportError, AttributeError, ValueError):
             continue
-        fields = getattr(found, "__dataclass_fields__", getattr(found, "__annotations__", ()))
-        if name in fields or hasattr(found, name):
+        fields = getattr(holder, "__dataclass_fields__", getattr(holder, "__annotations__", ()))
+        if name in fields or hasattr(holder, name):
             return public_target(path, None) or path
     return None
 

@@ -51,10 +51,10 @@ def cited(text: str) -> Iterator[str]:
 @functools.cache
 def equations() -> dict[str, Places]:
     """Every equation that is cited, in its order."""
-    found: dict[str, Places] = {}
+    places_of: dict[str, Places] = {}
 
     def at(number: str) -> Places:
-        return found.setdefault(number, Places())
+        return places_of.setdefault(number, Places())
 
     for package in PACKAGES:
         public = {
@@ -85,7 +85,7 @@ def equations() -> dict[str, Places]:
         if not name.startswith(("reference/", "_build/")):
             for number in cited(path.read_text()):
                 at(number).pages[name] = None
-    return dict(sorted(found.items(), key=lambda pair: _order(pair[0])))
+    return dict(sorted(places_of.items(), key=lambda pair: _order(pair[0])))
 
 
 def equations_page(index: dict[str, Places]) -> str:
@@ -100,12 +100,12 @@ def equations_page(index: dict[str, Places]) -> str:
 
 
 def _entry(number: str, places: Places) -> Iterator[str]:
-    own = set(places.modules) - {_home(name) for name in places.names}
+    modules = set(places.modules) - {_home(name) for name in places.names}
     yield f".. equation:: {number}"
     yield ""
     for words, links in (
         ("Computed by", [f":py:obj:`{name}`" for name in places.names]),
-        ("Mentioned in", [f":py:mod:`{name}`" for name in places.modules if name in own]),
+        ("Mentioned in", [f":py:mod:`{name}`" for name in places.modules if name in modules]),
         ("Kernel", [f"``{name}``" for name in places.kernel]),
         ("Proofs", [f":ref:`{_plain(t)} <{name}>`" for name, t in places.ledger.items()]),
         ("Errata", [f":ref:`{_plain(w)} <erratum-{n}>`" for n, w in places.errata.items()]),

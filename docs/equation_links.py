@@ -37,7 +37,7 @@ class LinkEquations(SphinxTransform):
             parent, words = text.parent, text.astext()
             if not NUMBER.search(words) or self._within(parent):
                 continue
-            made: list[nodes.Node] = []
+            nodes_of_text: list[nodes.Node] = []
             end = 0
             for match in NUMBER.finditer(words):
                 if match[1] not in known:
@@ -46,10 +46,10 @@ class LinkEquations(SphinxTransform):
                     "", nodes.inline("", match[0]), refdomain="std", reftype="eqn",
                     reftarget=match[1], refdoc=self.env.docname, refexplicit=True, refwarn=True,
                 )  # fmt: skip
-                made += [nodes.Text(words[end : match.start()]), link]
+                nodes_of_text += [nodes.Text(words[end : match.start()]), link]
                 end = match.end()
-            if made:
-                parent.replace(text, [*made, nodes.Text(words[end:])])
+            if nodes_of_text:
+                parent.replace(text, [*nodes_of_text, nodes.Text(words[end:])])
 
     def _within(self, node: nodes.Node | None) -> bool:
         while node is not None:

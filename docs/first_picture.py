@@ -113,11 +113,11 @@ def block_diagram(*, ink: str, reached: str, faint: str, **_: str) -> Figure:
 
 def main() -> None:
     """Draw it for both pages."""
-    found = load_experiment(CASE).main_run.execute().first
+    analysis = load_experiment(CASE).main_run.execute().first
     with matplotlib.rc_context({"svg.hashsalt": "first", "svg.fonttype": "path"}):
         for page, inks in INKS.items():
             for name, figure in (
-                ("first", first_picture(found, **inks)),
+                ("first", first_picture(analysis, **inks)),
                 ("loop", block_diagram(**inks)),
             ):
                 figure.savefig(

@@ -77,8 +77,8 @@ def items() -> list[Item]:
         If `states` is the beginning of no quote, or a list names what the text has not.
     """
     data = tomllib.loads(FILE.read_text("utf-8"))
-    found = [*_examples(data), *_placed(data, "Figure"), *_placed(data, "Table")]
-    return found + [Item(name, ledger=entry) for name, entry in data["ledger"].items()]
+    every_item = [*_examples(data), *_placed(data, "Figure"), *_placed(data, "Table")]
+    return every_item + [Item(name, ledger=entry) for name, entry in data["ledger"].items()]
 
 
 def table() -> str:
@@ -91,9 +91,11 @@ def counts() -> str:
     """How many claims have which verdict of record, by class, and how many errata which kind."""
     claims = [claim for number in example_ids() for claim in quoted_claims(number)]
     lines = [f"| | {' | '.join(ORDER)} |", "|---" * (len(ORDER) + 1) + "|"]
-    for whose in (TEXT, READING):
-        own = [claim.recorded for claim in claims if claim.whose == whose]
-        lines.append(f"| {whose} | {' | '.join(str(own.count(verdict)) for verdict in ORDER)} |")
+    for owner in (TEXT, READING):
+        verdicts = [claim.recorded for claim in claims if claim.whose == owner]
+        lines.append(
+            f"| {owner} | {' | '.join(str(verdicts.count(verdict)) for verdict in ORDER)} |"
+        )
     kinds = [entry.kind for entry in find_errata()]
     summary = ", ".join(f"{kinds.count(kind)} *{kind}*" for kind in KINDS)
     after = f"Errata: 129 before, 59 of them called false; {len(kinds)} after: {summary}."
@@ -129,11 +131,11 @@ def _placed(data: dict[str, Any], kind: str) -> Iterator[Item]:
 @cache
 def _named_by_errata() -> dict[str, tuple[str, ...]]:
     """From the items that errata name to the names of those errata."""
-    found: dict[str, tuple[str, ...]] = {}
+    errata: dict[str, tuple[str, ...]] = {}
     for entry in find_errata():
         for name in dict.fromkeys(entry.named):
-            found[name] = (*found.get(name, ()), entry.name)
-    return found
+            errata[name] = (*errata.get(name, ()), entry.name)
+    return errata
 
 
 @cache
@@ -154,11 +156,11 @@ def _claims(number: str) -> tuple[Claim, ...]:
 
 
 def _named(number: str, words: str) -> Claim:
-    found = [claim for claim in _claims(number) if claim.quote == words]
-    found += [claim for claim in _claims(number) if claim.quote.startswith(words)]
-    if not found:
+    claims = [claim for claim in _claims(number) if claim.quote == words]
+    claims += [claim for claim in _claims(number) if claim.quote.startswith(words)]
+    if not claims:
         raise ValueError(f"no claim of example {number} quotes {words!r}")
-    return found[0]
+    return claims[0]
 
 
 def _cell(item: Item) -> str:

@@ -134,10 +134,10 @@ def public_path(package: str, name: str) -> str:
 def place(space: str) -> Path:
     """Where the module is installed: in a checkout, or where a wheel laid it."""
     package, *inner = space.split(".")
-    found = find_spec(package)
-    if found is None or found.origin is None:
+    spec = find_spec(package)
+    if spec is None or spec.origin is None:
         raise ModuleNotFoundError(f"{package} is not installed", name=package)
-    return Path(found.origin).parent.joinpath(*inner)
+    return Path(spec.origin).parent.joinpath(*inner)
 
 
 def _names(space: str) -> dict[str, str]:

@@ -44,7 +44,7 @@ def main(
                 compilation = compile_formal_part(theorems(entries))
                 progress.remove_task(compiling)
             task = progress.add_task("checking", total=number_of_checks(entries))
-            found = verify(
+            outcomes = verify(
                 entries,
                 compilation,
                 quick=quick,
@@ -53,11 +53,11 @@ def main(
     except (CompensatorError, LedgerError) as error:
         raise click.UsageError(str(error)) from error
     if as_json:
-        click.echo(to_json(found, compilation, quick=quick))
+        click.echo(to_json(outcomes, compilation, quick=quick))
     else:
-        print_ledger(console, found)
-        print_summary(console, found, compilation, quick=quick)
-    sys.exit(0 if all(entry.holds for entry in found) and compilation.holds else 1)
+        print_ledger(console, outcomes)
+        print_summary(console, outcomes, compilation, quick=quick)
+    sys.exit(0 if all(entry.holds for entry in outcomes) and compilation.holds else 1)
 
 
 if __name__ == "__main__":

@@ -120,8 +120,8 @@ def cauchy_index(
     if rest.is_zero:
         return 0
     s = D.gen
-    wanted = characteristic_polynomial(bezout_matrix(D, rest), s)
-    return _sign_changes(wanted) - _sign_changes(wanted.compose(Poly(-s, s)))
+    target = characteristic_polynomial(bezout_matrix(D, rest), s)
+    return _sign_changes(target) - _sign_changes(target.compose(Poly(-s, s)))
 
 
 def _sign_changes(poly: Poly) -> int:

@@ -78,8 +78,8 @@ class BezoutIdentity(Certified, ExactValue):
         parts = (self.x, self.y, self.gcd, *self.quotients)
         coefficients = (c for p in parts if not p.domain.is_QQ for c in p.all_coeffs())
         bottoms = {sympy.fraction(sympy.cancel(c))[1] for c in coefficients}
-        found = {f for b in bottoms for f, _ in sympy.factor_list(b)[1] if not f.is_nonzero}
-        return tuple(sorted(found, key=lambda f: (sympy.count_ops(f), text(f))))
+        factors = {f for b in bottoms for f, _ in sympy.factor_list(b)[1] if not f.is_nonzero}
+        return tuple(sorted(factors, key=lambda f: (sympy.count_ops(f), text(f))))
 
     @property
     def residual(self) -> Poly:
@@ -95,8 +95,8 @@ class BezoutIdentity(Certified, ExactValue):
 
     def __str__(self) -> str:
         gcd, x, y = (format_polynomial(p) for p in (self.gcd, self.x, self.y))
-        taken = names_in_all(self)
-        return f"gcd = {gcd} = ({x})*{fresh(taken, 'a')} + ({y})*{fresh(taken, 'b')}"
+        names = names_in_all(self)
+        return f"gcd = {gcd} = ({x})*{fresh(names, 'a')} + ({y})*{fresh(names, 'b')}"
 
     def _repr_latex_(self) -> str:
         gcd, x, y, a, b = map(latex, (self.gcd, self.x, self.y, self.a, self.b))
@@ -135,8 +135,8 @@ def bezout_identity(
     (True, (a - b,))
     """
     first, second = in_one_variable(a, b, variable=variable)
-    if (kept := kept_in_flint(first, second)) is not None and kept[0] and kept[1]:
-        return _of_rationals(first, second, *kept)
+    if (pair := kept_in_flint(first, second)) is not None and pair[0] and pair[1]:
+        return _of_rationals(first, second, *pair)
     if first.is_zero and second.is_zero:
         raise InputError("a and b are both zero; every polynomial divides them")
     one, two = over_one_field(first, second)

@@ -34,15 +34,15 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     What is returned was put into the equation.
     """
     first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
-    found = None
+    equation = None
     if first.degree() > 1 and _is_tall(first, second):
         if first.gcd(second).degree() > 0:
             return None
-        found = _p_adic(first, second, goal)
-    found = _euclidean(first, second, goal) if found is None else found
-    if found is None:
+        equation = _p_adic(first, second, goal)
+    equation = _euclidean(first, second, goal) if equation is None else equation
+    if equation is None:
         return None
-    x, y = found
+    x, y = equation
     return from_flint_polynomial(x, a.gen), from_flint_polynomial(y, a.gen)
 
 
@@ -80,8 +80,8 @@ def _p_adic(
         x, y, denominator = _lifted(integers, modulus, inverted, inverse, prime)
         scale = [flint.fmpq(p.denom()) for p in (a, b, c)]
         return tuple(
-            flint.fmpq_poly(part) * (own / scale[2] / denominator)
-            for part, own in ((x, scale[0]), (y, scale[1]))
+            flint.fmpq_poly(part) * (scale_of / scale[2] / denominator)
+            for part, scale_of in ((x, scale[0]), (y, scale[1]))
         )
     return None
 
@@ -96,9 +96,9 @@ def _lifted(
     """Return x, y and d with a x + b y = d c."""
     a, b, c = integers
     left, digits = c, ([], [])  # type: tuple[flint.fmpz_poly, tuple[list[flint.fmpz_poly], ...]]
-    wanted = 4
+    exponent = 4
     while True:
-        while len(digits[0]) < wanted:
+        while len(digits[0]) < exponent:
             residue = flint.nmod_poly(left, p)
             product = residue * inverse
             y_p = product - (product // a_p) * a_p
@@ -108,12 +108,12 @@ def _lifted(
             left = flint.fmpz_poly([value // p for value in rest.coeffs()])
             digits[0].append(x)
             digits[1].append(y)
-        found = _reconstructed([_value(part, flint.fmpz(p)) for part in digits], p**wanted)
-        if found is not None:
-            (x, y), d = found
+        candidate = _reconstructed([_value(part, flint.fmpz(p)) for part in digits], p**exponent)
+        if candidate is not None:
+            (x, y), d = candidate
             if a * x + b * y == c * d:
                 return x, y, d
-        wanted += wanted // 4 + 2
+        exponent += exponent // 4 + 2
 
 
 def _value(digits: Sequence[flint.fmpz_poly], base: flint.fmpz) -> flint.fmpz_poly:
@@ -150,8 +150,8 @@ def _centred(value: int, modulus: int) -> int:
 def _denominator(value: int, modulus: int) -> int:
     """Return the v of the fraction u/v = value modulo the modulus with small u and v."""
     bound = isqrt(modulus // 2)
-    *_, found = _remainders(value, modulus, bound)
-    return found
+    *_, denominator = _remainders(value, modulus, bound)
+    return denominator
 
 
 def _remainders(value: int, modulus: int, bound: int) -> Iterator[int]:

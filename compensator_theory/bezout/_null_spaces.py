@@ -136,8 +136,8 @@ def _where_it_grows(first: Poly, second: Poly, nullity: int) -> tuple[Expr, ...]
     minor = sympy.fraction(
         sympy.cancel(subresultants(upper, lower).principal_coefficients[nullity])
     )
-    found = [f for side in minor for f, _ in sympy.factor_list(side)[1] if not f.is_nonzero]
-    return tuple(sorted(dict.fromkeys(found), key=lambda f: (sympy.count_ops(f), str(f))))
+    factors = [f for side in minor for f, _ in sympy.factor_list(side)[1] if not f.is_nonzero]
+    return tuple(sorted(dict.fromkeys(factors), key=lambda f: (sympy.count_ops(f), str(f))))
 
 
 def _certificate(a: Poly, b: Poly, g: Poly, cofactors: tuple[Poly, Poly]) -> Certificate:

@@ -71,8 +71,8 @@ def number_of_common_roots(
     >>> number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s")
     1
     """
-    if (kept := _kept(a, b, variable)) is not None:
-        return int(kept[0].gcd(kept[1]).degree())
+    if (pair := _kept(a, b, variable)) is not None:
+        return int(pair[0].gcd(pair[1]).degree())
     first, second = _with_leading(*with_formal_degrees(a, b, variable))
     if is_rational(first[0]) and is_rational(second[0]):
         return int(to_flint_polynomial(first[0]).gcd(to_flint_polynomial(second[0])).degree())
@@ -111,8 +111,8 @@ def resultant(
     >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
     (1, -a + b)
     """
-    if (kept := _kept(a, b, variable)) is not None:
-        return rational(kept[0].resultant(kept[1]))
+    if (pair := _kept(a, b, variable)) is not None:
+        return rational(pair[0].resultant(pair[1]))
     first, second = _with_leading(*with_formal_degrees(a, b, variable))
     if first[1] == 0:  # a constant has no root, that of 0 either
         return first[0].LC() ** second[1]
@@ -150,11 +150,11 @@ def _kept(
     a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
     """Return what is read already, at its true degrees: a reader would cost more than the work."""
-    kept = kept_in_flint(a, b) if variable is None else None
-    if kept is None or not kept[0] or not kept[1]:
+    pair = kept_in_flint(a, b) if variable is None else None
+    if pair is None or not pair[0] or not pair[1]:
         return None
-    ask("degree", max(kept[0].degree(), kept[1].degree()), "the polynomial")
-    return kept
+    ask("degree", max(pair[0].degree(), pair[1].degree()), "the polynomial")
+    return pair
 
 
 def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:

@@ -215,18 +215,18 @@ def with_formal_degrees(
     """Read two polynomials in one variable, each with its formal degree."""
     a, b = in_our_order(a), in_our_order(b)
     read = in_one_variable(a, b, variable=variable, default="s")
-    found = []
-    for name, given, poly, asked in zip("ab", (a, b), read, degrees, strict=True):
+    padded = []
+    for name, argument, poly, asked in zip("ab", (a, b), read, degrees, strict=True):
         degree = asked
         if degree is None:
-            size = len(given) if is_list(given) and isinstance(given, Sized) else 0
+            size = len(argument) if is_list(argument) and isinstance(argument, Sized) else 0
             degree = size - 1 if size else _degree(poly)
         integer(degree, f"the formal degree of {name}", at_least=0)
         if _degree(poly) > degree:
             raise InputError(f"{name} has degree {poly.degree()}, above the formal {degree}")
         ask("degree", degree, f"the formal degree of {name}")
-        found.append((poly, degree))
-    return found
+        padded.append((poly, degree))
+    return padded
 
 
 def _degree(poly: Poly) -> int:

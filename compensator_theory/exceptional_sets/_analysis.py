@@ -135,8 +135,8 @@ class _Analysis(Generic[Answer]):
             }
             companion = generic_answer(self.function)
             if companion is not None:
-                answer, own = self._call(companion, arguments, options)
-                divisors = tuple(own)
+                answer, own_conditions = self._call(companion, arguments, options)
+                divisors = tuple(own_conditions)
             else:
                 answer = self._call(self.function, arguments, options)
                 divisors = _exceptional(answer, must_have=is_first)
@@ -157,12 +157,14 @@ class _Analysis(Generic[Answer]):
     ) -> None:
         """Refuse symbols that a function has besides its arguments: they cannot be substituted."""
         used = {s.name for divisor in divisors for s in divisor.free_symbols}
-        given = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
+        names = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
         for part in answer if isinstance(answer, tuple) else (answer,):
-            made = getattr(part, "exponentials", ())  # symbols that the answer says the meaning of
-            self.made.update((x.name, f"{x} = {text(value)}") for x, value in made)
+            introduced_symbols = getattr(
+                part, "exponentials", ()
+            )  # symbols that the answer says the meaning of
+            self.made.update((x.name, f"{x} = {text(value)}") for x, value in introduced_symbols)
         self.parameters |= used
-        if missing := sorted(used - given - self.made.keys()):
+        if missing := sorted(used - names - self.made.keys()):
             raise FunctionFailedError(
                 f"the function uses {', '.join(missing)} besides its arguments; pass what holds "
                 "these symbols as an argument, so that values can be put in"
@@ -181,22 +183,22 @@ class _Analysis(Generic[Answer]):
             raise FunctionFailedError(f"{name} failed: {type(error).__name__}: {error}") from error
 
     def _arguments(self, conditions: Conditions) -> tuple[Any, ...]:
-        given = [*self.arguments, *self.options.values()]
-        named = {x if isinstance(x, str) else x.name for x in given if isinstance(x, str | Symbol)}
-        found = []
+        values = [*self.arguments, *self.options.values()]
+        named = {x if isinstance(x, str) else x.name for x in values if isinstance(x, str | Symbol)}
+        parts = []
         for argument in self.arguments:
-            found.append(substituted(argument, conditions.values))
+            parts.append(substituted(argument, conditions.values))
             if conditions.values and not (self.knows_variable or named & names_in(argument)):
                 parameters = self.parameters | {s.name for s in conditions.values}
-                require_variable(argument, found[-1], parameters)
-        return tuple(found)
+                require_variable(argument, parts[-1], parameters)
+        return tuple(parts)
 
     def _where_zero(
         self, conditions: Conditions, factors: tuple[Expr, ...]
     ) -> Iterator[ExceptionalCase[Answer]]:
         for index, factor in enumerate(factors):
-            if made := [self.made[s.name] for s in factor.free_symbols if s.name in self.made]:
-                reason = f"{text(factor)} = 0 is not solved where {', '.join(sorted(made))}"
+            if meanings := [self.made[s.name] for s in factor.free_symbols if s.name in self.made]:
+                reason = f"{text(factor)} = 0 is not solved where {', '.join(sorted(meanings))}"
                 pending = conditions.assuming(*factors[:index]).also_zero(factor)
                 yield _case(pending, reason=reason)
                 continue
@@ -243,11 +245,11 @@ def _names_its_variable(
     """
     try:
         signature = inspect.signature(function)
-        given = signature.bind_partial(*arguments, **options).arguments
+        bound = signature.bind_partial(*arguments, **options).arguments
     except (TypeError, ValueError):
         return False
-    kinds = {str(signature.parameters[name].annotation).split(" | ")[0] for name in given}
-    named = "variable" in given and given["variable"] is not None
+    kinds = {str(signature.parameters[name].annotation).split(" | ")[0] for name in bound}
+    named = "variable" in bound and bound["variable"] is not None
     return named or ("MatrixLike" in kinds and kinds <= WITHOUT_VARIABLE)
 
 
@@ -280,16 +282,16 @@ def _option(name: str, value: Any, conditions: Conditions) -> Any:
 
 def _exceptional(answer: object, *, must_have: bool) -> tuple[Expr, ...]:
     answers = answer if isinstance(answer, tuple) else (answer,)
-    found: list[Expr] = []
+    factors: list[Expr] = []
     for part in answers:
-        own = getattr(part, "exceptional", None)
-        if own is None and must_have:
+        factors_of_part = getattr(part, "exceptional", None)
+        if factors_of_part is None and must_have:
             raise InputError(
                 f"the function returned a {type(part).__name__}, which has no exceptional set; "
                 "give one whose answer has the attribute `exceptional`"
             )
-        found += own or ()
-    return tuple(found)
+        factors += factors_of_part or ()
+    return tuple(factors)
 
 
 def _expression(value: object) -> Expr:

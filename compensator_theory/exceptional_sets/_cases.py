@@ -74,14 +74,14 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
         InputError
             If a symbol of the conditions has no value.
         """
-        given = {symbol.name: number for symbol, number in read_values(values, value).items()}
-        require_decidable(given.values())
+        numbers = {symbol.name: number for symbol, number in read_values(values, value).items()}
+        require_decidable(numbers.values())
 
         def vanishes(expression: Expr) -> bool:
-            missing = sorted(s.name for s in expression.free_symbols if s.name not in given)
+            missing = sorted(s.name for s in expression.free_symbols if s.name not in numbers)
             if missing:
                 raise InputError(f"give a value for {', '.join(missing)}, too")
-            at = {s: given[s.name] for s in expression.free_symbols}
+            at = {s: numbers[s.name] for s in expression.free_symbols}
             return irreducible_factors(expression.subs(at, simultaneous=True)) is None
 
         if any(vanishes(f) for f in self.nonzero) or not all(vanishes(f) for f in self.zero):
@@ -160,12 +160,12 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
             If a symbol has no value, or the values lie in no case: they are not real, or other
             than a symbol's assumptions allow.
         """
-        given = read_values(values, value)
+        numbers = read_values(values, value)
         for case in self.cases:
-            if case.contains(given):
+            if case.contains(numbers):
                 return case
         raise InputError(
-            f"{shown(given)} lies in no case; the symbols stand for real numbers that meet "
+            f"{shown(numbers)} lies in no case; the symbols stand for real numbers that meet "
             "their own assumptions"
         )
 

@@ -127,23 +127,23 @@ def _solved(factor: Expr, rest: Conditions) -> Iterator[Conditions]:
         yield replace(rest.also_zero(factor), unsolved=str(error))
         return
     for root in dict.fromkeys(Poly(factor, symbol).real_roots()):
-        found = rest.given(symbol, settled(root))
-        if found is not None:
-            yield found
+        solved = rest.given(symbol, settled(root))
+        if solved is not None:
+            yield solved
 
 
 def _linear(symbol: Symbol, slope: Expr, offset: Expr, rest: Conditions) -> Iterator[Conditions]:
     factors = irreducible_factors(slope) or ()
-    found = rest.assuming(*factors).given(symbol, settled(-offset / slope))
-    if found is not None:
-        yield found
+    solved = rest.assuming(*factors).given(symbol, settled(-offset / slope))
+    if solved is not None:
+        yield solved
     if [factor for factor in factors if factor not in rest.nonzero]:
         yield from solutions(rest.also_zero(slope, offset))
 
 
 def _contradicts(symbol: Symbol, value: Expr) -> bool:
     """Tell whether a value is none of those that a symbol with assumptions may have."""
-    asked = (
+    assumptions = (
         (symbol.is_positive, value.is_positive),
         (symbol.is_negative, value.is_negative),
         (symbol.is_nonnegative, value.is_nonnegative),
@@ -152,7 +152,7 @@ def _contradicts(symbol: Symbol, value: Expr) -> bool:
         (symbol.is_integer, value.is_integer),
         (True, value.is_real if value.is_number else None),
     )
-    return any(wanted and has is False for wanted, has in asked)
+    return any(assumed and has is False for assumed, has in assumptions)
 
 
 def _is_irrational(expression: Expr) -> bool:
@@ -168,5 +168,5 @@ def _size(expression: Expr) -> tuple[int, int, str]:
 
 def distinct(polynomials: Iterable[Expr], known: Iterable[Expr]) -> tuple[Expr, ...]:
     """Return the irreducible factors of polynomials that are not known to be nonzero."""
-    found = (factor for p in polynomials for factor in irreducible_factors(p) or ())
-    return tuple(dict.fromkeys(factor for factor in found if factor not in set(known)))
+    factors = (factor for p in polynomials for factor in irreducible_factors(p) or ())
+    return tuple(dict.fromkeys(factor for factor in factors if factor not in set(known)))

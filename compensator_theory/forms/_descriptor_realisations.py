@@ -67,14 +67,14 @@ def descriptor_realisation(
 def _realised(
     G: TransferMatrixLike, variable: str | Symbol | None = None
 ) -> tuple[DescriptorSystem, tuple[Expr, ...]]:
-    given = transfer_matrix(G, variable)
-    s, (p, m) = given.variable, given.shape
-    divided = [[entry.div(given.denominator) for entry in row] for row in given.numerators]
+    matrix = transfer_matrix(G, variable)
+    s, (p, m) = matrix.variable, matrix.shape
+    divided = [[entry.div(matrix.denominator) for entry in row] for row in matrix.numerators]
     whole = [[quotient for quotient, _ in row] for row in divided]
     left = tuple(tuple(canonical(remainder) for _, remainder in row) for row in divided)
     degree = max(0, *(int(q.degree()) for row in whole for q in row if not q.is_zero), 0)
     ask("entries", (degree + 1) ** 2 * p * m, "the Hankel matrix of the powers")
-    slow = minimal_realisation(TransferMatrix(left, given.denominator))
+    slow = minimal_realisation(TransferMatrix(left, matrix.denominator))
     parts, exceptional = [slow.realisation], slow.exceptional
     if degree:
         z = sympy.Symbol("z")
@@ -85,19 +85,19 @@ def _realised(
         fast = minimal_realisation(TransferMatrix(powers, canonical(Poly(z ** (degree + 1), z))))
         parts, exceptional = [*parts, fast.realisation], exceptional + fast.exceptional
     one = [identity_matrix(part.n) for part in parts]
-    found = DescriptorSystem(
+    system = DescriptorSystem(
         sympy.diag(one[0], *(part.A for part in parts[1:])),
         sympy.diag(parts[0].A, *one[1:]),
         ImmutableMatrix.vstack(*(part.B for part in parts)),
         ImmutableMatrix.hstack(*(part.C for part in parts)),
         ImmutableMatrix(p, m, lambda i, j: whole[i][j].coeff_monomial(1)),
         s,
-        given.sample_time,
+        matrix.sample_time,
     )
-    residual = found.transfer_matrix() - given
+    residual = system.transfer_matrix() - matrix
     entries = [entry.as_expr() for row in residual.numerators for entry in row]
     certificate_of("C (sE - A)^-1 B + D = G", [entries], "descriptor realisation")
-    return found, exceptional
+    return system, exceptional
 
 
 def _coefficients(poly: Poly, degree: int) -> list[Expr]:

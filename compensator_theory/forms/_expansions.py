@@ -66,13 +66,13 @@ def markov_parameters(
     top, bottom = (side.set_domain(domain) for side in (G.numerator, G.denominator))
     above, below = ([domain.zero] * (n + 1 - len(c)) + c for c in (
         top.rep.to_list(), bottom.rep.to_list()))  # fmt: skip
-    found: list[object] = []
+    parameters: list[object] = []
     for k in range(count):
         value = above[k] if k <= n else domain.zero
         for j in range(1, min(k, n) + 1):
-            value -= below[j] * found[k - j]
-        found.append(value)
-    return tuple(map(domain.to_sympy, found))
+            value -= below[j] * parameters[k - j]
+        parameters.append(value)
+    return tuple(map(domain.to_sympy, parameters))
 
 
 @dataclass(frozen=True)

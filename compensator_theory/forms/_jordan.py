@@ -194,7 +194,7 @@ def _simple(entry: Expr) -> Expr:
 
 def _generators(a: ImmutableMatrix, part: PrimaryComponent) -> list[tuple[Matrix, int]]:
     """Return one generator for each block and its length, longest first."""
-    value, found = evaluate(part.factor, a), []
+    value, chains = evaluate(part.factor, a), []
     for k in range(part.multiplicity, 0, -1):
         above = part.kernels[min(k + 1, part.multiplicity)]
         span = joined(a.rows, [part.kernels[k - 1], value * above])
@@ -204,8 +204,8 @@ def _generators(a: ImmutableMatrix, part: PrimaryComponent) -> list[tuple[Matrix
             longer = joined(a.rows, [span, krylov(a, vector, part.degree)])
             if rank(longer) == size + part.degree:
                 span, size = longer, size + part.degree
-                found.append((vector, k))
-    return found
+                chains.append((vector, k))
+    return chains
 
 
 def _blocks(
@@ -226,7 +226,7 @@ def _blocks(
             if j:
                 form[d * (j - 1), d * j + d - 1] = 1
         return [(basis, form)]
-    found = []
+    sizes = []
     roots = sympy.roots(f)
     if over == "real" and d == 2 and not all(root.is_real for root in roots):
         roots = [root for root in roots if sympy.im(root) > 0]
@@ -235,14 +235,14 @@ def _blocks(
         p, q = (root, sympy.S.Zero) if d == 1 else root.as_real_imag()
         if over == "complex" or q == 0:
             form = Matrix(length, length, lambda i, j, r=root: r if i == j else int(j == i + 1))
-            found.append((joined(a.rows, chain), form))
+            sizes.append((joined(a.rows, chain), form))
         else:
             pairs = [part for v in chain for part in v.as_real_imag()]
             block, one = Matrix([[p, q], [-q, p]]), identity_matrix(2)
             shift = Matrix(length, length, lambda i, j: int(j == i + 1))
             form = sympy.kronecker_product(identity_matrix(length), block)
-            found.append((joined(a.rows, pairs), form + sympy.kronecker_product(shift, one)))
-    return found
+            sizes.append((joined(a.rows, pairs), form + sympy.kronecker_product(shift, one)))
+    return sizes
 
 
 def _chain(a: ImmutableMatrix, f: Poly, vector: Matrix, length: int, root: Expr) -> list[Matrix]:

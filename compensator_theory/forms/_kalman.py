@@ -166,11 +166,11 @@ def kalman_decomposition(
     for space in (reached, hidden, identity_matrix(n)):
         known = ImmutableMatrix.hstack(zero_matrix(n, 0), *blocks)
         if len(blocks) == 2:  # what is hidden is joined to the first block, not to the second
-            found, minor = independent_columns(blocks[0].row_join(space))
-            blocks.append(found[:, blocks[0].cols :])
+            basis, minor = independent_columns(blocks[0].row_join(space))
+            blocks.append(basis[:, blocks[0].cols :])
         else:
-            found, minor = independent_columns(known.row_join(space))
-            blocks.append(found[:, known.cols :])
+            basis, minor = independent_columns(known.row_join(space))
+            blocks.append(basis[:, known.cols :])
         divisors.append(minor)
     T = in_lowest_terms(ImmutableMatrix.hstack(*blocks))
     moved = source.in_basis(T) if n else source

@@ -60,9 +60,9 @@ def elementary_divisors(
     left_over = [
         x
         for part in (pencil.R, pencil.E)
-        for a, b, given in ((rows, right, part), (columns, left, part.transpose()))
+        for a, b, block in ((rows, right, part), (columns, left, part.transpose()))
         if b
-        for x in (a.transpose() * given * _columns(b)).entries()
+        for x in (a.transpose() * block * _columns(b)).entries()
     ]
     if {rows.ncols(), columns.ncols()} != {size} or any(left_over):
         raise NoSolutionError("the parts of this pencil do not add up to its rank; report it")
@@ -85,11 +85,11 @@ def elementary_divisors(
 def invariant_polynomials(orders: Orders) -> list[flint.fmpq_poly]:
     """Return the products of elementary divisors that divide each other, the smallest first."""
     one = flint.fmpq_poly([1])
-    found = [one] * max((len(exponents) for _, exponents in orders), default=0)
+    polynomials = [one] * max((len(exponents) for _, exponents in orders), default=0)
     for factor, exponents in orders:
         for k, exponent in enumerate(exponents):
-            found[k] *= factor**exponent
-    return found[::-1]
+            polynomials[k] *= factor**exponent
+    return polynomials[::-1]
 
 
 def _degrees(vectors: NullVectors) -> int:
@@ -119,9 +119,9 @@ def _between(E: flint.fmpz_mat, right: NullVectors, left: NullVectors) -> flint.
     below = [list(row) for vector in left for row in vector[:-1]]
     unit = [[int(i == j) for j in range(size)] for i in range(size)]
     space = _kernel(flint.fmpz_mat(below) * E) if below else unit
-    own = [list(column) for vector in right for column in vector]
-    both = pivots(flint.fmpz_mat([*own, *space]).transpose())
-    chosen = [space[k - len(own)] for k in both if k >= len(own)]
+    columns = [list(column) for vector in right for column in vector]
+    both = pivots(flint.fmpz_mat([*columns, *space]).transpose())
+    chosen = [space[k - len(columns)] for k in both if k >= len(columns)]
     return flint.fmpz_mat(chosen).transpose() if chosen else flint.fmpz_mat(size, 0)
 
 
@@ -231,10 +231,10 @@ class KroneckerForm(ExactValue):
         right, left = self.right_indices, self.left_indices
         rows = regular + sum(right) + sum(left) + len(left)
         columns = regular + sum(right) + len(right) + sum(left)
-        given_rows, given_columns = self.pencil.shape
+        row_count, column_count = self.pencil.shape
         parts = [self.right_basis.certificate.residual, self.left_basis.certificate.residual]
         return certificate_of(
-            SIZES, [*parts, [Integer(rows - given_rows), Integer(columns - given_columns)]], "form"
+            SIZES, [*parts, [Integer(rows - row_count), Integer(columns - column_count)]], "form"
         )
 
     def __str__(self) -> str:

@@ -193,13 +193,14 @@ def solve_matrix_diophantine(
     """
     if not is_one_of(side, IDENTITY):
         raise InputError(f"side = {shown(side)} must be 'right' or 'left'")
-    given = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
-    a, b, c = given if side == "right" else [matrix.T for matrix in given]
+    matrices = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
+    a, b, c = matrices if side == "right" else [matrix.T for matrix in matrices]
     if not a.shape[0] == b.shape[0] == c.shape[0]:
-        what = "rows" if side == "right" else "columns"
+        lines = "rows" if side == "right" else "columns"
         raise InputError(
-            f"A, B and C have the shapes {', '.join(str(m.shape) for m in given)}; for unknowns on "
-            f"the {side} they need equally many {what}"
+            f"A, B and C have the shapes {', '.join(str(m.shape) for m in matrices)}; for "
+            "unknowns on "
+            f"the {side} they need equally many {lines}"
         )
     joined = PolynomialMatrix(tuple(x + y for x, y in zip(a.rows, b.rows, strict=True)))
     ring = joint_ring(a, b, c)
@@ -208,19 +209,19 @@ def solve_matrix_diophantine(
     if kernel.basis is not None:
         basis = read_into(ring, kernel.basis.T)
         particular = [_least(ring, row, basis, kernel.indices) for row in particular]
-    found = written(ring, particular)
+    member = written(ring, particular)
     size = a.shape[1]
-    x = PolynomialMatrix(tuple(row[:size] for row in found.rows))
-    y = PolynomialMatrix(tuple(row[size:] for row in found.rows))
+    x = PolynomialMatrix(tuple(row[:size] for row in member.rows))
+    y = PolynomialMatrix(tuple(row[size:] for row in member.rows))
     X, Y = (x.T, y.T) if side == "right" else (x, y)
     exceptional = exceptional_factors([*denominators(X, Y), *kernel.exceptional])
-    one, two, right = given
+    one, two, right = matrices
     result = MatrixDiophantineSolution(one, two, right, side, X, Y, kernel, exceptional)
     proven(result.certificate, "solution")
     return result
 
 
-def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
+def _particular(ring: Ring, stacked: Grid, target: Grid) -> Grid:
     """Return Z with Z [A B]' = C', row by row, from the Hermite form of [A B]'."""
     work = Elimination(ring, stacked)
     rank = work.triangulate()
@@ -228,7 +229,7 @@ def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
         next(j for j, e in enumerate(row) if ring.degree(e) >= 0) for row in work.matrix[:rank]
     ]
     weights = []
-    for row in wanted:
+    for row in target:
         rest, factors = list(row), []
         for pivot, line in zip(pivots, work.matrix, strict=False):
             factor, remainder = ring.divide(rest[pivot], line[pivot])
@@ -247,7 +248,7 @@ def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
             ).holding([c for part in parts for c in part.all_coeffs()], denominators(*used))
         weights.append(factors)
     if not rank:
-        return [[ring.zero] * len(stacked) for _ in wanted]
+        return [[ring.zero] * len(stacked) for _ in target]
     return multiply(ring, weights, work.U[:rank])
 
 

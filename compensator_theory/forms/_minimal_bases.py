@@ -151,16 +151,16 @@ def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
     s, m, d = P.variable, P.shape[1], max(1, P.degree)
     coefficients = flint.fmpz_mat([column for vector in vectors for column in vector])
     starts = [int(k == 0) for vector in vectors for k, _ in enumerate(vector)]
-    wanted = flint.fmpz_mat(len(starts), len(vectors))
+    target = flint.fmpz_mat(len(starts), len(vectors))
     for column, row in enumerate(k for k, start in enumerate(starts) if start):
-        wanted[row, column] = 1
+        target[row, column] = 1
     digits = decimal_digits(max(int(x).bit_length() for x in coefficients.entries()))
     ask("entries", len(starts) ** 2 * (digits // 3), MEASURE)
     chosen = pivots(coefficients)
     if len(chosen) < len(starts):
         raise NoSolutionError("dependent coefficients in a minimal basis; please report it")
     square = flint.fmpz_mat([[row[j] for j in chosen] for row in coefficients.tolist()])
-    solved = square.solve(wanted).transpose().tolist()
+    solved = square.solve(target).transpose().tolist()
     inverse = [dict(zip(chosen, row, strict=True)) for row in solved]
 
     def poly(ascending: Iterable[flint.fmpz | flint.fmpq | int]) -> Poly:

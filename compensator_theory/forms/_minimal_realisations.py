@@ -105,9 +105,9 @@ def minimal_realisation(
     C = [[1, 0, 0], [0, 1, 0]]
     """
     if has_states(G, variable):
-        given = realisation(G, variable)
-        parts = kalman_decomposition(given)
-        source = given.transfer_matrix()
+        plant = realisation(G, variable)
+        parts = kalman_decomposition(plant)
+        source = plant.transfer_matrix()
         return _checked(parts.minimal, source, parts.exceptional)
     source = transfer_matrix(G, variable)
     size = block_rows(source)
@@ -128,7 +128,7 @@ def minimal_realisation(
     B = chosen[:, :inputs]
     C = solve(square.T, first[:outputs, list(columns.pivots)].T).T if rows.pivots else None
     n = len(rows.pivots)
-    found = Realisation(
+    system = Realisation(
         A if n else zero_matrix(0, 0),
         B if n else zero_matrix(0, inputs),
         C if n else zero_matrix(outputs, 0),
@@ -136,17 +136,17 @@ def minimal_realisation(
         source.variable,
         sample_time=source.sample_time,
     )
-    return _checked(found, source, exceptional_factors([rows.divided_by, columns.divided_by]))
+    return _checked(system, source, exceptional_factors([rows.divided_by, columns.divided_by]))
 
 
 def _checked(
-    found: Realisation, source: TransferMatrix, exceptional: tuple[Expr, ...]
+    minimal: Realisation, source: TransferMatrix, exceptional: tuple[Expr, ...]
 ) -> MinimalRealisation:
-    back = found.transfer_matrix()
+    back = minimal.transfer_matrix()
     residual = [
-        canonical(mine * source.denominator - given * back.denominator).as_expr()
+        canonical(mine * source.denominator - source_entry * back.denominator).as_expr()
         for my_row, row in zip(back.numerators, source.numerators, strict=True)
-        for mine, given in zip(my_row, row, strict=True)
+        for mine, source_entry in zip(my_row, row, strict=True)
     ]
     certificate = certificate_of(IDENTITY, [residual], "realisation")
-    return MinimalRealisation(found, exceptional, certificate)
+    return MinimalRealisation(minimal, exceptional, certificate)

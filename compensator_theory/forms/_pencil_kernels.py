@@ -68,7 +68,7 @@ class Pencil:
         """Return a minimal basis of {x : (sE - A) x = 0}, each by ascending powers of s."""
         if self.rank == self.shape[1]:
             return []
-        modulus, structure, values, tried = 1, None, [], 0
+        modulus, structure, values, attempts = 1, None, [], 0
         for count, prime in enumerate(primes(), 1):
             found = self._residues(prime)
             if found is None:
@@ -77,16 +77,16 @@ class Pencil:
             if shape != structure:  # one of the two primes divides a minor that matters
                 if structure is not None and sum(shape) < sum(structure):
                     continue
-                modulus, structure, values, tried = 1, shape, [0] * len(residues), 0
+                modulus, structure, values, attempts = 1, shape, [0] * len(residues), 0
             inverse = pow(modulus, -1, prime)
             values = [
                 v + modulus * ((x - v) * inverse % prime)
                 for v, x in zip(values, residues, strict=True)
             ]
             modulus *= prime
-            if count < tried + 1 + tried // 3:
+            if count < attempts + 1 + attempts // 3:
                 continue
-            tried = count
+            attempts = count
             vectors = self._reconstructed(values, modulus, structure)
             if vectors is not None and self._are_null(vectors):
                 order = sorted(range(len(vectors)), key=lambda j: len(vectors[j]))
@@ -206,15 +206,15 @@ def _states(
         weights[index][j][j] = 1
         for (i, power), factor in relation.items():
             weights[power][i][j] = -int(factor) % prime
-    found: list[list[list[int]]] = [[] for _ in indices]
+    states: list[list[list[int]]] = [[] for _ in indices]
     z = flint.nmod_mat(F.nrows(), size, prime)
     for power in range(max(indices), -1, -1):
         d = flint.nmod_mat(weights[power], prime)
         whole_state = [*(z - X * d).transpose().tolist()], d.transpose().tolist()
         for j, (top, below) in enumerate(zip(*whole_state, strict=True)):
-            found[j].append([int(e) for e in [*top, *below]])
+            states[j].append([int(e) for e in [*top, *below]])
         z = F * z + G * d
-    return [columns[::-1] for columns in found]
+    return [columns[::-1] for columns in states]
 
 
 def _columns(vectors: Sequence[Sequence[int]]) -> flint.fmpz_mat:

@@ -89,8 +89,8 @@ class DiophantineSolution(Certified, ExactValue):
 
     def _letters(self) -> list[Symbol]:
         """The unknowns x and y, and t for any polynomial, beside the symbols of the input."""
-        taken = names_in_all(self)
-        return [fresh(taken, name) for name in "xyt"]
+        names = names_in_all(self)
+        return [fresh(names, name) for name in "xyt"]
 
     def __str__(self) -> str:
         x, dx, y, dy = (format_polynomial(p) for p in (self.x, self.dx, self.y, self.dy))
@@ -200,8 +200,8 @@ def _least(p: Poly, q: Poly, r: Poly) -> tuple[Poly, Poly]:
         for j in range(count):
             for i, coefficient in enumerate(ascending):
                 system[i + j, offset + j] = coefficient
-    wanted = [] if r.is_zero else list(reversed(r.all_coeffs()))
-    wanted += [sympy.Integer(0)] * (degree + 1 - len(wanted))
-    found = list(solve(ImmutableMatrix(system), ImmutableMatrix(wanted)))
-    u, v = found[:above], found[above:]
+    target = [] if r.is_zero else list(reversed(r.all_coeffs()))
+    target += [sympy.Integer(0)] * (degree + 1 - len(target))
+    coefficients = list(solve(ImmutableMatrix(system), ImmutableMatrix(target)))
+    u, v = coefficients[:above], coefficients[above:]
     return from_coefficients(u[::-1], s), from_coefficients(v[::-1], s)

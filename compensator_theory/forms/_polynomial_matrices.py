@@ -229,13 +229,13 @@ def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
     An identity between polynomial matrices holds for all values of the symbols where none of these
     is zero, whatever was divided by on the way to it.
     """
-    found: dict[Expr, None] = {}
+    factors: dict[Expr, None] = {}
     for poly in (entry for matrix in matrices for row in matrix.rows for entry in row):
         if poly.domain.is_FractionField:
             for coefficient in poly.rep.to_list():
                 bottom = poly.domain.denom(coefficient)
-                found[poly.domain.get_ring().to_sympy(bottom)] = None
-    return [bottom for bottom in found if bottom.free_symbols]
+                factors[poly.domain.get_ring().to_sympy(bottom)] = None
+    return [bottom for bottom in factors if bottom.free_symbols]
 
 
 def joint_ring(*matrices: PolynomialMatrix) -> Ring:

@@ -60,10 +60,10 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     for i, column in enumerate(columns):
         work.make_monic(i, column)
     _reduce(work, columns)
-    found = equivalence_of(source, work, len(columns))
-    if not _is_popov(found.form, columns):
+    form = equivalence_of(source, work, len(columns))
+    if not _is_popov(form.form, columns):
         raise NoSolutionError("the form is not reduced; it is wrong, please report it")
-    return found
+    return form
 
 
 def _pivot(work: Elimination, i: int) -> int | None:

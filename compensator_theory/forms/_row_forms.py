@@ -108,9 +108,9 @@ def row_reduced_form(
         if _row_degree(ring, work.matrix[i]) >= 0:
             work.swap_rows(rank, i)
             rank += 1
-    found = equivalence_of(source, work, rank)
-    minor = echelon(found.leading_matrix).divided_by
-    return replace(found, exceptional=exceptional_factors([minor, *found.exceptional]))
+    form = equivalence_of(source, work, rank)
+    minor = echelon(form.leading_matrix).divided_by
+    return replace(form, exceptional=exceptional_factors([minor, *form.exceptional]))
 
 
 def _row_degree(ring: Ring, row: list[Element]) -> int:
@@ -127,5 +127,5 @@ def _relation(ring: Ring, grid: Grid) -> dict[int, Element] | None:
     rank = work.triangulate()
     if rank == len(rows):
         return None
-    found = zip(rows, work.U[rank], strict=True)
-    return {i: factor for i, factor in found if ring.degree(factor) >= 0}
+    terms = zip(rows, work.U[rank], strict=True)
+    return {i: factor for i, factor in terms if ring.degree(factor) >= 0}

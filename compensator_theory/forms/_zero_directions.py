@@ -86,14 +86,14 @@ class Zeros(ExactValue):
         return certified_roots(self.polynomial)
 
     def __str__(self) -> str:
-        found = f"zeros of {format_polynomial(self.polynomial)}"
-        heading = found if self.polynomial.degree() else "no zeros"
+        line = f"zeros of {format_polynomial(self.polynomial)}"
+        heading = line if self.polynomial.degree() else "no zeros"
         return "\n".join([heading, *map(str, self.directions)])
 
     def _repr_latex_(self) -> str:
         directions = [latex(direction) for direction in self.directions]
-        found = f"{words('zeros of ')} {latex(self.polynomial)}"
-        polynomial = found if self.polynomial.degree() else words("no zeros")
+        line = f"{words('zeros of ')} {latex(self.polynomial)}"
+        polynomial = line if self.polynomial.degree() else words("no zeros")
         return displayed(polynomial, *directions, unless(self.exceptional))
 
 

@@ -337,10 +337,10 @@ def matched(
     if rest.has(sympy.zoo, sympy.nan) or sympy.cancel(rest) == 0:
         raise InputError(f"with the step {shown(h)} a zero or a pole is mapped to 1; take another")
     k = sympy.cancel(at_rest / rest)
-    found = TransferFunction(canonical(N * k), canonical(D), sample_time=_period(h))
-    divisors = [sympy.fraction(sympy.cancel(c))[1] for c in (*found.numerator.all_coeffs(), k)]
+    sampled = TransferFunction(canonical(N * k), canonical(D), sample_time=_period(h))
+    divisors = [sympy.fraction(sympy.cancel(c))[1] for c in (*sampled.numerator.all_coeffs(), k)]
     exceptional = _where_zero(divisors, h, meaning, squares)
-    return SampledPlant(realisation(found), h, meaning, exceptional, certificate)
+    return SampledPlant(realisation(sampled), h, meaning, exceptional, certificate)
 
 
 def _period(h: Expr) -> Expr | None:
@@ -357,24 +357,27 @@ def _read(
     given = realisation(plant, variable)
     if given.variable.name in DISCRETE or is_discrete(given.variable, "sampling"):
         raise InputError(f"the plant in {given.variable} is discrete already; give one in s")
-    own = names_in_all(*given.matrices)
-    if discrete_variable is None and own.issuperset(DISCRETE):
+    plant_names = names_in_all(*given.matrices)
+    if discrete_variable is None and plant_names.issuperset(DISCRETE):
         raise InputError(
             "z and q are symbols of the plant, and one of them has to be the variable of the "
             "sampled plant; name one otherwise"
         )
     z = introduced(
-        discrete_variable, own, *DISCRETE,
+        discrete_variable, plant_names, *DISCRETE,
         meaning="the variable of the sampled plant", owner="a symbol of the plant",
     )  # fmt: skip
     require_discrete(z, "a sampled plant")
     variables = {given.variable.name, z.name}
     if step is None:
-        return given, z, fresh(own | variables, "h", "step")
+        return given, z, fresh(plant_names | variables, "h", "step")
     h = _positive(step)
     if isinstance(h, Symbol):
-        for taken, owner in (variables, "the variable of a plant"), (own, "a symbol of the plant"):
-            introduced(h, taken, "h", "step", meaning="the step", owner=owner)
+        for names, owner in (
+            (variables, "the variable of a plant"),
+            (plant_names, "a symbol of the plant"),
+        ):
+            introduced(h, names, "h", "step", meaning="the step", owner=owner)
     return given, z, h
 
 
@@ -414,23 +417,23 @@ Meaning: TypeAlias = tuple[tuple[Symbol, Expr], ...]
 
 
 def _exponential_of(
-    M: ImmutableMatrix, annihilator: Poly, given: Realisation, h: Expr, z: Symbol
+    M: ImmutableMatrix, annihilator: Poly, plant: Realisation, h: Expr, z: Symbol
 ) -> tuple[ImmutableMatrix, Meaning, Certificate, Meaning]:
     """exp(M h), what its new symbols stand for, the certificate, and y with w**2 for tangents."""
-    matrices = (given.A, given.B, given.C, given.D)
+    matrices = (plant.A, plant.B, plant.C, plant.D)
     used = {str(x) for matrix in matrices for x in matrix.free_symbols}
     used |= {str(x) for x in h.free_symbols} | {z.name}
     t = h if isinstance(h, Symbol) else fresh(used, "h", "step")
     used.add(t.name)
-    found = matrix_exponential(M, annihilator, t, used)
-    E = found.value
-    values = {x: _exponential(rate * h) for x, rate in found.rates}
-    if h.has(sympy.pi) and sum(rate.is_number for _, rate in found.rates) > 1:
+    exponential = matrix_exponential(M, annihilator, t, used)
+    E = exponential.value
+    values = {x: _exponential(rate * h) for x, rate in exponential.rates}
+    if h.has(sympy.pi) and sum(rate.is_number for _, rate in exponential.rates) > 1:
         raise InputError(
             f"with several rates the step {shown(h)} may hide relations between their "
             "exponentials; leave it a symbol"
         )
-    for y, square in found.tangents:
+    for y, square in exponential.tangents:
         omega = sympy.sqrt(square)
         if h.has(sympy.log):
             raise InputError(
@@ -449,7 +452,7 @@ def _exponential_of(
             "irrational number, is in the matrices; leave it a symbol"
         )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
-    return sampled, meaning, found.certificate, found.tangents
+    return sampled, meaning, exponential.certificate, exponential.tangents
 
 
 def _where_zero(
@@ -463,17 +466,17 @@ def _where_zero(
     never = [sympy.expand(1 + square * y**2) for y, square in squares]
     exponents = {x: value.args[0] / h for x, value in meaning
                  if isinstance(value, sympy.exp)}  # fmt: skip
-    found: list[Expr] = []
+    conditions: list[Expr] = []
     for factor in exceptional_factors(divisors):
         if factor == h or any(sympy.expand(factor - part) == 0 for part in never):
             continue
         monomial = factor + 1 if factor.subs(dict.fromkeys(exponents, 0)) == -1 else 1 - factor
         powers = monomial.as_powers_dict() if factor.free_symbols <= exponents.keys() else {}
         if powers and powers.keys() <= exponents.keys():
-            found.append(sum(exponents[x] * power for x, power in powers.items()))
+            conditions.append(sum(exponents[x] * power for x, power in powers.items()))
         else:
-            found.append(factor)
-    return exceptional_factors(found)
+            conditions.append(factor)
+    return exceptional_factors(conditions)
 
 
 @refusing

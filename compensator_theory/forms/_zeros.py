@@ -83,7 +83,7 @@ def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = No
     """
     fractions = coprime_fractions(G, variable)
     right, left = smith_form(fractions.N_r), smith_form(fractions.N_l)
-    found = zeros_of(
+    zeros = zeros_of(
         right,
         left,
         (0, fractions.D_r.shape[0]),
@@ -91,9 +91,9 @@ def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = No
         fractions.D_r,
         fractions.D_l,
     )
-    every = exceptional_factors([*found.exceptional, *fractions.exceptional])
+    every = exceptional_factors([*zeros.exceptional, *fractions.exceptional])
     return Zeros(
-        found.invariant_polynomials, found.polynomial, found.directions, every, found.certificate
+        zeros.invariant_polynomials, zeros.polynomial, zeros.directions, every, zeros.certificate
     )
 
 

@@ -214,9 +214,9 @@ def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
 
 
 def _entry(value: PolynomialLike, variable: Symbol) -> Poly:
-    found = polynomial(value, variable)
-    require_no_other_operator(found)
-    return found
+    entry = polynomial(value, variable)
+    require_no_other_operator(entry)
+    return entry
 
 
 def _leading(rows: list[list[Poly]], degree: int) -> ImmutableMatrix:

@@ -134,9 +134,9 @@ def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None]
     """Read what stands beside G; only another operator is another variable."""
     part = read_plain_text(part)
     try:
-        found = read(part, None)
+        sides = read(part, None)
     except InputError:
         return read(part, G.variable)
-    if found.variable == G.variable or is_operator(found.variable):
-        return found
+    if sides.variable == G.variable or is_operator(sides.variable):
+        return sides
     return read(part, G.variable)

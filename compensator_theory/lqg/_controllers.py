@@ -106,13 +106,15 @@ class LQGController(ExactValue):
         sides = self.regulator, self.estimator
         if not self.is_exact:
             return None
-        own = [stable_factors(hamiltonian_spectrum(s), most=JOINT_FIELD) for s in sides]
-        parts = [one.irrational for one in own if one is not None]
-        joint = stable_factors(*parts, most=JOINT_FIELD) if len(parts) == len(own) else None
+        sides_in_field = [stable_factors(hamiltonian_spectrum(s), most=JOINT_FIELD) for s in sides]
+        parts = [one.irrational for one in sides_in_field if one is not None]
+        joint = (
+            stable_factors(*parts, most=JOINT_FIELD) if len(parts) == len(sides_in_field) else None
+        )
         if joint is None:
             return None
         work, generators = Arithmetic(joint.field), []
-        for one, factor in zip(own, joint.factors, strict=True):
+        for one, factor in zip(sides_in_field, joint.factors, strict=True):
             assert one is not None  # minus the sum of the left roots, scaled
             last = factor[-2] if len(factor) > 1 else flint.fmpq_poly()
             generators.append(last * flint.fmpq(one.scale))
@@ -148,8 +150,8 @@ class LQGController(ExactValue):
         plant = self.plant
         A, B, C, D_0 = (to_flint(m) for m in (plant.A, plant.B, plant.C, plant.D_0))
         B_c = [[-entry for entry in row] for row in transposed(L)]
-        seen = plus(work.of(C), times(D_0, K))
-        through = [[-e for e in row] for row in work.product(B_c, seen)]
+        output_rows = plus(work.of(C), times(D_0, K))
+        through = [[-e for e in row] for row in work.product(B_c, output_rows)]
         A_c = plus(work.of(A), times(B, K), through)
         A_c_, B_c_, C_c_ = (field_matrix(work.field, m) for m in (A_c, B_c, K))
         return A_c_, B_c_, C_c_
@@ -160,10 +162,10 @@ class LQGController(ExactValue):
 
         None beyond a field of degree 32, or the budget: :attr:`matrices_in_field` goes further.
         """
-        found = self.matrices_in_field
-        if found is None:
+        matrices = self.matrices_in_field
+        if matrices is None:
             return None
-        A_c, B_c, C_c = (matrix.written for matrix in found)
+        A_c, B_c, C_c = (matrix.written for matrix in matrices)
         return None if A_c is None or B_c is None or C_c is None else (A_c, B_c, C_c)
 
     @cached_property
@@ -239,8 +241,8 @@ class LQGController(ExactValue):
         None beyond a field of degree 32, or the budget: :attr:`cost_in_field` goes further, and
         :attr:`cost_enclosure` as far as the gains.
         """
-        found = None if self.cost_in_field is None else self.cost_in_field.written
-        return None if found is None else found[0, 0]
+        cost = None if self.cost_in_field is None else self.cost_in_field.written
+        return None if cost is None else cost[0, 0]
 
     @property
     def cost_enclosure(self) -> Enclosure:

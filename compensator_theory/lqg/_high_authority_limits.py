@@ -278,12 +278,12 @@ def _coefficients(
             regulator_spectrum(A, B, E_1=outputs, E_2=inputs, time="continuous", variable=s)
         )
     points = [flint.fmpq(k * k) for k in range(width + 1)]
-    found = []
+    coefficients = []
     for j in range(A.rows + 1):
         column = [p.coeff_monomial(s ** (2 * j)) for p in spectra]
         values = [flint.fmpq(int(c.p), int(c.q)) for c in column]
-        found.append([rational(c) for c in interpolated(points, values)])
-    return found
+        coefficients.append([rational(c) for c in interpolated(points, values)])
+    return coefficients
 
 
 def _order(ascending: list[Rational]) -> tuple[int, Rational]:
@@ -305,7 +305,7 @@ def _butterworth_patterns(
         slopes = {i: Rational(known[i][0] - v, i - j) for i in known if i > j}
         steepest = min(slopes.values())
         corners.append(max(i for i, slope in slopes.items() if slope == steepest))
-    found = []
+    patterns = []
     for first, last in pairwise(corners):
         rise = known[last][0] - known[first][0]
         k = (last - first) // rise
@@ -320,5 +320,5 @@ def _butterworth_patterns(
         gains = [gain for gain in edge.real_roots() if gain > 0]
         if rise * k != last - first or len(gains) != rise:
             raise NoSolutionError(f"the edge {edge} is no Butterworth pattern; please report it")
-        found += [ButterworthPattern(k, gain) for gain in gains]
-    return tuple(sorted(found, key=lambda pattern: pattern.order))
+        patterns += [ButterworthPattern(k, gain) for gain in gains]
+    return tuple(sorted(patterns, key=lambda pattern: pattern.order))

@@ -158,7 +158,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
     """Refuse a mode that no gain moves and that is not in the region of stability."""
     region = "inside the unit circle" if time == "discrete" else "left of the imaginary axis"
-    for error, matrices, what in (
+    for error, matrices, kind in (
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
         (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
     ):
@@ -166,6 +166,6 @@ def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
         count = count_roots(hidden, time=time)
         if count.boundary or count.unstable:
             raise error(
-                f"the mode(s) {format_polynomial(hidden)} are {what} and not all {region}, so that "
+                f"the mode(s) {format_polynomial(hidden)} are {kind} and not all {region}, so that "
                 "no controller is stabilising; remove them from the plant"
             )

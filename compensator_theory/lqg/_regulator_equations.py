@@ -139,7 +139,7 @@ def solve_regulator_equations(
 
     states, no_input = identity_matrix(n), sympy.zeros(n, m)
     motion = [(states.row_join(no_input), s), (-A.row_join(B), identity_matrix(r))]
-    found, more, divisors = solve_by_kronecker(
+    solution, more, divisors = solve_by_kronecker(
         [motion, [(C.row_join(D), identity_matrix(r))]],
         (n + m, r),
         [*p, *(-q)],
@@ -148,7 +148,7 @@ def solve_regulator_equations(
         "or disturbance cannot be met; change S, Q or P, or the plant's inputs and outputs",
         sources=(A, B, C, D, s, p, q),
     )
-    Pi, Gamma = found[:n, :], found[n:, :]
+    Pi, Gamma = solution[:n, :], solution[n:, :]
     left = [Pi * s - A * Pi - B * Gamma - p, C * Pi + D * Gamma + q]
     for other in more:
         left += [other[:n, :] * s - A * other[:n, :] - B * other[n:, :]]

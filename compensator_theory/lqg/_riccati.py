@@ -345,10 +345,10 @@ def solve_riccati(
         balls = K.enclosures(digits), P.enclosures(digits)
     else:
         balls = work.balls(digits)
-    found = RiccatiSolution(*weights, factor, K, *balls, certificate)
+    solution = RiccatiSolution(*weights, factor, K, *balls, certificate)
     if P is not None:
-        vars(found)["P_in_field"] = P
-    return found
+        vars(solution)["P_in_field"] = P
+    return solution
 
 
 def _require_stabilisable(weights: Weights, time: Time, s: Symbol) -> None:
@@ -365,9 +365,10 @@ def _require_stabilisable(weights: Weights, time: Time, s: Symbol) -> None:
 def _factor(weights: Weights, time: Time, s: Symbol, digits: int) -> SpectralFactor:
     A, R = weights[0], weights[3]
     if time == "continuous" and R.det() == 0:
-        what = "E_2 = 0 or R = 0" if R.is_zero_matrix else f"R = {R.tolist()} is singular"
+        subject = "E_2 = 0 or R = 0" if R.is_zero_matrix else f"R = {R.tolist()} is singular"
         raise NoSolutionError(
-            f"{what}: a direction of u costs nothing, and in continuous time the best gain is then "
+            f"{subject}: a direction of u costs nothing, and in continuous time the best gain "
+            "is then "
             "infinite; give u a weight, or see regulator_locus for the limits of the poles"
         )
     spectrum = spectrum_of_weights(weights, time, s)
@@ -456,8 +457,8 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
     relations = []
     for shift in range(n + 1):
         product = sum(monic[i] * monic[i + shift] for i in range(n + 1 - shift))
-        given = factor.spectrum.coeff_monomial(factor.spectrum.gen ** (half + shift))
-        relations.append(sympy.expand(size * product - given))
+        coefficient = factor.spectrum.coeff_monomial(factor.spectrum.gen ** (half + shift))
+        relations.append(sympy.expand(size * product - coefficient))
     return GainFormula(
         (*names, size),
         (*values, factor.constant),
@@ -487,17 +488,17 @@ def symmetric_system(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat:
     n, m = A.nrows(), B.ncols()
     pairs = [(i, j) for i in range(n) for j in range(i, n)]
     index = {pair: k for k, pair in enumerate(pairs)}
-    found = flint.fmpq_mat(len(pairs) + n * m, len(pairs))
+    system = flint.fmpq_mat(len(pairs) + n * m, len(pairs))
     for row, (i, j) in enumerate(pairs):
         for k in range(n):
             for (a, b), entry in (((k, j), A[k, i]), ((i, k), A[k, j])):
                 place = index[min(a, b), max(a, b)]
-                found[row, place] = found[row, place] + entry
+                system[row, place] = system[row, place] + entry
     for i in range(m):
         for j in range(n):
             for k in range(n):
-                found[len(pairs) + i * n + j, index[min(k, j), max(k, j)]] = B[k, i]
-    return found
+                system[len(pairs) + i * n + j, index[min(k, j), max(k, j)]] = B[k, i]
+    return system
 
 
 def pivots(matrix: flint.fmpq_mat) -> list[int]:
@@ -565,13 +566,13 @@ class _Work:
         if self.time == "continuous":
             return self.chi
         n, minimal = self.n, self.field.minimal
-        wanted = [flint.fmpq_poly() for _ in range(n + 1)]
+        coefficients = [flint.fmpq_poly() for _ in range(n + 1)]
         for k, c in enumerate(self.chi):
             image = flint.fmpq_poly([-1, 1]) ** k * flint.fmpq_poly([1, 1]) ** (n - k)
             for i, factor in enumerate(image.coeffs()):
-                wanted[i] += c * factor
-        reciprocal = inverse(wanted[-1], minimal)
-        return [c * reciprocal % minimal for c in wanted]
+                coefficients[i] += c * factor
+        reciprocal = inverse(coefficients[-1], minimal)
+        return [c * reciprocal % minimal for c in coefficients]
 
     def solution(
         self, gain: FieldMatrix | None = None
@@ -622,10 +623,12 @@ class _Work:
         right += [-(K[j] * R[0, 0] + N[j, 0]) for j in range(n)]
         rows = pivots(system.transpose())
         chosen = flint.fmpq_mat([[system[i, j] for j in range(len(pairs))] for i in rows])
-        found = times(chosen.inv(), [[right[i] % work.minimal] for i in rows])
+        solution = times(chosen.inv(), [[right[i] % work.minimal] for i in rows])
         index = {pair: k for k, pair in enumerate(pairs)}
         scale = 2 if self.time == "discrete" else 1
-        return [[found[index[min(i, j), max(i, j)]][0] * scale for j in range(n)] for i in range(n)]
+        return [
+            [solution[index[min(i, j), max(i, j)]][0] * scale for j in range(n)] for i in range(n)
+        ]
 
     def _graph(self) -> Grid:
         """Read P off the stable subspace, the image of chi(-H)."""
@@ -657,7 +660,7 @@ class _Work:
             left = factor_spectrum(spectrum, n, "continuous", precision).enclosure.coefficients
             with ball_precision(4 * working_bits(precision)):
                 near = _combined(powers, [ball_of_enclosure(c) for c in left[::-1]])
-                found = None
+                enclosure = None
                 try:
                     chosen = _independent(near, n)
                     states, costates = (
@@ -666,11 +669,13 @@ class _Work:
                     )
                     P = states.solve(costates).transpose() * (2 if self.time == "discrete" else 1)
                     balls = [ball_matrix(m) for m in self.weights]
-                    found = _gain_of(balls, P, self.time), P
+                    enclosure = _gain_of(balls, P, self.time), P
                 except ZeroDivisionError:  # the balls are too large
                     pass
-                if found is not None and all(e.is_finite() for m in found for e in m.entries()):
-                    K_rows, P_rows = (enclosed_rows(m) for m in found)
+                if enclosure is not None and all(
+                    e.is_finite() for m in enclosure for e in m.entries()
+                ):
+                    K_rows, P_rows = (enclosed_rows(m) for m in enclosure)
                     radii = [c.radius for rows in (K_rows, P_rows) for row in rows for c in row]
                     if max(radii) <= Rational(1, 10**digits):
                         return K_rows, P_rows
@@ -753,10 +758,10 @@ def _residual(data: Sequence[FlintMatrix], P: FlintMatrix, time: Time) -> FlintM
 
 
 def _powers(matrix: flint.fmpq_mat, n: int) -> list[flint.fmpq_mat]:
-    found = [_unit(matrix.nrows())]
+    powers = [_unit(matrix.nrows())]
     for _ in range(n):
-        found.append(found[-1] * matrix)
-    return found
+        powers.append(powers[-1] * matrix)
+    return powers
 
 
 def _unit(n: int) -> flint.fmpq_mat:

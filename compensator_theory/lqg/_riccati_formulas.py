@@ -83,10 +83,10 @@ class RiccatiFormula(ExactValue):
             If a symbol has no value.
         """
         weights = (self.A, self.B, self.Q, self.R, self.N)
-        known, given = names_in(weights), read_values(values, value)
-        if missing := sorted(known - {symbol.name for symbol in given}):
+        known, numbers = names_in(weights), read_values(values, value)
+        if missing := sorted(known - {symbol.name for symbol in numbers}):
             raise InputError(f"give a value for {', '.join(missing)}, too")
-        A, B, Q, R, N = substituted(weights, given)
+        A, B, Q, R, N = substituted(weights, numbers)
         return solve_riccati(A, B, Q=Q, R=R, N=N, time=self.time)
 
     def __str__(self) -> str:
@@ -163,8 +163,8 @@ def riccati_formula(
         raise NotControllableError("(A, B) is controllable for no values of the symbols")
     plane = _half_plane(weights, time)
     if plane[3][0] == 0:
-        what = "the weight of u" if time == "continuous" else "the spectrum at z = -1"
-        raise NoSolutionError(f"{what} is zero for all values, so that no gain is the best")
+        subject = "the weight of u" if time == "continuous" else "the spectrum at z = -1"
+        raise NoSolutionError(f"{subject} is zero for all values, so that no gain is the best")
     roots, squares, chi = _stable_factor(plane)
     gain = _placed(plane[0], plane[1], chi)
     P = _symmetric_solution(plane, gain)
@@ -269,8 +269,8 @@ def _symmetric_solution(plane: tuple[Matrix, ...], K: Matrix) -> Matrix:
             break
     system, right = sympy.linear_eq_to_matrix(chosen, unknown)
     inverse = solve(ImmutableMatrix(system.applyfunc(sympy.cancel)), identity_matrix(len(unknown)))
-    found = dict(zip(unknown, inverse * right, strict=True))
-    return Matrix(P.subs(found))
+    solution = dict(zip(unknown, inverse * right, strict=True))
+    return Matrix(P.subs(solution))
 
 
 def _equations(weights: Weights, K: Matrix, P: Matrix, time: Time) -> list[Matrix]:

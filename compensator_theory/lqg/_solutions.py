@@ -84,12 +84,12 @@ def solve_by_kronecker(
     size = rows * columns
     ask("entries", len(right) * (size + 1), "the linear system of the matrix equation")
     table = Matrix.vstack(*(_table(terms) for terms in maps))
-    found = echelon(table.row_join(Matrix(len(right), 1, list(right))))
-    divisors = [found.divided_by, *denominators_of(sources)]
-    if size in found.pivots:
+    reduced = echelon(table.row_join(Matrix(len(right), 1, list(right))))
+    divisors = [reduced.divided_by, *denominators_of(sources)]
+    if size in reduced.pivots:
         column = Matrix(len(right), 1, list(right))
         raise NoSolutionError(contradiction).holding(contradictions(table, column))
-    particular, basis = found.solutions()
+    particular, basis = reduced.solutions()
     X, *more = (ImmutableMatrix(rows, columns, list(v)) for v in (particular, *basis))
     return X, tuple(more), divisors
 

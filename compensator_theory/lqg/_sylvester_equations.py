@@ -72,9 +72,9 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     a, b, c = (exact_matrix(M, name) for M, name in ((A, "A"), (B, "B"), (C, "C")))
     _require_shapes(a, b, c, "C")
     identity, sources = "A X + X B + C = 0", (a, b, c)
-    found = _by_characteristic_polynomial(a, b, -c)
-    if found is not None:
-        X, divisors = found
+    solution = _by_characteristic_polynomial(a, b, -c)
+    if solution is not None:
+        X, divisors = solution
         residual = [sum_of_products((a, X), (X, b), (c,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of(sources)])
     X, more, divisors = solve_by_kronecker(
@@ -133,9 +133,9 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
     a, q = exact_matrix(A, "A"), exact_matrix(Q, "Q")
     _require_shapes(a, a.T, q, "Q")
     identity = "A X + X A' + Q = 0"
-    found = _by_characteristic_polynomial(a, a.T, -q)
-    if found is not None:
-        X, divisors = found
+    solution = _by_characteristic_polynomial(a, a.T, -q)
+    if solution is not None:
+        X, divisors = solution
         residual = [sum_of_products((a, X), (X, a.T), (q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, q))])
     X, more, divisors = solve_by_kronecker(
@@ -190,9 +190,9 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
     b = a.T if B is None else exact_matrix(B, "B")
     _require_shapes(a, b, q, "Q")
     identity = "X = A X B + Q"
-    found = _by_characteristic_polynomial(a, b, q, stein=True)
-    if found is not None:
-        X, divisors = found
+    solution = _by_characteristic_polynomial(a, b, q, stein=True)
+    if solution is not None:
+        X, divisors = solution
         residual = [sum_of_products((-a, X, b), (X,), (-q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, b, q))])
     X, more, divisors = solve_by_kronecker(
@@ -405,10 +405,10 @@ def _lifted(
         pairs = [digits[i : i + 2] for i in range(0, len(digits), 2)]
         digits = [pair[0] + pair[1] * modulus if len(pair) > 1 else pair[0] for pair in pairs]
         modulus *= modulus
-    found = _mod(digits[0] * denominator, whole)
+    value = _mod(digits[0] * denominator, whole)
     half = whole // 2
-    entries = [entry if entry <= half else entry - whole for entry in found.entries()]
-    return flint.fmpz_mat(found.nrows(), found.ncols(), entries)
+    entries = [entry if entry <= half else entry - whole for entry in value.entries()]
+    return flint.fmpz_mat(value.nrows(), value.ncols(), entries)
 
 
 def _mod(matrix: flint.fmpz_mat, modulus: flint.fmpz) -> flint.fmpz_mat:
@@ -423,12 +423,12 @@ def _over(matrix: flint.fmpz_mat, divisor: flint.fmpz) -> flint.fmpz_mat:
 
 def sum_of_products(*products: tuple[Matrix, ...]) -> Matrix:
     """Return a sum of products of matrices, in integers where all of them are rational."""
-    found = [[rational_in_flint(factor) for factor in factors] for factors in products]
-    if any(factor is None for factors in found for factor in factors):
+    factors_in_flint = [[rational_in_flint(factor) for factor in factors] for factors in products]
+    if any(factor is None for factors in factors_in_flint for factor in factors):
         terms = [reduce(mul, factors) for factors in products]
         return reduce(add, terms)
     total, over = None, flint.fmpz(1)
-    for factors in found:
+    for factors in factors_in_flint:
         split = [factor.numer_denom() for factor in factors if factor is not None]
         term, divisor = reduce(mul, [n for n, _ in split]), reduce(mul, [d for _, d in split])
         common = over.lcm(divisor)

@@ -73,9 +73,9 @@ def certificate_of(identity: str, residuals: Residuals, what: str = "result") ->
 def evaluated(identity: str, residuals: Residuals) -> Certificate:
     """Return the certificate of an identity, whether it holds or not."""
     parts = [part.all_coeffs() if isinstance(part, Poly) else part for part in residuals]
-    kept = [part.kept for part in parts if isinstance(part, RationalMatrix)]
-    if len(kept) == len(parts):
-        numbers = [entry for part in kept for entry in part.entries()]
+    rational = [part.kept for part in parts if isinstance(part, RationalMatrix)]
+    if len(rational) == len(parts):
+        numbers = [entry for part in rational for entry in part.entries()]
         matrix = from_flint(flint.fmpq_mat(1, len(numbers), numbers))
         return Certificate(identity, matrix)
     entries = [entry for part in parts for entry in part]

@@ -58,8 +58,8 @@ def echelon(matrix: Matrix) -> Echelon:
     if 0 in matrix.shape:
         return Echelon(zero_matrix(0, columns), (), sympy.Integer(1))
     if is_rational_matrix(matrix):
-        reduced, found = to_flint(matrix).rref()
-        rows = reduced.tolist()[: int(found)]
+        reduced, rank = to_flint(matrix).rref()
+        rows = reduced.tolist()[: int(rank)]
         pivots = tuple(next(c for c in range(columns) if row[c]) for row in rows)
         form = flint.fmpq_mat(len(rows), columns, [entry for row in rows for entry in row])
         return Echelon(from_flint(form), pivots, sympy.Integer(1))
@@ -77,8 +77,8 @@ def echelon(matrix: Matrix) -> Echelon:
 
 def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     """Return the first columns that span the column space, and the minor that proves it."""
-    found = echelon(matrix)
-    return ImmutableMatrix(matrix[:, list(found.pivots)]), found.divided_by
+    reduced = echelon(matrix)
+    return ImmutableMatrix(matrix[:, list(reduced.pivots)]), reduced.divided_by
 
 
 def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
@@ -89,11 +89,11 @@ def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
     if not (matrix.free_symbols or right_side.free_symbols):
         return [sympy.Integer(1)]
     relations = echelon(ImmutableMatrix(matrix.T)).kernel()
-    found = []
+    rows = []
     for k in range(relations.cols):
         bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in relations[:, k]]
         common = sympy.lcm_list(bottoms)
         total = sum(common * y * b for y, b in zip(relations[:, k], right_side, strict=True))
         if (value := sympy.cancel(total)) != 0:
-            found.append(value)
-    return found
+            rows.append(value)
+    return rows

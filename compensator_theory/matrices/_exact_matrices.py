@@ -50,9 +50,9 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
     flat = [entry for row in entries for entry in row]
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
-    found = ImmutableMatrix(*shape, flat)
-    kept = symbolic_matrix(found)
-    return found if kept is None else kept
+    matrix = ImmutableMatrix(*shape, flat)
+    symbolic = symbolic_matrix(matrix)
+    return matrix if symbolic is None else symbolic
 
 
 def _in_rows(value: Any, name: str) -> Any:

@@ -14,9 +14,9 @@ from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbo
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     """The irreducible polynomials in the symbols where one of the divisors is 0 or infinite."""
-    given = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
-    found = {factor: degree for factor, degree in _factors(given) if not factor.is_nonzero}
-    return tuple(sorted(found, key=lambda f: (found[f], sympy.count_ops(f), str(f))))
+    proper = [divisor for divisor in dict.fromkeys(divisors) if divisor.free_symbols]
+    degrees = {factor: degree for factor, degree in _factors(proper) if not factor.is_nonzero}
+    return tuple(sorted(degrees, key=lambda f: (degrees[f], sympy.count_ops(f), str(f))))
 
 
 def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
@@ -43,9 +43,9 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     """Return the denominators that have symbols in them, of each matrix one, or of its entries."""
     bottoms: dict[Expr, None] = {}
     for matrix in filter(symbols_in, matrices):
-        kept = symbolic_matrix(matrix)
-        if isinstance(kept, SymbolicMatrix):
-            bottoms[kept.work.expression(kept.kept.below)] = None
-        elif kept is None:
+        symbolic = symbolic_matrix(matrix)
+        if isinstance(symbolic, SymbolicMatrix):
+            bottoms[symbolic.work.expression(symbolic.kept.below)] = None
+        elif symbolic is None:
             bottoms |= dict.fromkeys(sympy.fraction(sympy.cancel(e))[1] for e in matrix)
     return [bottom for bottom in bottoms if bottom.free_symbols]

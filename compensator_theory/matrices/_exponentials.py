@@ -58,14 +58,14 @@ def matrix_exponential(
     modes = _modes(annihilator)
     bases = _bases([centre for centre, _ in modes], used)
     angles = _angles([d for _, d in modes if d is not None], used)
-    own_symbols = sorted(matrix.free_symbols | annihilator.free_symbols_in_domain, key=str)
+    symbols = sorted(matrix.free_symbols | annihilator.free_symbols_in_domain, key=str)
     field = QQ.frac_field(
-        *dict.fromkeys([t, *(x for x, _, _ in bases), *(a.symbol for a in angles), *own_symbols])
+        *dict.fromkeys([t, *(x for x, _, _ in bases), *(a.symbol for a in angles), *symbols])
     )
-    own = DomainMatrix.from_Matrix(matrix).to_field().to_dense()
+    dense = DomainMatrix.from_Matrix(matrix).to_field().to_dense()
     interpolation = _interpolation(modes, bases, angles, t, field, annihilator.gen)
-    value = _value_at_matrix(interpolation, own, field)
-    certificate = _certificate(value, own, bases, angles, t, field)
+    value = _value_at_matrix(interpolation, dense, field)
+    certificate = _certificate(value, dense, bases, angles, t, field)
     return MatrixExponential(
         ImmutableMatrix([[field.to_sympy(entry) for entry in row] for row in value]),
         tuple((x, rate) for x, rate, _ in bases),
@@ -99,7 +99,7 @@ Mode = tuple[Expr, Expr | None]
 
 def _modes(poly: Poly) -> dict[Mode, int]:
     """Return the poles and the quadratic factors with multiplicity."""
-    found: dict[Mode, int] = {}
+    modes: dict[Mode, int] = {}
     for factor, multiplicity in poly.factor_list()[1]:
         if factor.degree() > 2:
             raise InputError(
@@ -112,8 +112,8 @@ def _modes(poly: Poly) -> dict[Mode, int]:
         if factor.degree() == 2:
             square = sympy.factor(sympy.cancel(rest[1] / leading - centre**2))
         mode = (centre, square)
-        found[mode] = found.get(mode, 0) + multiplicity
-    return found
+        modes[mode] = modes.get(mode, 0) + multiplicity
+    return modes
 
 
 def _angles(squares: Sequence[Expr], used: set[str]) -> list[_Angle]:
@@ -128,12 +128,12 @@ def _angles(squares: Sequence[Expr], used: set[str]) -> list[_Angle]:
                 break
         else:
             groups.append((square, [Rational(1)]))
-    found = []
+    angles = []
     for first, multiples in groups:
         unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
         ask("terms", sum(int(c / unit) for c in multiples) * 4, "the matrix exponential")
-        found.append(_Angle(_taken("y", used), sympy.factor(first * unit**2)))
-    return found
+        angles.append(_Angle(_taken("y", used), sympy.factor(first * unit**2)))
+    return angles
 
 
 def _turn(square: Expr, angles: Sequence[_Angle], field: Domain) -> tuple[Any, Any]:
@@ -154,15 +154,15 @@ def _turn(square: Expr, angles: Sequence[_Angle], field: Domain) -> tuple[Any, A
 
 def _parts(pole: Expr) -> dict[Expr, Rational]:
     """Return the rational coefficients of a pole by monomials in the symbols."""
-    found = {}
+    parts = {}
     for term in sympy.Add.make_args(pole):
         coefficient, monomial = term.as_coeff_Mul()
         powers = monomial.as_powers_dict() if monomial != 1 else {}
         if not all(base.is_Symbol and power.is_Integer for base, power in powers.items()):
             raise InputError(f"the pole {pole} is no sum of monomials; write a symbol in its place")
         if coefficient != 0:
-            found[monomial] = coefficient
-    return found
+            parts[monomial] = coefficient
+    return parts
 
 
 def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
@@ -171,12 +171,12 @@ def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
         for monomial, coefficient in _parts(pole).items():
             rates.setdefault(monomial, []).append(coefficient)
     bases = []
-    for monomial, found in rates.items():
-        unit = Rational(gcd(*(int(c.p) for c in found)), lcm(*(int(c.q) for c in found)))
-        sign = 1 if all(c > 0 for c in found) else -1
+    for monomial, multiples in rates.items():
+        unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
+        sign = 1 if all(c > 0 for c in multiples) else -1
         name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
         bases.append((_taken(name, used), sign * unit * monomial, monomial))
-        powers = sum(int(abs(c) / unit) for c in found)
+        powers = sum(int(abs(c) / unit) for c in multiples)
         ask("terms", powers * (len(poles) + 1), "the matrix exponential")
     return bases
 

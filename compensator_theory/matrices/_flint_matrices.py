@@ -29,9 +29,9 @@ class RationalMatrix(KeptMatrix):
 
     @classmethod
     def _kept_as(cls, kept: flint.fmpq_mat) -> RationalMatrix:
-        found: RationalMatrix = cls._of_shape(int(kept.nrows()), int(kept.ncols()))
-        found.kept = kept
-        return found
+        matrix: RationalMatrix = cls._of_shape(int(kept.nrows()), int(kept.ncols()))
+        matrix.kept = kept
+        return matrix
 
     @classmethod
     def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
@@ -143,24 +143,26 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     """Return a rational matrix as one of python-flint."""
     if isinstance(matrix, RationalMatrix):
         return matrix.kept
-    kept = kept_rational(matrix)
-    return _in_flint(matrix.to_DM(domain=QQ) if kept is None else kept)
+    rational = kept_rational(matrix)
+    return _in_flint(matrix.to_DM(domain=QQ) if rational is None else rational)
 
 
-def _in_flint(kept: DomainMatrix) -> flint.fmpq_mat:
-    entries = kept.to_list_flat()
+def _in_flint(rational: DomainMatrix) -> flint.fmpq_mat:
+    entries = rational.to_list_flat()
     if QQ.dtype is not flint.fmpq:
         entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
-    return flint.fmpq_mat(*kept.shape, entries)
+    return flint.fmpq_mat(*rational.shape, entries)
 
 
 def kept_rational(matrix: Matrix) -> DomainMatrix | None:
     """Return SymPy's own form of rational numbers, None for others; a conversion takes longer."""
     if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
         return None  # and it is not written
-    kept = getattr(matrix, "_rep", None)
-    if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
-        return kept
+    domain_matrix = getattr(matrix, "_rep", None)
+    if isinstance(domain_matrix, DomainMatrix) and (
+        domain_matrix.domain.is_ZZ or domain_matrix.domain.is_QQ
+    ):
+        return domain_matrix
     return None
 
 

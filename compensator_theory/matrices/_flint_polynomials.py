@@ -29,9 +29,9 @@ def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
     SymPy keeps rational polynomials and numbers as python-flint's where it found it, and then
     nothing is converted.
     """
-    kept = getattr(poly.rep, "_rep", None)
-    if isinstance(kept, flint.fmpq_poly):
-        return kept
+    dense = getattr(poly.rep, "_rep", None)
+    if isinstance(dense, flint.fmpq_poly):
+        return dense
     ascending = poly.rep.to_list()[::-1]
     if QQ.dtype is not flint.fmpq:
         ascending = [flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending]

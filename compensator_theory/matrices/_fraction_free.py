@@ -39,8 +39,8 @@ class SymbolicRows:
             [x for flat, m in zip(flats, widths, strict=True) for x in flat[i * m : (i + 1) * m]]
             for i in range(parts[0].rows)
         )
-        shortened = (_shortened(row, common) for row in rows)
-        self.rows, self.scales = map(list, zip(*shortened, strict=True))
+        lowest_terms = (_shortened(row, common) for row in rows)
+        self.rows, self.scales = map(list, zip(*lowest_terms, strict=True))
 
     @classmethod
     def of(cls, *matrices: Matrix) -> SymbolicRows | None:
@@ -121,13 +121,13 @@ def symbolic_characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly
         return None
     work, (given,) = read
     n, A, common = given.rows, given.grid(), given.below
-    found, below, product = [(work.one, work.one)], work.one, [list(row) for row in A]
+    coefficients, below, product = [(work.one, work.one)], work.one, [list(row) for row in A]
     for k in range(1, n + 1):
         below = below * common
         c = -sum((product[i][i] for i in range(n)), start=work.zero) / k
-        found.append((c, below))
+        coefficients.append((c, below))
         for i in range(n):
             product[i][i] = product[i][i] + c
         if k < n:
             product = multiplied_grids(work, A, product)
-    return work.polynomial(found, variable)
+    return work.polynomial(coefficients, variable)

@@ -130,8 +130,8 @@ class FunctionRing:
         """Return quotient and remainder."""
         ask("terms", self.terms(a) + self.terms(b), "a division between polynomial matrices")
         rest, divisor, scale = list(a.above), b.above, self.work.one
-        found = [self.work.zero] * max(0, len(rest) - len(divisor) + 1)
-        for shift in reversed(range(len(found))):
+        quotient = [self.work.zero] * max(0, len(rest) - len(divisor) + 1)
+        for shift in reversed(range(len(quotient))):
             top = rest.pop()
             if top.is_zero():
                 continue
@@ -139,12 +139,12 @@ class FunctionRing:
             factor, top = divisor[-1] / shared, top / shared
             if not factor.is_one():
                 rest, scale = [factor * c for c in rest], factor * scale
-                found = [factor * c for c in found]
-            found[shift] = top
+                quotient = [factor * c for c in quotient]
+            quotient[shift] = top
             for k, c in enumerate(divisor[:-1], shift):
                 rest[k] -= top * c
         below = scale * a.below
-        return Element(self, [c * b.below for c in found], below), Element(self, rest, below)
+        return Element(self, [c * b.below for c in quotient], below), Element(self, rest, below)
 
     def reciprocal_of_leading(self, element: Element) -> Element:
         """Return 1 over the leading coefficient, as a constant polynomial."""
@@ -160,11 +160,11 @@ class FunctionRing:
 
     def combined(self, pairs: Iterable[tuple[Element, Element]]) -> Element:
         """Return a sum of products, over one denominator before it is brought to lowest terms."""
-        given = [(x, y, x.below * y.below) for x, y in pairs if x and y]
-        common = self._common(below for _, _, below in given)
-        length = max((len(x.above) + len(y.above) - 1 for x, y, _ in given), default=0)
+        terms = [(x, y, x.below * y.below) for x, y in pairs if x and y]
+        common = self._common(below for _, _, below in terms)
+        length = max((len(x.above) + len(y.above) - 1 for x, y, _ in terms), default=0)
         total = [self.work.zero] * length
-        for x, y, below in given:
+        for x, y, below in terms:
             factor = common / below
             for i, c in enumerate(x.above):
                 if not c.is_zero():
@@ -216,12 +216,12 @@ class FunctionRing:
 
     def _coefficients(self, poly: _Mpoly) -> list[_Mpoly]:
         """Return the coefficients of ascending powers of the variable."""
-        found: list[dict[tuple[int, ...], flint.fmpz]] = [
+        coefficients: list[dict[tuple[int, ...], flint.fmpz]] = [
             {} for _ in range(int(poly.degrees()[0]) + 1)
         ]
         for (power, *others), c in poly.to_dict().items():
-            found[int(power)][tuple(map(int, others))] = c
-        return [self.work.context.from_dict(terms) for terms in found]
+            coefficients[int(power)][tuple(map(int, others))] = c
+        return [self.work.context.from_dict(terms) for terms in coefficients]
 
     def _content(self, polys: Iterable[_Mpoly]) -> _Mpoly:
         return common_factor(self.work.zero, polys)

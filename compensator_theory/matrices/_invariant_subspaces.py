@@ -61,7 +61,7 @@ class PrimaryComponent(ExactValue):
 
 def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryComponent, ...]:
     """Split a matrix along the irreducible factors of its characteristic polynomial."""
-    found = []
+    components = []
     for factor, multiplicity in polynomial.factor_list()[1]:
         f = monic(canonical(factor))
         value = DomainMatrix.from_Matrix(evaluate(f, matrix))
@@ -69,8 +69,8 @@ def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryCompone
         for _ in range(multiplicity):
             kernels.append(kernel(power.to_Matrix()))
             power = power * value
-        found.append(PrimaryComponent(f, multiplicity, tuple(kernels)))
-    return tuple(found)
+        components.append(PrimaryComponent(f, multiplicity, tuple(kernels)))
+    return tuple(components)
 
 
 def divisors(

@@ -29,11 +29,11 @@ class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
 
     @classmethod
     def _of_shape(cls, rows: int, columns: int) -> Any:
-        found = object.__new__(cls)
-        found._rows, found._cols = rows, columns
-        found._mhash = None
-        found._assumptions = cls.default_assumptions
-        return found
+        matrix = object.__new__(cls)
+        matrix._rows, matrix._cols = rows, columns
+        matrix._mhash = None
+        matrix._assumptions = cls.default_assumptions
+        return matrix
 
     @property
     @abstractmethod
@@ -50,8 +50,8 @@ class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
         return self._mhash
 
     def __eq__(self, other: object) -> bool:
-        found: bool = super().__eq__(other)  # or that SymPy does not know
-        return found
+        equal: bool = super().__eq__(other)  # or that SymPy does not know
+        return equal
 
     def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
         return ImmutableMatrix, self._args

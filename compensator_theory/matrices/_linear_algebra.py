@@ -127,18 +127,18 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
             return AffineSolution(solve(matrix, right_side), ())
         except NoSolutionError:
             pass
-    found = echelon(matrix.row_join(right_side))
-    if matrix.cols in found.pivots:
+    reduced = echelon(matrix.row_join(right_side))
+    if matrix.cols in reduced.pivots:
         raise NoSolutionError(
             f"the {matrix.rows} equations for {matrix.cols} unknowns contradict each other"
         )
-    return AffineSolution(*found.solutions())
+    return AffineSolution(*reduced.solutions())
 
 
 def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
     """Return the same matrix with every rational function of symbols in lowest terms."""
-    if (kept := symbolic_matrix(matrix)) is not None:
-        return kept
+    if (symbolic := symbolic_matrix(matrix)) is not None:
+        return symbolic
     return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if symbols_in(matrix) else matrix)
 
 

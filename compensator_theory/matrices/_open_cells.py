@@ -65,10 +65,10 @@ def cocyclic_family(
     whole = component.factor**component.multiplicity
     (dual,) = primary_components(matrix.T, whole)
     rest = component.multiplicity - exponent
-    found = subspace_family(matrix.T, dual, rest, names) if dual.has_continuum(rest) else None
-    if found is None:
+    family = subspace_family(matrix.T, dual, rest, names) if dual.has_continuum(rest) else None
+    if family is None:
         return None
-    annihilator, parameters = found
+    annihilator, parameters = family
     all_of_it = component.kernels[component.multiplicity]
     inside = kernel(ImmutableMatrix(annihilator.T * all_of_it))
     basis = (all_of_it * inside).applyfunc(sympy.cancel)
@@ -77,25 +77,25 @@ def cocyclic_family(
 
 def families(matrix: Matrix, chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[Family, ...]:
     """Every parametrised family of invariant subspaces with one polynomial, largest first."""
-    found: list[Family] = [(joined(matrix.rows, []), ())]
+    bases: list[Family] = [(joined(matrix.rows, []), ())]
     enough = len(chosen) * (matrix.rows**2 + 1)
     letters = numbered(names_in_all(matrix), "alpha", enough)
     for component, exponent in chosen:
         if not component.has_continuum(exponent):
             options: list[Family] = [(component.kernels[exponent], ())]
         else:
-            taken = max(len(parameters) for _, parameters in found)
-            start = letters[taken : taken + matrix.rows**2 + 1]
-            made = (
+            count = max(len(parameters) for _, parameters in bases)
+            start = letters[count : count + matrix.rows**2 + 1]
+            candidates = (
                 subspace_family(matrix, component, exponent, iter(start)),
                 grassmannian_cell(matrix, component, exponent, iter(start)),
                 cocyclic_family(matrix, component, exponent, iter(start)),
             )
-            known = [family for family in made if family is not None]
+            known = [family for family in candidates if family is not None]
             options = [family for family in known if family[1]] or known  # a point is no family
-        found = [
+        bases = [
             (joined(matrix.rows, [basis, more]), (*parameters, *others))
-            for basis, parameters in found
+            for basis, parameters in bases
             for more, others in options
         ]
-    return tuple(sorted(found, key=lambda family: -len(family[1])))
+    return tuple(sorted(bases, key=lambda family: -len(family[1])))

@@ -48,8 +48,8 @@ class RationalFunctions:
 
     def read(self, expression: Expr) -> Fraction:
         """Return an expression as a fraction; parts that occur again are read once."""
-        found = self.known.get(expression)
-        return self._remembered(expression, *self._computed(expression)) if found is None else found
+        known = self.known.get(expression)
+        return self._remembered(expression, *self._computed(expression)) if known is None else known
 
     def _remembered(
         self, expression: Expr, above: flint.fmpz_mpoly, below: flint.fmpz_mpoly
@@ -126,9 +126,9 @@ class RationalFunctions:
         if above.is_zero():
             return sympy.Integer(0)
         above, below = self.lowest(above, below)
-        found = self.expression(above) / self.expression(below)
-        self._remembered(found, above, below)
-        return found
+        quotient = self.expression(above) / self.expression(below)
+        self._remembered(quotient, above, below)
+        return quotient
 
     def lowest(self, above: flint.fmpz_mpoly, below: flint.fmpz_mpoly) -> Fraction:
         """Return a fraction in lowest terms, its denominator with a positive leading one."""
@@ -178,16 +178,20 @@ def in_symbols(symbols: frozenset[Symbol]) -> RationalFunctions:
 
 def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
     """Tell of expressions whether they are zero for all values of their symbols."""
-    given = list(expressions)
-    symbols = {x for x in set().union(*(e.free_symbols for e in given)) if isinstance(x, Symbol)}
+    list_of_expressions = list(expressions)
+    symbols = {
+        x
+        for x in set().union(*(e.free_symbols for e in list_of_expressions))
+        if isinstance(x, Symbol)
+    }
     work = in_symbols(frozenset(symbols)) if symbols else None
-    found: list[bool | None] = []
-    for expression in given:
+    answers: list[bool | None] = []
+    for expression in list_of_expressions:
         known: bool | None = None
         if expression.is_Rational:
             known = bool(expression == 0)
         elif work is not None:
             with suppress(NotRationalError):
                 known = bool(work.read(expression)[0].is_zero())
-        found.append(known)
-    return found
+        answers.append(known)
+    return answers

@@ -52,7 +52,7 @@ def strata(blocks: Sequence[int], size: int) -> tuple[Stratum, ...]:
         return (Stratum((1,) * size, (1,) * rest, size * rest, 1),)
     pairs = _number_of_partitions(size) * _number_of_partitions(rest)
     ask("terms", pairs, "the strata of invariant subspaces")
-    found = []
+    strata_of_type = []
     for mu in partitions(size):
         if len(mu) > len(whole) or any(m > w for m, w in zip(mu, whole, strict=False)):
             continue
@@ -60,8 +60,8 @@ def strata(blocks: Sequence[int], size: int) -> tuple[Stratum, ...]:
             count = littlewood_richardson(whole, mu, nu)
             if count:
                 dimension = _weight(whole) - _weight(mu) - _weight(nu)
-                found.append(Stratum(mu, nu, dimension, count))
-    return tuple(sorted(found, key=lambda s: (-s.dimension, s.subspace, s.quotient)))
+                strata_of_type.append(Stratum(mu, nu, dimension, count))
+    return tuple(sorted(strata_of_type, key=lambda s: (-s.dimension, s.subspace, s.quotient)))
 
 
 def continuum_size(chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[int, int]:

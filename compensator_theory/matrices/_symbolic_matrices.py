@@ -62,10 +62,10 @@ class SymbolicMatrix(KeptMatrix):
     kept: Numerators
 
     @classmethod
-    def _kept_as(cls, work: RationalFunctions, kept: Numerators) -> SymbolicMatrix:
-        found: SymbolicMatrix = cls._of_shape(kept.rows, kept.columns)
-        found.work, found.kept = work, kept
-        return found
+    def _kept_as(cls, work: RationalFunctions, numerators: Numerators) -> SymbolicMatrix:
+        matrix: SymbolicMatrix = cls._of_shape(numerators.rows, numerators.columns)
+        matrix.work, matrix.kept = work, numerators
+        return matrix
 
     @classmethod
     def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
@@ -83,8 +83,8 @@ class SymbolicMatrix(KeptMatrix):
 
     @property
     def _args(self) -> tuple[Integer, Integer, Tuple]:
-        found: tuple[Integer, Integer, Tuple] = self._plain.args
-        return found
+        arguments: tuple[Integer, Integer, Tuple] = self._plain.args
+        return arguments
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, SymbolicMatrix) and self.work.symbols == other.work.symbols:
@@ -107,8 +107,8 @@ class SymbolicMatrix(KeptMatrix):
 
     def _eval_transpose(self) -> SymbolicMatrix:
         flat = [x for column in zip(*self.kept.grid(), strict=True) for x in column]
-        kept = Numerators(flat, self.kept.below, self._cols, self._rows)
-        return self._kept_as(self.work, kept)
+        transposed = Numerators(flat, self.kept.below, self._cols, self._rows)
+        return self._kept_as(self.work, transposed)
 
     def __neg__(self) -> SymbolicMatrix:
         flat = [-x for x in self.kept.flat]
@@ -121,9 +121,9 @@ class SymbolicMatrix(KeptMatrix):
     def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
         if (both := kept_with_symbols(self, ImmutableMatrix([[other]]))) is None:
             return super()._eval_scalar_mul(other)
-        work, (given, factor) = both
-        flat = [x * factor.flat[0] for x in given.flat]
-        return of_numerators(work, flat, given.below * factor.below, self.shape)
+        work, (matrix, factor) = both
+        flat = [x * factor.flat[0] for x in matrix.flat]
+        return of_numerators(work, flat, matrix.below * factor.below, self.shape)
 
     _eval_scalar_rmul = _eval_scalar_mul
 
@@ -231,28 +231,28 @@ def _taken_to(work: RationalFunctions, matrix: RationalMatrix | SymbolicMatrix) 
         above, below = matrix.kept.numer_denom()
         flat = [work.context.constant(int(x)) for x in above.entries()]
         return Numerators(flat, work.context.constant(int(below)), *map(int, matrix.shape))
-    given = matrix.kept
+    numerators = matrix.kept
     if matrix.work.symbols == work.symbols:
-        return given
+        return numerators
     moves = {f"x{i}": f"x{work.symbols.index(x)}" for i, x in enumerate(matrix.work.symbols)}
-    flat = [x.project_to_context(work.context, moves) for x in given.flat]
-    below = given.below.project_to_context(work.context, moves)
-    return Numerators(flat, below, given.rows, given.columns)
+    flat = [x.project_to_context(work.context, moves) for x in numerators.flat]
+    below = numerators.below.project_to_context(work.context, moves)
+    return Numerators(flat, below, numerators.rows, numerators.columns)
 
 
 def over_one(
     work: RationalFunctions, parts: Iterable[Numerators]
 ) -> tuple[list[Sequence[flint.fmpz_mpoly]], flint.fmpz_mpoly]:
     """Return the numerators of some matrices over one denominator, and that."""
-    given = list(parts)
+    expressions = list(parts)
     common = work.one
-    for part in given:
+    for part in expressions:
         if part.below != common:
             common = common * (part.below / common.gcd(part.below))
-    factors = [common / part.below for part in given]
+    factors = [common / part.below for part in expressions]
     return [
         part.flat if factor.is_one() else [x * factor for x in part.flat]
-        for part, factor in zip(given, factors, strict=True)
+        for part, factor in zip(expressions, factors, strict=True)
     ], common
 
 
@@ -265,10 +265,10 @@ def product_with_symbols(*factors: Matrix) -> ImmutableMatrix | None:
 
 def _product(work: RationalFunctions, factors: Sequence[Numerators]) -> ImmutableMatrix:
     first, *others = factors
-    found, below = first.grid(), first.below
+    rows, below = first.grid(), first.below
     for other in others:
-        found, below = multiplied_grids(work, found, other.grid()), below * other.below
-    flat = [x for row in found for x in row]
+        rows, below = multiplied_grids(work, rows, other.grid()), below * other.below
+    flat = [x for row in rows for x in row]
     return of_numerators(work, flat, below, (first.rows, factors[-1].columns))
 
 

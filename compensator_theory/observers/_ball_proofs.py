@@ -76,11 +76,11 @@ def prove_forms(loop: ImmutableMatrix, Dtilde: Poly, n: int) -> BallProof:
             units = _real_units(balls)
             sizes = (n, loop.rows - 2 * n) if loop.rows > 2 * n else (n,)
             splits = list(itertools.islice(_splits(units, sizes), MOST + 1))
-            tried = splits[:MOST]
-            proved = sum(_gives_form(chains, split, n) for split in tried)
-        if proved == len(tried):
+            splits_tried = splits[:MOST]
+            proved = sum(_gives_form(chains, split, n) for split in splits_tried)
+        if proved == len(splits_tried):
             break
-    return BallProof(proved, len(tried), len(splits) <= MOST)
+    return BallProof(proved, len(splits_tried), len(splits) <= MOST)
 
 
 def _chains(
@@ -103,8 +103,10 @@ def _chain(loop: ImmutableMatrix, minimal: Poly, root: flint.acb, length: int, s
     rows = []
     for i in range(size):
         entry = flint.acb_poly([flint.acb(flint.arb(w[i, 0])) for w in reversed(columns)])
-        found = entry(shifted).coeffs()
-        rows.append([found[k] if k < len(found) else flint.acb(0) for k in range(length)])
+        coefficients = entry(shifted).coeffs()
+        rows.append(
+            [coefficients[k] if k < len(coefficients) else flint.acb(0) for k in range(length)]
+        )
     return [[row[k] for row in rows] for k in range(length)]
 
 

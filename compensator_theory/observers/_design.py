@@ -172,7 +172,7 @@ def _generic_compensator(
     plant: RealisationLike, *arguments: Any, **options: Any
 ) -> tuple[ObserverBasedCompensator, list[Expr]]:
     """It exists where the plant is controllable and observable."""
-    found = observer_based_compensator(plant, *arguments, **options)
-    A, B, C, _ = found.plant.matrices
+    compensator = observer_based_compensator(plant, *arguments, **options)
+    A, B, C, _ = compensator.plant.matrices
     ranks = [determinant(controllability_matrix(*pair)) for pair in ((A, B), (A.T, C.T))]
-    return found, [*ranks, *denominators_in(found)]
+    return compensator, [*ranks, *denominators_in(compensator)]

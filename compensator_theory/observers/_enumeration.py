@@ -104,9 +104,9 @@ def observer_forms(
     """
     system = realisation(plant, variable)
     ask("entries", system.n**3, _SEARCH)  # before the compensator is read, which takes as long
-    given = realisation(compensator, variable)
-    ask("entries", (system.n + given.n) ** 3, _SEARCH)
-    controller = given.with_sign(agreed_sign(given, feedback))
+    loop_compensator = realisation(compensator, variable)
+    ask("entries", (system.n + loop_compensator.n) ** 3, _SEARCH)
+    controller = loop_compensator.with_sign(agreed_sign(loop_compensator, feedback))
     loop = closed_loop_matrix(system, controller)
     if not (system.n and controller.n):
         raise InputError(
@@ -132,20 +132,20 @@ def observer_forms(
         p_O = canonical(whole.exquo(p_R))
         chosen = list(zip(components, exponents, strict=True))
         is_continuum = any(c.has_continuum(e) for c, e in chosen)
-        found: ObserverForm | str | None
+        result: ObserverForm | str | None
         if is_continuum:
             size = continuum_size(chosen)
             continua.append((p_R, *size))
-            found = _of_continuum(system, controller, loop, chosen, (p_R, p_O), size[0])
+            result = _of_continuum(system, controller, loop, chosen, (p_R, p_O), size[0])
         else:
             subspace = _stacked(loop.rows, chosen)
-            found = form_of_subspace(system, controller, subspace, (p_R, p_O))
-        if found is None:
+            result = form_of_subspace(system, controller, subspace, (p_R, p_O))
+        if result is None:
             undecided.append(p_R)
-        elif isinstance(found, str):
-            rejections.append((p_R, found))
+        elif isinstance(result, str):
+            rejections.append((p_R, result))
         else:
-            (families if is_continuum else forms).append(found)
+            (families if is_continuum else forms).append(result)
     return ObserverForms(
         system, controller, whole, tuple(forms), tuple(families), tuple(rejections),
         tuple(undecided), tuple(continua),
@@ -178,15 +178,15 @@ def _of_continuum(
         return "in every subspace with this polynomial T lacks full rank"
     all_fail = is_irreducible(chosen)
     for subspace, parameters in parametrised(loop, chosen):
-        found = form_of_subspace(plant, compensator, subspace, polynomials, parameters)
-        if isinstance(found, ObserverForm):
-            return found
+        form = form_of_subspace(plant, compensator, subspace, polynomials, parameters)
+        if isinstance(form, ObserverForm):
+            return form
         if all_fail and len(parameters) == dimension:
-            return found  # the family is dense, and what fails generically always fails
+            return form  # the family is dense, and what fails generically always fails
     for subspace in _samples(loop, chosen):
-        found = form_of_subspace(plant, compensator, subspace, polynomials)
-        if isinstance(found, ObserverForm):
-            return found
+        form = form_of_subspace(plant, compensator, subspace, polynomials)
+        if isinstance(form, ObserverForm):
+            return form
     return None
 
 

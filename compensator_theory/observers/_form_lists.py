@@ -97,10 +97,10 @@ class ObserverForms(Certified, ExactValue):
         The forms of irrational regulator polynomials are found in float64, by
         ``rcac_numeric.observer_forms``.
         """
-        seen = {form.regulator for form in (*self.forms, *self.families)}
-        seen |= {polynomial for polynomial, _ in self.rejections} | set(self.undecided)
+        spectra = {form.regulator for form in (*self.forms, *self.families)}
+        spectra |= {polynomial for polynomial, _ in self.rejections} | set(self.undecided)
         candidates = self.number_of_candidates
-        return None if candidates is None else len(seen) == candidates
+        return None if candidates is None else len(spectra) == candidates
 
     def continuum(self, regulator: Poly) -> str:
         """Say in words how large the continuum of subspaces of a regulator polynomial is."""
@@ -157,16 +157,16 @@ class ObserverForms(Certified, ExactValue):
         NoSolutionError
             If there is no form.
         """
-        wanted = exact_matrix(K, "K"), exact_matrix(F, "F")
+        gains = exact_matrix(K, "K"), exact_matrix(F, "F")
         shapes = self.plant.B.T.shape, self.plant.C.T.shape
-        if self.plant.n != self.compensator.n or (wanted[0].shape, wanted[1].shape) != shapes:
+        if self.plant.n != self.compensator.n or (gains[0].shape, gains[1].shape) != shapes:
             raise InputError(
-                f"K and F are {wanted[0].shape} and {wanted[1].shape}; full-order forms of this "
+                f"K and F are {gains[0].shape} and {gains[1].shape}; full-order forms of this "
                 f"plant have gains of shapes {shapes[0]} and {shapes[1]}"
             )
 
         def distance(form: ObserverForm) -> Expr:
-            off = [*(form.K - wanted[0]), *(form.F - wanted[1])]
+            off = [*(form.K - gains[0]), *(form.F - gains[1])]
             return sympy.Add(*(entry**2 for entry in off))
 
         return self._least(distance)

@@ -133,20 +133,20 @@ class FunctionalObserver(ExactValue):
                 "compensator and D of the plant; choose other poles"
             ) from error
         known = self.H - self.J * plant.D
-        found = Realisation(
+        compensator = Realisation(
             self.N + known * W * of_estimate, self.J + known * W * direct, W * of_estimate,
             W * direct, plant.variable, feedback=1, sample_time=plant.sample_time,
         )  # fmt: skip
         s = plant.variable
-        joined = plant.feedback_with(found, feedback=1).characteristic_polynomial
-        wanted = characteristic_polynomial(plant.A + plant.B * gain, s) * self.error_polynomial
+        joined = plant.feedback_with(compensator, feedback=1).characteristic_polynomial
+        target = characteristic_polynomial(plant.A + plant.B * gain, s) * self.error_polynomial
         certificate = certificate_of(
             f"det({s}I - A_cl) = det({s}I - A - BK) det({s}I - N)",
-            [[(joined - wanted).as_expr()]],
+            [[(joined - target).as_expr()]],
             "compensator",
         )
-        object.__setattr__(found, "certificate", certificate)
-        return found
+        object.__setattr__(compensator, "certificate", certificate)
+        return compensator
 
     def _split(self, K: ImmutableMatrix) -> tuple[ImmutableMatrix, ImmutableMatrix]:
         """K_1 and K_2 with K = K_1 L + K_2 C."""
@@ -317,15 +317,15 @@ def reduced_order_observer(
     the error obeys det(sI - N) = s + 3
     """
     whole = timed_realisation(plant, variable, "an observer")
-    seen = set(echelon(whole.C).pivots)
-    rows = [row for row in range(whole.n) if row not in seen]
+    measured_rows = set(echelon(whole.C).pivots)
+    rows = [row for row in range(whole.n) if row not in measured_rows]
     if not rows:
         raise InputError("C has rank n: the outputs show the whole state, nothing is left to find")
     return functional_observer(whole, identity_matrix(whole.n)[rows, :], poles)
 
 
 def _designed(
-    plant: Realisation, L: ImmutableMatrix, G: ImmutableMatrix, wanted: Poly
+    plant: Realisation, L: ImmutableMatrix, G: ImmutableMatrix, polynomial: Poly
 ) -> FunctionalObserver:
     A, C, r, p = plant.A, plant.C, int(L.rows), int(plant.C.rows)
     zeros = zero_matrix(r + p, G.cols)
@@ -336,7 +336,7 @@ def _designed(
     except NoSolutionError as error:
         raise NoSolutionError(_why_not(left, right, plant.C * G, L * G)) from error
     free = kernel(left.T).T  # rows, what may be added to a row of the solution
-    N, gains, fixed = _placed(particular[:, :r], ImmutableMatrix(free[:, :r]), wanted)
+    N, gains, fixed = _placed(particular[:, :r], ImmutableMatrix(free[:, :r]), polynomial)
     whole = ImmutableMatrix(particular - gains * free)
     E = ImmutableMatrix(whole[:, r + p :])
     J = ImmutableMatrix(whole[:, r : r + p] + N * E)
@@ -350,10 +350,10 @@ def _designed(
 
 
 def _placed(
-    N_0: ImmutableMatrix, N_1: ImmutableMatrix, wanted: Poly
+    N_0: ImmutableMatrix, N_1: ImmutableMatrix, polynomial: Poly
 ) -> tuple[ImmutableMatrix, ImmutableMatrix, Poly]:
     """N_0 - Z N_1 with the wanted spectrum where it can be moved, Z, and what cannot be."""
-    s, r = wanted.gen, int(N_0.rows)
+    s, r = polynomial.gen, int(N_0.rows)
     shown = ImmutableMatrix(controllability_matrix(N_0.T, N_1.T)) if N_1.rows else N_1.T
     basis = echelon(shown.T).matrix  # rows span what moves
     q = int(basis.rows)
@@ -363,24 +363,25 @@ def _placed(
     inverse = solve(complete, identity_matrix(r))
     moved = complete * N_0 * inverse  # in these coordinates, (w; rest), w' = N_w w alone
     fixed = characteristic_polynomial(ImmutableMatrix(moved[q:, q:]), s)
-    if wanted.degree() != q:
+    if polynomial.degree() != q:
         hidden = f"; the root(s) of {format_polynomial(fixed)} cannot be moved" if q < r else ""
         raise InputError(
-            f"{format_polynomial(wanted)} has degree {wanted.degree()}, but {q} poles are to be "
+            f"{format_polynomial(polynomial)} has degree {polynomial.degree()}, but {q} poles "
+            "are to be "
             f"placed{hidden}"
         )
     if q == 0:
         return N_0, zero_matrix(r, N_1.rows), fixed
     # Of the rows of N_1 as many as are independent; the family needs no more and takes no other.
     rows = echelon(N_1.T).pivots
-    seen = ImmutableMatrix((N_1 * inverse)[list(rows), :q])
-    F = observer_gain_family(moved[:q, :q], seen, monic(wanted), variable=s).gain()
+    rows_of_outputs = ImmutableMatrix((N_1 * inverse)[list(rows), :q])
+    F = observer_gain_family(moved[:q, :q], rows_of_outputs, monic(polynomial), variable=s).gain()
     Z = sympy.zeros(r, int(N_1.rows))
     for column, row in enumerate(rows):
         Z[:, row] = inverse[:, :q] * F[:, column]
     gains = ImmutableMatrix(Z)
     N = ImmutableMatrix(N_0 - gains * N_1)
-    if not (characteristic_polynomial(N, s) - monic(wanted) * fixed).is_zero:
+    if not (characteristic_polynomial(N, s) - monic(polynomial) * fixed).is_zero:
         raise NoSolutionError("the spectrum was not placed; please report it")
     return N, gains, fixed
 
@@ -388,22 +389,22 @@ def _placed(
 def _solved_from_the_left(matrix: ImmutableMatrix, right: ImmutableMatrix) -> ImmutableMatrix:
     """One X with X matrix = right; NoSolutionError if there is none."""
     columns, rows = int(matrix.rows), int(right.rows)
-    found = echelon(ImmutableMatrix(matrix.T.row_join(right.T)))
-    if any(pivot >= columns for pivot in found.pivots):
+    reduced = echelon(ImmutableMatrix(matrix.T.row_join(right.T)))
+    if any(pivot >= columns for pivot in reduced.pivots):
         raise NoSolutionError("the equations contradict each other")
     X = sympy.zeros(rows, columns)
-    for row, pivot in enumerate(found.pivots):
-        X[:, pivot] = found.matrix[row, columns:].T
+    for row, pivot in enumerate(reduced.pivots):
+        X[:, pivot] = reduced.matrix[row, columns:].T
     return ImmutableMatrix(X)
 
 
 def _why_not(
     left: ImmutableMatrix, right: ImmutableMatrix, CG: ImmutableMatrix, LG: ImmutableMatrix
 ) -> str:
-    seen, felt = rank(CG), rank(ImmutableMatrix(CG.col_join(LG)))
-    if seen < felt:
+    measured, felt = rank(CG), rank(ImmutableMatrix(CG.col_join(LG)))
+    if measured < felt:
         return (
-            f"no observer of L x is free of the unknown inputs: rank C G = {seen}, but "
+            f"no observer of L x is free of the unknown inputs: rank C G = {measured}, but "
             f"rank [C; L] G = {felt}; measure what they enter, or estimate less"
         )
     known, both = rank(left), rank(ImmutableMatrix(left.col_join(right)))

@@ -195,11 +195,11 @@ def _continua(forms: ObserverForms) -> str:
 
 def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> ObserverDecision:
     n, n_c = plant.n, compensator.n
-    found = youla_forms(plant, compensator)
+    forms = youla_forms(plant, compensator)
     all_ways = count_partitions(Dtilde, (n, n, n_c - n)) if is_rational(Dtilde) else None
-    if found:
-        reason = f"{len(found)} rational splits into regulator, observer and Youla parameter work"
-        number = len(found) if all_ways and _every_real_factor_is_rational(Dtilde) else None
+    if forms:
+        reason = f"{len(forms)} rational splits into regulator, observer and Youla parameter work"
+        number = len(forms) if all_ways and _every_real_factor_is_rational(Dtilde) else None
         return ObserverDecision(QUESTION, True, reason, number, Dtilde)
     if all_ways == 0 or (all_ways and _every_real_factor_is_rational(Dtilde)):
         reason = (
@@ -222,14 +222,14 @@ def _by_balls(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> Obs
     if not is_rational(Dtilde):
         return ""
     proof = prove_forms(closed_loop_matrix(plant, compensator), Dtilde, plant.n)
-    tried = f"{proof.tried} real splits of the spectrum, irrational ones included,"
+    attempts = f"{proof.tried} real splits of the spectrum, irrational ones included,"
     if not proof.proved:
-        return f"; of {tried} none is proved to work in certified balls"
+        return f"; of {attempts} none is proved to work in certified balls"
     minimal = derogatory_factor(closed_loop_matrix(plant, compensator), Dtilde) is None
     complete = minimal and proof.is_exhaustive and proof.proved == proof.tried
     number = proof.proved if complete else None
     return ObserverDecision(
-        QUESTION, True, f"{proof.proved} of {tried} are proved to work in certified balls",
+        QUESTION, True, f"{proof.proved} of {attempts} are proved to work in certified balls",
         number, Dtilde,
     )  # fmt: skip
 

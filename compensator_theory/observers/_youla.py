@@ -187,7 +187,7 @@ def youla_forms(
                 f"a continuum, for its invariant subspaces do, of dimension {_sizes(component)}. "
                 "Remove the hidden mode of the compensator"
             )
-    found = []
+    forms = []
     for (inner, p_R), (outer, both) in itertools.product(
         divisors(components, n), list(divisors(components, n_c))
     ):
@@ -195,8 +195,8 @@ def youla_forms(
             T = _basis(_stacked(components, inner), _stacked(components, outer), n)
             if T is not None:
                 p_Q, p_O = canonical(both.exquo(p_R)), canonical(whole.exquo(both))
-                found.append(YoulaForm(system, controller, T, p_R, p_O, p_Q))
-    return tuple(found)
+                forms.append(YoulaForm(system, controller, T, p_R, p_O, p_Q))
+    return tuple(forms)
 
 
 def _sizes(component: PrimaryComponent) -> str:

@@ -189,22 +189,22 @@ def _relative_degree(plant: Realisation, i: int) -> tuple[int, ImmutableMatrix]:
         return 0, plant.D[i, :]
     row = plant.C[i, :]
     for d in range(1, plant.n + 1):
-        seen = multiplied(row, plant.B)
-        if not seen.is_zero_matrix:
-            return d, seen
+        row_times_B = multiplied(row, plant.B)
+        if not row_times_B.is_zero_matrix:
+            return d, row_times_B
         row = multiplied(row, plant.A)
     raise NoSolutionError(f"no input reaches output {i + 1}; leave that output out")
 
 
 def _targets(
-    given: Sequence[PolynomialLike] | None, degrees: list[int], s: Symbol
+    polynomials: Sequence[PolynomialLike] | None, degrees: list[int], s: Symbol
 ) -> tuple[Poly, ...]:
-    if given is None:
+    if polynomials is None:
         return tuple(polynomial(s**d, s) for d in degrees)
     example = f"give one polynomial for each of the {len(degrees)} outputs, in a list"
-    if isinstance(given, str):
+    if isinstance(polynomials, str):
         raise InputError(example)
-    several = listed(given, "entries", "the list of polynomials")
+    several = listed(polynomials, "entries", "the list of polynomials")
     if len(several) != len(degrees):
         raise InputError(f"there are {len(several)} polynomials; {example}")
     read = tuple(polynomial(p, s) for p in several)

@@ -99,12 +99,12 @@ def decouple_disturbance(
             f"E is {drive.rows} x {drive.cols}; it needs {source.n} rows, one for each state, and "
             "a column for each disturbance"
         )
-    found = controlled_invariant_subspaces(source)
-    if not Subspaces().contains(found.V, drive):
-        return DisturbanceDecoupling(False, None, found, None)
-    closed, output = source.A + source.B * found.F, source.C + source.D * found.F
+    subspaces = controlled_invariant_subspaces(source)
+    if not Subspaces().contains(subspaces.V, drive):
+        return DisturbanceDecoupling(False, None, subspaces, None)
+    closed, output = source.A + source.B * subspaces.F, source.C + source.D * subspaces.F
     left, power = [], drive
     for _ in range(source.n):
         left.append(output * power)
         power = closed * power
-    return DisturbanceDecoupling(True, found.F, found, certificate_of(IDENTITY, left))
+    return DisturbanceDecoupling(True, subspaces.F, subspaces, certificate_of(IDENTITY, left))

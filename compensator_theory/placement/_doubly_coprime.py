@@ -135,9 +135,9 @@ def doubly_coprime_fractions(
     >>> print(found.N_r, found.V_r)
     [[1]]/(s**2 + 2*s + 1) [[s**2 + 5*s + 13]]/(s**2 + 2*s + 1)
     """
-    given, exceptional = read_plant(plant, variable)
-    s, n = given.variable, given.n
-    A, B, C, D = given.A, given.B, given.C, given.D
+    source, exceptional = read_plant(plant, variable)
+    s, n = source.variable, source.n
+    A, B, C, D = source.A, source.B, source.C, source.D
     if n:
         feedback = state_feedback_family(A, B, regulator, variable=s)
         injection = observer_gain_family(A, C, observer, variable=s)
@@ -159,7 +159,7 @@ def doubly_coprime_fractions(
         K.col_join(in_lowest_terms(C + D * K)),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), D.row_join(eye_p)),
         s,
-        given.sample_time,
+        source.sample_time,
     )
     second = transfer_matrix_of_realisation(
         left,
@@ -167,12 +167,12 @@ def doubly_coprime_fractions(
         K.col_join(C),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), (-D).row_join(eye_p)),
         s,
-        given.sample_time,
+        source.sample_time,
     )
     M_r, U_r, N_r, V_r = _blocks(first, m)
     V_l, minus_U_l, minus_N_l, M_l = _blocks(second, m)
     result = DoublyCoprimeFractions(
-        given, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional
+        source, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional
     )
     proven(result.certificate, "pair of fractions")
     return result
@@ -184,16 +184,17 @@ def read_plant(
     """Return a realisation: the one that was given, or a minimal one of a transfer matrix."""
     if has_states(plant, variable):
         return timed_realisation(plant, variable, "a stable fraction"), ()
-    found = minimal_realisation(plant, variable)
-    return found.realisation, found.exceptional
+    minimal = minimal_realisation(plant, variable)
+    return minimal.realisation, minimal.exceptional
 
 
 def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None:
     """Refuse a matrix with an unstable eigenvalue; where symbols decide, it passes."""
-    wanted = characteristic_polynomial(matrix, variable)
-    if decide_stability(wanted, time=time_of(variable, "stability")).is_stable is False:
+    polynomial = characteristic_polynomial(matrix, variable)
+    if decide_stability(polynomial, time=time_of(variable, "stability")).is_stable is False:
         raise InputError(
-            f"the {name} spectrum {format_polynomial(wanted)} is not stable; the fractions need "
+            f"the {name} spectrum {format_polynomial(polynomial)} is not stable; the fractions "
+            "need "
             "stable denominators"
         )
 

@@ -183,11 +183,11 @@ def assign_eigenstructure(
         )
     columns: list[ImmutableMatrix] = []
     blocks: list[Matrix] = []
-    given = [
+    pairs = [
         (_eigenvalue(value), _chain(vectors, n))
         for value, vectors in zip(eigenvalues, eigenvectors, strict=True)
     ]
-    for value, chain in _one_of_each_pair(given):
+    for value, chain in _one_of_each_pair(pairs):
         vectors, block = _block(value, chain)
         columns += vectors
         blocks.append(block)
@@ -227,22 +227,22 @@ def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatri
     return a, b
 
 
-def _eigenvalue(given: NumberLike) -> Expr:
+def _eigenvalue(value_like: NumberLike) -> Expr:
     """Read one; a real algebraic number in the form that equal ones share."""
-    value = sympy.expand(exact_number(given))
+    value = sympy.expand(exact_number(value_like))
     require_decidable([value])
     if value.is_number and not value.is_Rational:
-        found = algebraic(value)
-        if found is not None and found.is_real:
-            return found.expression()
+        number = algebraic(value)
+        if number is not None and number.is_real:
+            return number.expression()
     return value
 
 
-def _chain(given: object, n: int) -> Chain:
+def _chain(chain_like: object, n: int) -> Chain:
     """Read one vector or a chain of them."""
-    if isinstance(given, str) or not hasattr(given, "__iter__"):
-        raise InputError(f"{shown(given)} is no eigenvector; write {n} numbers")
-    entries = listed(given, "degree", "the eigenvector")
+    if isinstance(chain_like, str) or not hasattr(chain_like, "__iter__"):
+        raise InputError(f"{shown(chain_like)} is no eigenvector; write {n} numbers")
+    entries = listed(chain_like, "degree", "the eigenvector")
     nested = bool(entries) and all(
         hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in entries
     )
@@ -256,27 +256,27 @@ def _chain(given: object, n: int) -> Chain:
     return vectors
 
 
-def _one_of_each_pair(given: list[tuple[Expr, Chain]]) -> list[tuple[Expr, Chain]]:
+def _one_of_each_pair(pairs: list[tuple[Expr, Chain]]) -> list[tuple[Expr, Chain]]:
     """Eigenvalues with b >= 0 and their chains; of two that are conjugate, one."""
-    kept: list[tuple[Expr, Chain]] = []
+    representatives: list[tuple[Expr, Chain]] = []
     conjugates: list[tuple[Expr, Chain]] = []
-    for value, chain in given:
+    for value, chain in pairs:
         is_lower = _parts(value)[1].is_negative
-        (conjugates if is_lower else kept).append(
+        (conjugates if is_lower else representatives).append(
             (_conjugate(value), [[_conjugate(e) for e in v] for v in chain])
             if is_lower
             else (value, chain)
         )
     for value, chain in conjugates:
-        if (value, chain) in kept:
+        if (value, chain) in representatives:
             continue
-        if any(value == other for other, _ in kept):
+        if any(value == other for other, _ in representatives):
             raise InputError(
                 f"{_conjugate(value)} and {value} have vectors that are not conjugate; give one of "
                 "them, which stands for both, or conjugate vectors"
             )
-        kept.append((value, chain))
-    return kept
+        representatives.append((value, chain))
+    return representatives
 
 
 def _block(value: Expr, vectors: Chain) -> tuple[list[ImmutableMatrix], Matrix]:
@@ -306,10 +306,10 @@ def _column(entries: list[Expr]) -> ImmutableMatrix:
     return exact_matrix([[entry] for entry in entries], "the eigenvector")
 
 
-def _input(b: ImmutableMatrix, wanted: ImmutableMatrix, vector: ImmutableMatrix) -> ImmutableMatrix:
+def _input(b: ImmutableMatrix, target: ImmutableMatrix, vector: ImmutableMatrix) -> ImmutableMatrix:
     """Return w with B w = wanted, which says whether the vector can be reached."""
     try:
-        return solve_affine(b, ImmutableMatrix(wanted.applyfunc(sympy.expand))).particular
+        return solve_affine(b, ImmutableMatrix(target.applyfunc(sympy.expand))).particular
     except NoSolutionError as error:
         raise NoSolutionError(
             f"no feedback makes {list(vector)} an eigenvector or a member of such a chain: "

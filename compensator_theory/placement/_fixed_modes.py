@@ -169,7 +169,7 @@ def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbo
     count = math.prod(math.comb(len(i) + len(o), len(i)) for i, o in channels)
     ask("terms", count, "the number of minors of the decentralised plant")
     ask("entries", len(channels) * A.rows**3, "the minors of the decentralised plant")
-    found = Poly(0, variable, domain=QQ)
+    divisor = Poly(0, variable, domain=QQ)
     choices = [
         [
             (i, o)
@@ -185,10 +185,10 @@ def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbo
         upper = (-A).row_join(B.extract(list(range(A.rows)), columns))
         lower = C.extract(rows, list(range(A.rows))).row_join(sympy.zeros(len(rows)))
         minor = _interpolated(to_flint(upper.col_join(lower)), A.rows)
-        found = found.gcd(from_flint_polynomial(minor, variable))
-        if found.degree() == 0:
+        divisor = divisor.gcd(from_flint_polynomial(minor, variable))
+        if divisor.degree() == 0:
             break
-    return monic(canonical(found))
+    return monic(canonical(divisor))
 
 
 def _interpolated(matrix: flint.fmpq_mat, size: int) -> flint.fmpq_poly:
@@ -202,10 +202,10 @@ def _interpolated(matrix: flint.fmpq_mat, size: int) -> flint.fmpq_poly:
         newton.append(value)
         for k in range(size):
             matrix[k, k] += 1
-    found = flint.fmpq_poly([0])
+    interpolant = flint.fmpq_poly([0])
     for k in range(size, -1, -1):
-        found = found * flint.fmpq_poly([-k, 1]) + newton[k]
-    return found
+        interpolant = interpolant * flint.fmpq_poly([-k, 1]) + newton[k]
+    return interpolant
 
 
 def _witness(A: Matrix, B: Matrix, C: Matrix, channels: Channels, fixed: Poly) -> ImmutableMatrix:

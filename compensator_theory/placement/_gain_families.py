@@ -270,12 +270,14 @@ def state_feedback_family(
         )
     form = brunovsky_form(A, B)
     n = form.A.rows
-    wanted = None if Lambda is None else exact_matrix(Lambda, "Lambda")
-    symbol = variable_beside(variable, form.A, form.B, wanted)
-    if wanted is not None:
-        if wanted.shape != (n, n):
-            raise InputError(f"Lambda is {wanted.rows} x {wanted.cols}; A + BK has {n} eigenvalues")
-        return StateFeedbackFamily(form, wanted, characteristic_polynomial(wanted, symbol))
+    spectrum = None if Lambda is None else exact_matrix(Lambda, "Lambda")
+    symbol = variable_beside(variable, form.A, form.B, spectrum)
+    if spectrum is not None:
+        if spectrum.shape != (n, n):
+            raise InputError(
+                f"Lambda is {spectrum.rows} x {spectrum.cols}; A + BK has {n} eigenvalues"
+            )
+        return StateFeedbackFamily(form, spectrum, characteristic_polynomial(spectrum, symbol))
     assert poles is not None
     goal = monic(polynomial_or_roots(poles, symbol))
     if goal.degree() != n:

@@ -180,15 +180,15 @@ def _motion(
         return zero_matrix(0, 0), zero_matrix(B.cols, 0)
     below = zero_matrix(C.rows, V.cols)
     wide = V.col_join(below).row_join(-B.col_join(D))
-    found = work.coordinates(wide, A.col_join(C) * V)
-    assert found is not None, "V* is controlled invariant"
-    return ImmutableMatrix(found[: V.cols, :]), ImmutableMatrix(found[V.cols :, :])
+    motion = work.coordinates(wide, A.col_join(C) * V)
+    assert motion is not None, "V* is controlled invariant"
+    return ImmutableMatrix(motion[: V.cols, :]), ImmutableMatrix(motion[V.cols :, :])
 
 
 def _gain(work: Subspaces, V: ImmutableMatrix, U: ImmutableMatrix, m: int) -> ImmutableMatrix:
     """Return F with F V = U."""
     if not V.cols:
         return zero_matrix(m, V.rows)
-    found = work.coordinates(V.T, U.T)
-    assert found is not None, "the columns of V are independent"
-    return ImmutableMatrix(found.T)
+    gain = work.coordinates(V.T, U.T)
+    assert gain is not None, "the columns of V are independent"
+    return ImmutableMatrix(gain.T)

@@ -211,7 +211,7 @@ def place_matrix_poles(
             for power in range(height)
         ]
         try:
-            found = solve_affine(matrix, ImmutableMatrix(right))
+            solution = solve_affine(matrix, ImmutableMatrix(right))
         except NoSolutionError as error:
             raise NoSolutionError(
                 f"no compensator of degree {order} gives column {j} the target {goal.as_expr()}; "
@@ -219,9 +219,9 @@ def place_matrix_poles(
             ).holding(
                 contradictions(matrix, ImmutableMatrix(right)), denominators(D_l, N_l)
             ) from error
-        D, N = pair_of_columns(found.particular, (p, m), free, order, model)
+        D, N = pair_of_columns(solution.particular, (p, m), free, order, model)
         N_c, D_c = N_c + in_column(N, j, p), D_c + in_column(D, j, p)
-        for vector in found.nullspace:
+        for vector in solution.nullspace:
             D, N = pair_of_columns(vector, (p, m), free, order, model)
             homogeneous.append((in_column(N, j, p), in_column(D, j, p)))
     every = [D_l, N_l, N_c, D_c, *(part for pair in homogeneous for part in pair)]
@@ -236,17 +236,21 @@ def place_matrix_poles(
 def _targets(
     targets: Sequence[SpectrumLike], degrees: list[int], order: int, s: Symbol
 ) -> tuple[Poly, ...]:
-    wanted = [degree + order for degree in degrees]
-    given = [] if isinstance(targets, str) else listed(targets, "degree", "the list of targets")
-    if len(given) != len(wanted):
-        raise InputError(f"give {len(wanted)} targets, of degrees {wanted}, one for each output")
-    goals = [monic(polynomial_or_roots(target, s)) for target in given]
+    degrees_needed = [degree + order for degree in degrees]
+    polynomials = (
+        [] if isinstance(targets, str) else listed(targets, "degree", "the list of targets")
+    )
+    if len(polynomials) != len(degrees_needed):
+        raise InputError(
+            f"give {len(degrees_needed)} targets, of degrees {degrees_needed}, one for each output"
+        )
+    goals = [monic(polynomial_or_roots(target, s)) for target in polynomials]
     for goal in goals:
         require_no_other_operator(goal)
-    if [int(goal.degree()) for goal in goals] != wanted:
+    if [int(goal.degree()) for goal in goals] != degrees_needed:
         raise InputError(
             f"the targets have the degrees {[goal.degree() for goal in goals]}; with this plant "
-            f"and order they must be {wanted}"
+            f"and order they must be {degrees_needed}"
         )
     return tuple(goals)
 

@@ -49,11 +49,10 @@ class ObserverGainFamily(Certified, ExactValue):
 
     def __str__(self) -> str:
         p, n = self.dual.shape
-        wanted = format_polynomial(self.dual.polynomial)
+        polynomial = format_polynomial(self.dual.polynomial)
         s, more = self.dual.polynomial.gen, self.dual.structure.replace("A + BK", "(A - FC)'")
-        return (
-            f"all {n} x {p} gains with det({s}I - A + FC) = {wanted}{more}, by {p} x {n} parameters"
-        )
+        gains = f"all {n} x {p} gains with det({s}I - A + FC) = {polynomial}{more}"
+        return f"{gains}, by {p} x {n} parameters"
 
     def _repr_latex_(self) -> str:
         s, (p, n) = latex(self.dual.polynomial.gen), self.dual.shape

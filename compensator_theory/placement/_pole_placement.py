@@ -210,20 +210,20 @@ def _goal(
     return monic(goal), roots
 
 
-def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:
+def _numerator_degree(n: int, n_c: int, degree: int | None, properness: str | None) -> int:
     known = ("strictly proper", "exactly proper")
     if properness is not None and not is_one_of(properness, known):
         raise InputError(
             f"properness = {shown(properness)} must be 'strictly proper' or 'exactly proper'"
         )
     if properness == "exactly proper":
-        if asked not in (None, n_c):
+        if degree not in (None, n_c):
             raise InputError(f"an exactly proper compensator has numerator_degree = n_c = {n_c}")
         return n_c
     limit = n_c - 1 if properness == "strictly proper" else n_c
-    if asked is not None and asked > limit and properness == "strictly proper":
+    if degree is not None and degree > limit and properness == "strictly proper":
         raise InputError(f"a strictly proper compensator has numerator_degree <= {limit}")
-    return min(n - 1, limit) if asked is None else asked
+    return min(n - 1, limit) if degree is None else degree
 
 
 def _exactly_proper(placement: PolePlacement) -> PolePlacement:
@@ -289,7 +289,7 @@ def _solve(
     high_degrees_last = [*range(n_c + 1), *reversed(range(n_c + 1, M.cols))]  # so these are free
     M = M.extract(list(range(M.rows)), high_degrees_last)
     try:
-        found = solve_affine(M, ImmutableMatrix(goal.all_coeffs()))
+        solution = solve_affine(M, ImmutableMatrix(goal.all_coeffs()))
     except NoSolutionError as error:
         n = G.order
         raise NoSolutionError(
@@ -302,8 +302,8 @@ def _solve(
             ),
             ", every target is reached",
         ).holding(contradictions(M, ImmutableMatrix(goal.all_coeffs()))) from error
-    homogeneous = tuple(_pair(vector, G, n_c) for vector in found.nullspace)
-    return _pair(found.particular, G, n_c), homogeneous
+    homogeneous = tuple(_pair(vector, G, n_c) for vector in solution.nullspace)
+    return _pair(solution.particular, G, n_c), homogeneous
 
 
 def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:

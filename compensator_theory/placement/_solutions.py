@@ -122,12 +122,12 @@ class PolePlacement(Certified, ExactValue):
         return self.residual_of(self.compensator)
 
     def _left_over(self) -> list[Poly]:
-        found = [self.residual]
+        residuals = [self.residual]
         for pair in self.homogeneous:
             sides = self.plant.denominator, self.plant.numerator, *pair
             D, N, above, below = over_one_field(*sides)
-            found.append(canonical(D * below - N * above * self.feedback))
-        return found
+            residuals.append(canonical(D * below - N * above * self.feedback))
+        return residuals
 
     def residual_of(self, compensator: TransferFunction) -> Poly:
         """Return the residual of any compensator, for instance of a :meth:`member`."""
@@ -203,11 +203,11 @@ class PolePlacement(Certified, ExactValue):
         return system
 
     def __repr__(self) -> str:
-        asked = f"polynomial {format_polynomial(self.target)}"
+        request = f"polynomial {format_polynomial(self.target)}"
         if self.roots is not None:
             listed = ", ".join(map(text, self.roots))
-            asked = f"ROOTS {listed} (a list holds roots; coefficients go to polynomial=)"
-        return f"<PolePlacement with feedback {self.feedback:+d} of the {asked}: {self}>"
+            request = f"ROOTS {listed} (a list holds roots; coefficients go to polynomial=)"
+        return f"<PolePlacement with feedback {self.feedback:+d} of the {request}: {self}>"
 
     def __str__(self) -> str:
         count = len(self.homogeneous)

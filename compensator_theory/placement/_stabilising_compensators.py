@@ -225,13 +225,15 @@ class StabilisingCompensators(ExactValue):
         if Q is None:
             zeros = ImmutableMatrix.zeros
             return Realisation(zeros(0, 0), zeros(0, p), zeros(m, 0), zeros(m, p), plant.variable)
-        found = read_plant(Q, plant.variable)[0]
-        if found.D.shape != (m, p):
-            raise InputError(f"the parameter is {found.D.shape}; this plant needs {(m, p)}")
-        symbols = {found.variable}.union(*(x.free_symbols for x in (found.A, found.C, found.D)))
+        parameter = read_plant(Q, plant.variable)[0]
+        if parameter.D.shape != (m, p):
+            raise InputError(f"the parameter is {parameter.D.shape}; this plant needs {(m, p)}")
+        symbols = {parameter.variable}.union(
+            *(x.free_symbols for x in (parameter.A, parameter.C, parameter.D))
+        )
         if any(is_operator(symbol) and symbol != plant.variable for symbol in symbols):
             raise InputError(f"the parameter {Q} is not in {plant.variable}, the plant is")
-        return found
+        return parameter
 
     def __str__(self) -> str:
         f = self.fractions

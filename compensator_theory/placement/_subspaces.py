@@ -38,9 +38,9 @@ class Subspaces:
         """Return a basis of the null space."""
         if not matrix.rows:
             return identity_matrix(matrix.cols)
-        found = echelon(ImmutableMatrix(matrix))
-        self.divisors.append(found.divided_by)
-        return in_lowest_terms(found.kernel())
+        reduced = echelon(ImmutableMatrix(matrix))
+        self.divisors.append(reduced.divided_by)
+        return in_lowest_terms(reduced.kernel())
 
     def intersection(self, left: Matrix, right: Matrix) -> ImmutableMatrix:
         """Return a basis of what lies in both."""
@@ -60,17 +60,17 @@ class Subspaces:
         """Return the basis whose transpose is in reduced row echelon form: one for each space."""
         if not space.cols:
             return ImmutableMatrix(space)
-        found = echelon(ImmutableMatrix(space.T))
-        self.divisors.append(found.divided_by)
-        return in_lowest_terms(ImmutableMatrix(found.matrix.T))
+        reduced = echelon(ImmutableMatrix(space.T))
+        self.divisors.append(reduced.divided_by)
+        return in_lowest_terms(ImmutableMatrix(reduced.matrix.T))
 
     def coordinates(self, basis: Matrix, vectors: Matrix) -> ImmutableMatrix | None:
         """Return X with basis X = vectors, its free entries 0; None if there is none."""
-        found = echelon(ImmutableMatrix(basis.row_join(vectors)))
-        self.divisors.append(found.divided_by)
-        if any(pivot >= basis.cols for pivot in found.pivots):
+        reduced = echelon(ImmutableMatrix(basis.row_join(vectors)))
+        self.divisors.append(reduced.divided_by)
+        if any(pivot >= basis.cols for pivot in reduced.pivots):
             return None
         X = Matrix.zeros(basis.cols, vectors.cols)
-        for row, pivot in enumerate(found.pivots):
-            X[pivot, :] = found.matrix[row, basis.cols :]
+        for row, pivot in enumerate(reduced.pivots):
+            X[pivot, :] = reduced.matrix[row, basis.cols :]
         return in_lowest_terms(ImmutableMatrix(X))

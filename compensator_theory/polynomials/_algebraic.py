@@ -41,8 +41,8 @@ class Algebraic:
     def refined(self, precision: int) -> flint.acb:
         """Return a smaller ball around the same root."""
         with ball_precision(precision):
-            (found,) = (r for r, _ in self.minimal.complex_roots() if r.overlaps(self.ball))
-            return found
+            (root,) = (r for r, _ in self.minimal.complex_roots() if r.overlaps(self.ball))
+            return root
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -176,10 +176,10 @@ def rationalised(number: Expr) -> Expr:
     minimal = Poly(x**index - base, x)
     try:
         above, below = (Poly(side.xreplace(powers), x, domain=sympy.QQ) for side in (top, bottom))
-        found = (above * below.invert(minimal)).rem(minimal)
+        quotient = (above * below.invert(minimal)).rem(minimal)
     except (PolynomialError, NotInvertible, CoercionFailed):  # pi, for instance
         return number
-    return sympy.expand(found.as_expr().subs(x, base ** Rational(1, index)))
+    return sympy.expand(quotient.as_expr().subs(x, base ** Rational(1, index)))
 
 
 _PLANE = flint.fmpz_mpoly_ctx.get(("x", "y"), flint.Ordering.lex)
@@ -204,8 +204,8 @@ def _eliminated(poly: flint.fmpz_poly, image: flint.fmpz_mpoly) -> flint.fmpz_po
     _, y = _PLANE.gens()
     degree = int(poly.degree()) * max(map(int, image.degrees()))
     ask("field_degree", -(-degree // limit_of("field_degree")), "a sum or product of roots")
-    found = _composed(poly, lambda c, k, _: c * y**k).resultant(image, "y")
-    terms = {int(powers[0]): c for powers, c in found.to_dict().items()}
+    eliminated = _composed(poly, lambda c, k, _: c * y**k).resultant(image, "y")
+    terms = {int(powers[0]): c for powers, c in eliminated.to_dict().items()}
     return flint.fmpz_poly([terms.get(k, 0) for k in range(max(terms) + 1)])
 
 

@@ -113,9 +113,9 @@ def at_growing_precision(
     most = max(MOST_BITS, 64 * bits) if most is None else most
     while bits <= most:
         with ball_precision(bits):
-            found = attempt(bits)
-        if found is not None:
-            return found
+            answer = attempt(bits)
+        if answer is not None:
+            return answer
         bits *= 2
     raise BudgetError(
         f"{what} takes balls of more than {most} bits: two numbers lie closer together than that; "

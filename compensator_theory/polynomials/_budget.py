@@ -180,9 +180,9 @@ def ask(name: str, amount: int, what: str) -> None:
     """Refuse a request above a limit, before any work is done for it."""
     limit = limit_of(name)
     if amount > limit:
-        wanted = str(amount) if amount < 10**15 else _order_of(amount)
+        size = str(amount) if amount < 10**15 else _order_of(amount)
         raise BudgetError(
-            f"{what} needs {wanted} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
+            f"{what} needs {size} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
             "raise it: with ",
             Advice("compensator_theory.budget", ((name, "..."),), f"{{function}}({name}=...)"),
         )
@@ -196,9 +196,9 @@ def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[
         raise InputError(f"{what} must be a list, not {shown(values)}")
     if isinstance(values, Sized):
         ask(name, len(values) - more, what)
-    found = list(islice(values, limit_of(name) + more + 1))
-    ask(name, len(found) - more, what)
-    return found
+    items = list(islice(values, limit_of(name) + more + 1))
+    ask(name, len(items) - more, what)
+    return items
 
 
 _COLLECTIONS = (Sequence, Set, Iterator, KeysView, ValuesView, Tuple, MatrixBase)

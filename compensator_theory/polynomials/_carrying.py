@@ -52,9 +52,11 @@ def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P
         def carried(*arguments: P.args, **options: P.kwargs) -> Found:
             if not has_functions((arguments, options)):
                 return function(*arguments, **options)
-            given: Any = arguments, options
-            found = _through(given, lambda at: function(*at[0], **at[1]), real, _bare(given))
-            return found.shown()  # type: ignore[no-any-return]
+            call_arguments: Any = arguments, options
+            answer = _through(
+                call_arguments, lambda at: function(*at[0], **at[1]), real, _bare(call_arguments)
+            )
+            return answer.shown()  # type: ignore[no-any-return]
 
         carried.carries = "reals" if real else "all"  # type: ignore[attr-defined]
         return carried
@@ -70,19 +72,19 @@ def carry_methods(cls: type, result: type) -> None:
     bases = [base for base in cls.__mro__[1:] if not issubclass(base, result)]
     mixed = [base for base in bases if base not in result.__mro__]
     names = {k: v for base in reversed(mixed) for k, v in vars(base).items()}
-    for name, found in {**names, **vars(cls)}.items():
+    for name, member in {**names, **vars(cls)}.items():
         if name in ("__init__", "__post_init__") and name in vars(cls):
-            setattr(cls, name, _constructor(name, found))
+            setattr(cls, name, _constructor(name, member))
         elif (name not in _OPERATORS and name.startswith("_")) or name in ("subs", "variable"):
             continue
-        elif isinstance(found, property):
-            setattr(cls, name, property(_method(name, found.fget), doc=found.__doc__))
-        elif isinstance(found, cached_property):
-            again = cached_property(_method(name, found.func))
+        elif isinstance(member, property):
+            setattr(cls, name, property(_method(name, member.fget), doc=member.__doc__))
+        elif isinstance(member, cached_property):
+            again = cached_property(_method(name, member.func))
             again.__set_name__(cls, name)
             setattr(cls, name, again)
-        elif hasattr(found, "__code__"):
-            setattr(cls, name, _method(name, found))
+        elif hasattr(member, "__code__"):
+            setattr(cls, name, _method(name, member))
 
 
 def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
@@ -103,15 +105,15 @@ def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
     return refused
 
 
-def require_no_functions(given: Any) -> None:
+def require_no_functions(value: Any) -> None:
     """Refuse functions of symbols, and numbers that are carried as such."""
-    if has_functions(given):
-        require_decidable(functions_in(_expressions(given)))
+    if has_functions(value):
+        require_decidable(functions_in(_expressions(value)))
 
 
-def has_functions(given: Any) -> bool:
+def has_functions(value: Any) -> bool:
     """Tell whether there are functions of symbols in it, or numbers that are carried as such."""
-    return not _is_simple(given) and any(True for _ in functions_in(_expressions(given)))
+    return not _is_simple(value) and any(True for _ in functions_in(_expressions(value)))
 
 
 def _is_simple(value: Any) -> bool:
@@ -154,17 +156,17 @@ class _Carried:
 
 
 def _through(
-    given: Any,
+    value: Any,
     call: Callable[[Any], Any],
     real: bool = False,
     bare: set[str] = frozenset(),  # type: ignore[assignment]
 ) -> _Carried:
     """Call with unknowns in the place of functions, or with what was given where not all are."""
     try:
-        unknowns, plain = _in_unknowns(given, real, bare)
+        unknowns, plain = _in_unknowns(value, real, bare)
         raw = _asked(unknowns, plain, call)
         if isinstance(raw, int) and unknowns.angles:
-            unknowns, plain = _in_unknowns(given, real, bare, shifted=True)
+            unknowns, plain = _in_unknowns(value, real, bare, shifted=True)
             again = _asked(unknowns, plain, call)
             raw = raw if raw == again else None
     except NotCarriedError as error:
@@ -174,18 +176,18 @@ def _through(
 
 
 def _in_unknowns(
-    given: Any, real: bool, bare: set[str], *, shifted: bool = False
+    value: Any, real: bool, bare: set[str], *, shifted: bool = False
 ) -> tuple[Unknowns, Any]:
-    symbols = set(_symbols(given))
+    symbols = set(_symbols(value))
     names = {symbol.name for symbol in symbols}
-    unknowns = Unknowns(_expressions(given), names, real=real, shifted=shifted)
+    unknowns = Unknowns(_expressions(value), names, real=real, shifted=shifted)
     hidden = {symbol.name: symbol for symbol in unknowns.inner}
     clash = {s for name, s in hidden.items() if name in bare}  # the variable, it may be
     clash |= {hidden[s.name] for s in symbols if hidden.get(s.name, s) != s}
-    clash |= {s for s in map(hidden.get, _variables(given)) if s is not None}
+    clash |= {s for s in map(hidden.get, _variables(value)) if s is not None}
     if clash:
         raise NotCarriedError(unknowns.function_of(clash))
-    return unknowns, _plain(given, unknowns)
+    return unknowns, _plain(value, unknowns)
 
 
 def _variables(value: Any) -> Iterator[str]:
@@ -225,26 +227,26 @@ def _asked(unknowns: Unknowns, plain: Any, call: Callable[[Any], Any]) -> Any:
 def _constructor(name: str, function: Any) -> Any:
     @wraps(function)
     def carried(self: Any, *arguments: Any, **options: Any) -> None:
-        own = vars(self)
-        given: Any = dict(own) if name == "__post_init__" else (arguments, options)
-        if not has_functions(given):
+        attributes = vars(self)
+        inputs: Any = dict(attributes) if name == "__post_init__" else (arguments, options)
+        if not has_functions(inputs):
             return function(self, *arguments, **options)  # type: ignore[no-any-return]
 
         def made(at: Any) -> Any:
-            own.clear()
+            attributes.clear()
             if name == "__post_init__":
-                own.update(at)
+                attributes.update(at)
                 function(self)
             else:
                 function(self, *at[0], **at[1])
             raw = object.__new__(type(self))
-            vars(raw).update(own)
+            vars(raw).update(attributes)
             return raw
 
-        bare = set() if name == "__post_init__" else _bare(given)
-        shown = _through(given, made, bare=bare).shown()
-        own.clear()
-        own.update(vars(shown))
+        bare = set() if name == "__post_init__" else _bare(inputs)
+        shown = _through(inputs, made, bare=bare).shown()
+        attributes.clear()
+        attributes.update(vars(shown))
         return None
 
     return carried
@@ -255,14 +257,14 @@ def _printed(function: Any) -> Any:
 
     @wraps(function)
     def carried(self: Any) -> Any:
-        kept = vars(self).get(MARK)
-        if kept is None:
+        mark = vars(self).get(MARK)
+        if mark is None:
             return function(self)
         try:
             return function(self)
         except InputError:
-            written = _asked(kept.unknowns, kept.raw, function)
-            return kept.unknowns.words(written, as_latex=function.__name__ == "_repr_latex_")
+            written = _asked(mark.unknowns, mark.raw, function)
+            return mark.unknowns.words(written, as_latex=function.__name__ == "_repr_latex_")
 
     return carried
 
@@ -276,34 +278,34 @@ def _method(name: str, function: Any) -> Any:
             require_no_functions((arguments, options))
         if not (marked or more):
             return function(self, *arguments, **options)
-        kept, found = vars(self).get(MARK), None
-        given: Any
-        if kept is not None and not more:
+        mark, answer = vars(self).get(MARK), None
+        inputs: Any
+        if mark is not None and not more:
             known = {symbol.name for symbol in _symbols((arguments, options))}
-            if not known & {symbol.name for symbol in kept.unknowns.inner}:
-                given = kept.raw, arguments, options
-                raw = _asked(kept.unknowns, given, lambda at: function(at[0], *at[1], **at[2]))
-                if not (isinstance(raw, int) and kept.unknowns.angles):
-                    found = _Carried(raw, kept.unknowns)
-        if found is None:
-            given = self, arguments, options
+            if not known & {symbol.name for symbol in mark.unknowns.inner}:
+                inputs = mark.raw, arguments, options
+                raw = _asked(mark.unknowns, inputs, lambda at: function(at[0], *at[1], **at[2]))
+                if not (isinstance(raw, int) and mark.unknowns.angles):
+                    answer = _Carried(raw, mark.unknowns)
+        if answer is None:
+            inputs = self, arguments, options
             bare = set() if name.startswith("__") else _bare((arguments, options))
             real = self._CARRIES == "reals"
-            found = _through(given, lambda at: function(at[0], *at[1], **at[2]), real, bare)
-        if name == "exceptional" and found.unknowns:
-            return tuple(found.unknowns.conditions(found.raw))
-        shown = found.shown()
-        return shown.evalf() if name == "evalf" and found.unknowns else shown
+            answer = _through(inputs, lambda at: function(at[0], *at[1], **at[2]), real, bare)
+        if name == "exceptional" and answer.unknowns:
+            return tuple(answer.unknowns.conditions(answer.raw))
+        shown = answer.shown()
+        return shown.evalf() if name == "evalf" and answer.unknowns else shown
 
     return carried
 
 
-def _bare(given: Any) -> set[str]:
+def _bare(value: Any) -> set[str]:
     """The arguments that are a name: of a variable, it may be."""
-    arguments, options = given
-    found = {str(value) for value in (*arguments, *options.values()) if isinstance(value, Symbol)}
+    arguments, options = value
+    names = {str(value) for value in (*arguments, *options.values()) if isinstance(value, Symbol)}
     texts = [value for value in (*arguments, *options.values()) if isinstance(value, str)]
-    return found | {text.strip() for text in texts if _NAME.fullmatch(text.strip())}
+    return names | {text.strip() for text in texts if _NAME.fullmatch(text.strip())}
 
 
 def _parts(value: Any) -> Iterator[Any]:
@@ -393,12 +395,12 @@ def _shown(value: Any, unknowns: Unknowns) -> Any:
         return ImmutableMatrix(*value.shape, [*map(unknowns.shown, value.flat())])
     if isinstance(value, Basic) and not isinstance(value, sympy.Tuple):
         return unknowns.shown(value)
-    found = _rebuilt(value, lambda part: _shown(part, unknowns))
-    if _is_result(found):
-        if "exceptional" in vars(found):
-            vars(found)["exceptional"] = tuple(unknowns.conditions(value.exceptional))
-        vars(found)[MARK] = _Carried(value, unknowns)
-    return found
+    rebuilt = _rebuilt(value, lambda part: _shown(part, unknowns))
+    if _is_result(rebuilt):
+        if "exceptional" in vars(rebuilt):
+            vars(rebuilt)["exceptional"] = tuple(unknowns.conditions(value.exceptional))
+        vars(rebuilt)[MARK] = _Carried(value, unknowns)
+    return rebuilt
 
 
 def _is_result(value: Any) -> bool:
@@ -413,17 +415,17 @@ def _rebuilt(value: Any, change: Callable[[Any], Any]) -> Any:
     if isinstance(value, dict):
         return {key: change(part) for key, part in value.items()}
     if _is_result(value):
-        found = object.__new__(type(value))
-        vars(found).update({f.name: change(getattr(value, f.name)) for f in fields(value)})
-        return found
+        copy = object.__new__(type(value))
+        vars(copy).update({f.name: change(getattr(value, f.name)) for f in fields(value)})
+        return copy
     if isinstance(value, sympy.Tuple):
         return sympy.Tuple(*map(change, value))
     if isinstance(value, list | tuple | set | frozenset):
         return type(value)(map(change, value))
     if str(getattr(value, "dtype", "")) == "object" and value.shape:
-        found = value.copy()
-        found.flat = [change(part) for part in value.flat]
-        return found
+        copy = value.copy()
+        copy.flat = [change(part) for part in value.flat]
+        return copy
     return value
 
 

@@ -79,7 +79,7 @@ def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
 
 def irrational_constants(expressions: Iterable[Expr]) -> set[Expr]:
     """Return the parts that are neither rational numbers nor symbols, nor made of them."""
-    found: set[Expr] = set()
+    constants: set[Expr] = set()
     waiting = list(expressions)
     while waiting:
         part = waiting.pop()
@@ -90,8 +90,8 @@ def irrational_constants(expressions: Iterable[Expr]) -> set[Expr]:
         elif isinstance(part, sympy.Pow) and part.exp.is_Integer:
             waiting.append(part.base)
         else:
-            found.add(part)
-    return found
+            constants.add(part)
+    return constants
 
 
 def _is_plain_root(part: Expr) -> bool:
@@ -120,11 +120,11 @@ def is_algebraic(part: Expr) -> bool:
 
 def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
     """Why a function of symbols is refused, in parts of a message."""
-    what = f"{shown(part)} is no rational function of its symbols, and"
+    subject = f"{shown(part)} is no rational function of its symbols, and"
     if isinstance(part, _TRIGONOMETRIC):
         angle = shown(part.args[0])
         return (
-            f"{what} relations between sines and cosines are not decided; write two symbols for "
+            f"{subject} relations between sines and cosines are not decided; write two symbols for "
             f"cos({angle}) and sin({angle}), whose squares add to 1, or one for tan({angle}/2), of "
             "which both are rational functions",
         )
@@ -133,11 +133,13 @@ def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
         root = f"sqrt({base})" if index == 2 else f"({base})**(1/{index})"
         power = "square" if index == 2 else f"power {index}"
         rest = f", and its {power} for {base}" if part.base.is_Symbol else ""
-        return (f"{what} relations between roots are not decided; write a symbol for {root}{rest}",)
+        return (
+            f"{subject} relations between roots are not decided; write a symbol for {root}{rest}",
+        )
     if _holds_a_dead_time(part):
         return f"{shown(part)} is no rational function of its symbols; ", DEAD_TIME
     return (
-        f"{what} relations between such functions are not decided; write a symbol in its place",
+        f"{subject} relations between such functions are not decided; write a symbol in its place",
     )
 
 

@@ -160,17 +160,17 @@ class _Token(NamedTuple):
 
 
 def _tokens(text: str) -> list[_Token]:
-    found: list[_Token] = []
+    tokens: list[_Token] = []
     place = 0
-    while not found or found[-1].kind != "end":
+    while not tokens or tokens[-1].kind != "end":
         match = _TOKEN.match(text, place)
         if match is None:
             wrong = repr(text[place:].lstrip()[:1])
             raise InputError(f"cannot read {_short(text)}: no {wrong} there; write {_GRAMMAR}")
         kind = "number" if (last := match.lastgroup or "") == "imaginary" else last
-        found.append(_Token(kind, match[kind], bool(match["space"]), last == "imaginary"))
+        tokens.append(_Token(kind, match[kind], bool(match["space"]), last == "imaginary"))
         place = match.end()
-    return found
+    return tokens
 
 
 @dataclass
@@ -309,15 +309,15 @@ class _Reader:
             )
 
     def fail(self) -> NoReturn:
-        found = self.next
+        token = self.next
         before = self.tokens[self.place - 1] if self.place else None
-        where = "its end" if found.kind == "end" else repr(found.text)
+        where = "its end" if token.kind == "end" else repr(token.text)
         hint: str | Advice = "spell products out as in 2*s"
-        if before and before.kind == found.kind == "number":
+        if before and before.kind == token.kind == "number":
             hint = "put commas between several numbers"
-        elif before and before.text == "exp" and found.text == "(":
+        elif before and before.text == "exp" and token.text == "(":
             hint = DEAD_TIME
-        elif before and before.kind == "name" and found.text == "(":
+        elif before and before.kind == "name" and token.text == "(":
             hint = f"{before.text} is no function that is known here; {hint}"
         raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; ", hint)
 

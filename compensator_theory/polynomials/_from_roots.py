@@ -60,8 +60,8 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif not is_collection(roots):
         raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
-    given = listed(roots, "degree", "the list of roots")
-    return tuple(map(sympy.expand, exact_numbers(given)))
+    root_list = listed(roots, "degree", "the list of roots")
+    return tuple(map(sympy.expand, exact_numbers(root_list)))
 
 
 @carrying()
@@ -202,11 +202,11 @@ def _real_factor(root: Algebraic) -> list[Algebraic]:
 
 def _times(a: list[Algebraic], b: list[Algebraic]) -> list[Algebraic]:
     """Multiply two polynomials with real algebraic coefficients, each as simple as it is."""
-    found = []
+    products = []
     for k in range(len(a) + len(b) - 1):
         parts = [a[i] * b[k - i] for i in range(len(a)) if 0 <= k - i < len(b)]
-        found.append(reduce(lambda x, y: x + y, parts))
-    return found
+        products.append(reduce(lambda x, y: x + y, parts))
+    return products
 
 
 def _grouped(roots: Sequence[Algebraic]) -> list[list[tuple[Algebraic, int]]]:

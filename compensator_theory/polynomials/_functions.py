@@ -172,14 +172,14 @@ class Unknowns:
 
     def function_of(self, symbols: Iterable[Symbol]) -> Expr | None:
         """Return a function of one of these symbols, if there is any."""
-        wanted = set(symbols)
+        names = set(symbols)
         for monomial in self._exponents:
-            if monomial.free_symbols & wanted:
+            if monomial.free_symbols & names:
                 return sympy.exp(monomial)
         for monomial in self._angles:
-            if monomial.free_symbols & wanted:
+            if monomial.free_symbols & names:
                 return sympy.sin(monomial)
-        return next((sympy.sqrt(k) for k in self._roots if k in wanted), None)
+        return next((sympy.sqrt(k) for k in self._roots if k in names), None)
 
     def image(self, expression: Expr) -> Expr:
         """Write an expression with the unknowns in the place of the functions."""
@@ -209,14 +209,14 @@ class Unknowns:
         return self._power_of_e(part) if kind == "exponent" else part
 
     def _power_of_e(self, part: Expr) -> Expr:
-        found: Expr = sympy.S.One
+        power: Expr = sympy.S.One
         for monomial, factor in _terms(part):
             unknown = self._exponential.get(monomial)
             if unknown is None:
-                found *= sympy.exp(factor)
+                power *= sympy.exp(factor)
             else:
-                found *= unknown ** _multiple(factor, self._exponents[monomial], part)
-        return found
+                power *= unknown ** _multiple(factor, self._exponents[monomial], part)
+        return power
 
     def _pair(self, part: Expr) -> tuple[Expr, Expr]:
         """Return cosine and sine."""
@@ -241,8 +241,8 @@ class Unknowns:
 
     def words(self, text: str, *, as_latex: bool = False) -> str:
         """Write a sentence with the functions in the place of the unknowns."""
-        for written, given in self.texts.items():
-            text = text.replace(written, given)
+        for written, meaning in self.texts.items():
+            text = text.replace(written, meaning)
         if not self.functions:
             return text
         write = formula if as_latex else str
@@ -271,7 +271,7 @@ def _kind(part: Expr) -> str:
 def _terms(part: Expr) -> Terms:
     """Take the argument of a function apart, a sum of rational multiples of monomials."""
     argument = sympy.S.One if part is sympy.E else part.args[0]
-    found: Terms = []
+    terms: Terms = []
     for term in sympy.Add.make_args(sympy.expand(argument)):
         factor, monomial = term.as_coeff_Mul()
         powers = monomial.as_powers_dict()
@@ -280,8 +280,8 @@ def _terms(part: Expr) -> Terms:
             raise NotCarriedError(part)
         if factor.p.bit_length() > 64 or max(abs(p) for p in powers.values()) > _MULTIPLE:
             raise NotCarriedError(part)
-        found.append((monomial, factor))
-    return found
+        terms.append((monomial, factor))
+    return terms
 
 
 def _common(first: Rational, second: Rational) -> Rational:
@@ -291,10 +291,10 @@ def _common(first: Rational, second: Rational) -> Rational:
 
 
 def _multiple(number: Rational, unit: Rational, part: Expr) -> int:
-    found = int(number / unit)
-    if abs(found) > _MULTIPLE:
+    multiple = int(number / unit)
+    if abs(multiple) > _MULTIPLE:
         raise NotCarriedError(part)
-    return found
+    return multiple
 
 
 def _ratio(kind: int, sine: Expr, cosine: Expr) -> Expr:
@@ -316,15 +316,15 @@ def _in_sine_and_cosine(expression: Expr, t: Symbol, angle: Expr) -> Expr:
     less, more = (sympy.Poly(1 + sign * c, c, s, *others) for sign in (-1, 1))
     sides = []
     for side in (top, bottom):
-        found = sympy.Poly(0, c, s, *others)
+        polynomial = sympy.Poly(0, c, s, *others)
         for (k, *powers), coefficient in side.terms():
             monomial = {(0, k % 2, *powers): coefficient}
             term = sympy.Poly.from_dict(monomial, c, s, *others)
-            found += term * less ** (k // 2) * more ** (half - k // 2 - k % 2)
-        sides.append(found)
+            polynomial += term * less ** (k // 2) * more ** (half - k // 2 - k % 2)
+        sides.append(polynomial)
     factor, above, below = sides[0].cancel(sides[1])
-    found = factor * above.as_expr() / below.as_expr()
-    return found.xreplace({c: sympy.cos(angle), s: sympy.sin(angle)})
+    polynomial = factor * above.as_expr() / below.as_expr()
+    return polynomial.xreplace({c: sympy.cos(angle), s: sympy.sin(angle)})
 
 
 def functions_in(expressions: Iterable[Expr]) -> Iterator[Expr]:

@@ -35,8 +35,8 @@ def holds_where_defined(function: Function) -> Function:
     """Mark a function whose answer is rational in the symbols, and holds where it is defined."""
 
     def companion(*arguments: Any, **options: Any) -> tuple[Any, list[Expr]]:
-        found = function(*arguments, **options)
-        return found, denominators_in(found)
+        answer = function(*arguments, **options)
+        return answer, denominators_in(answer)
 
     _GENERIC[function] = companion
     return function

@@ -28,15 +28,15 @@ def reserved(names: Iterable[str]) -> Iterator[None]:
 
 def names_in_all(*values: Any) -> set[str]:
     """The names of all symbols in what was read or is shown, those of variables included."""
-    found: set[str] = set()
+    names: set[str] = set()
     for value in values:
         if isinstance(value, Basic | MatrixBase):
-            found |= {symbol.name for symbol in value.free_symbols}
+            names |= {symbol.name for symbol in value.free_symbols}
         elif isinstance(value, list | tuple | set | frozenset):
-            found |= names_in_all(*value)
+            names |= names_in_all(*value)
         elif is_dataclass(value):
-            found |= names_in_all(*(getattr(value, field.name) for field in fields(value)))
-    return found
+            names |= names_in_all(*(getattr(value, field.name) for field in fields(value)))
+    return names
 
 
 def fresh(taken: Iterable[str], *names: str) -> Symbol:

@@ -55,5 +55,5 @@ def common_divisor_by_flint(*polys: Poly) -> Poly | None:
     first, *others = to_flint(domain, *cleared)
     for other in others:
         first = first.gcd(other)
-    found = coefficients_of(domain, first)
-    return Poly({(power,): c for power, c in found.items()}, polys[0].gen, domain=domain)
+    coefficients = coefficients_of(domain, first)
+    return Poly({(power,): c for power, c in coefficients.items()}, polys[0].gen, domain=domain)

@@ -100,12 +100,12 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     """Read a list of coefficients in descending powers, no more of them than the budget allows."""
     if getattr(values, "shape", None) == ():
         raise InputError(f"{shown(values)} is one number and no list; give the number itself")
-    given = listed(values, "degree", "the list of coefficients", more=1)
-    if not given:
+    value_list = listed(values, "degree", "the list of coefficients", more=1)
+    if not value_list:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
-    found = exact_numbers(given)
-    require_decidable(found)
-    return found
+    coefficients = exact_numbers(value_list)
+    require_decidable(coefficients)
+    return coefficients
 
 
 def exact_numbers(values: Sequence[Any]) -> list[Expr]:
@@ -147,8 +147,8 @@ def _ratio(numerator: int, denominator: int) -> Rational:
 
 def _from_plain(text: str) -> Rational:
     ask("characters", len(text), "the expression")
-    found = Fraction(text)
-    return _ratio(found.numerator, found.denominator)
+    number = Fraction(text)
+    return _ratio(number.numerator, number.denominator)
 
 
 def _from_decimal(value: Decimal) -> Rational:
@@ -166,8 +166,8 @@ def _from_float(value: Any, binary: bool) -> Rational:
         return _ratio(*map(int, value.as_integer_ratio()))
     text = str(value)  # of a float32 the shortest for 24 bits
     ask("digits", abs(int(text.lower().partition("e")[2] or 0)), "a number")
-    found = Fraction(text)
-    return _ratio(found.numerator, found.denominator)
+    number = Fraction(text)
+    return _ratio(number.numerator, number.denominator)
 
 
 def _from_wrapped(value: Any, binary: bool) -> Expr:

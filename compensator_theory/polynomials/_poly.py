@@ -122,9 +122,9 @@ def common_divisor(first: Poly, *others: Poly) -> Poly:
     """Return the monic greatest common divisor."""
     if not all(poly.domain.is_QQ for poly in (first, *others)):
         first, *others = over_one_field(first, *others)  # type: ignore[assignment]
-        found = common_divisor_by_flint(first, *others)
-        if found is not None:
-            return monic(canonical(found))
+        divisor = common_divisor_by_flint(first, *others)
+        if divisor is not None:
+            return monic(canonical(divisor))
     for other in others:
         first = first.gcd(other)
     return monic(canonical(first))

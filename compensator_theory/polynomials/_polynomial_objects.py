@@ -49,10 +49,10 @@ def in_our_order(obj: Any) -> Any:
 
 def _descending(ascending: list[Any]) -> list[Any]:
     """From the highest power down, without zeros that only fill an array."""
-    found = ascending[::-1] or [0]
-    while len(found) > 1 and found[0] == 0:
-        del found[0]
-    return found
+    coefficients = ascending[::-1] or [0]
+    while len(coefficients) > 1 and coefficients[0] == 0:
+        del coefficients[0]
+    return coefficients
 
 
 def _named(descending: list[Any], name: str) -> Any:

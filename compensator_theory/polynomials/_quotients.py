@@ -129,9 +129,9 @@ def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
 
     Denominators that differ by a number are one denominator.
     """
-    found: set[Expr] = set()
-    _collect(tree, found)
-    generators = tuple(sorted(found, key=sympy.default_sort_key))
+    factors: set[Expr] = set()
+    _collect(tree, factors)
+    generators = tuple(sorted(factors, key=sympy.default_sort_key))
     names = [f"x{i}" for i in range(len(generators))]
     ring = _Ring(generators, flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex))
     quotient = ring.evaluated(tree, least_denominators)

@@ -44,7 +44,7 @@ def read_values(values: Substitutions, value: NumberLike | None = None) -> dict[
     elif value is not None:
         raise InputError(f"{shown(values)} is no symbol that has one value; write subs('a', 2)")
     elif isinstance(values, Mapping | sympy.Dict):
-        return {as_symbol(name): exact_number(given) for name, given in values.items()}
+        return {as_symbol(name): exact_number(number) for name, number in values.items()}
     elif isinstance(values, list | tuple | sympy.Tuple):
         pairs = list(values)
     else:
@@ -52,22 +52,22 @@ def read_values(values: Substitutions, value: NumberLike | None = None) -> dict[
             f"{shown(values)} is no mapping such as {{'a': 2}}, nor a list of pairs, as in "
             "[('a', 2), ('b', 1)]"
         )
-    found: dict[Symbol, Expr] = {}
+    numbers: dict[Symbol, Expr] = {}
     for pair in pairs:
         if not isinstance(pair, list | tuple | sympy.Tuple) or len(pair) != 2:
             raise InputError(f"{shown(pair)} is no pair of a symbol and its value, as in ('a', 2)")
         symbol, number = as_symbol(pair[0]), exact_number(pair[1])
-        found = {old: _at(new, {symbol.name: number}) for old, new in found.items()}
-        found.setdefault(symbol, number)
-    return found
+        numbers = {old: _at(new, {symbol.name: number}) for old, new in numbers.items()}
+        numbers.setdefault(symbol, number)
+    return numbers
 
 
 def with_values(
     whole: Value, values: Substitutions, value: NumberLike | None, variable: Symbol
 ) -> Value:
     """Give values to symbols of a system or a matrix, but not to its variable."""
-    given = read_values(values, value)
-    names = {symbol.name for symbol in given}
+    numbers = read_values(values, value)
+    names = {symbol.name for symbol in numbers}
     if variable.name in names:
         raise InputError(
             f"{variable} is the variable of {whole}; a transfer function is called for a value, "
@@ -75,10 +75,10 @@ def with_values(
         )
     if value is not None:  # of many, as SymPy has it, those that do not occur change nothing
         require_names(names, names_in(whole) - {variable.name}, whole)
-    if any(variable in number.free_symbols for number in given.values()):
+    if any(variable in number.free_symbols for number in numbers.values()):
         raise InputError(f"a value contains {variable}, the variable of {whole}")
     unproven: Any = {"certificate": None} if "certificate" in _fields(whole) else {}
-    return substituted(replace(whole, **unproven), given)  # type: ignore[type-var,no-any-return]
+    return substituted(replace(whole, **unproven), numbers)  # type: ignore[type-var,no-any-return]
 
 
 def require_names(names: Set[str], known: Set[str], whole: object) -> None:
@@ -115,9 +115,9 @@ def _replaced(value: Any, values: Mapping[str, Expr]) -> Any:
     if isinstance(value, dict):
         return {key: _replaced(item, values) for key, item in value.items()}
     if isinstance(value, ExactValue):
-        own: Any = value
-        given = {name: getattr(own, name) for name in _fields(own)}
-        return replace(own, **{name: _replaced(part, values) for name, part in given.items()})
+        copy: Any = value
+        fields = {name: getattr(copy, name) for name in _fields(copy)}
+        return replace(copy, **{name: _replaced(part, values) for name, part in fields.items()})
     if str(getattr(value, "dtype", "")) == "object" and hasattr(value, "tolist"):
         return _replaced(value.tolist(), values)  # an array of expressions
     return value
@@ -132,14 +132,14 @@ def _of_names(value: Basic, values: Mapping[str, Expr]) -> dict[Symbol, Expr]:
 
 
 def _at(expression: Expr, values: Mapping[str, Expr]) -> Expr:
-    own = _of_names(expression, values)
-    if not own:
+    named = _of_names(expression, values)
+    if not named:
         return expression
     top, bottom = (
-        settled(side.subs(own, simultaneous=True)) for side in expression.as_numer_denom()
+        settled(side.subs(named, simultaneous=True)) for side in expression.as_numer_denom()
     )
     if bottom == 0:
-        where = ", ".join(f"{symbol} = {value}" for symbol, value in own.items())
+        where = ", ".join(f"{symbol} = {value}" for symbol, value in named.items())
         raise InputError(f"{expression} does not exist at {where}: it divides by zero there")
     return settled(top / bottom)
 

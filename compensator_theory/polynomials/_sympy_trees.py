@@ -34,12 +34,12 @@ def require_readable(expression: Expr) -> None:
     """Refuse an expression that is not built from numbers, symbols and elementary functions."""
     most, deepest = limit_of("characters"), limit_of("nesting")
     waiting: list[tuple[sympy.Basic, int]] = [(expression, 0)]
-    seen = 0
+    nodes = 0
     while waiting:
         part, depth = waiting.pop()
-        seen += 1
-        if seen > most or depth > deepest:
-            ask("characters", seen, "the expression")
+        nodes += 1
+        if nodes > most or depth > deepest:
+            ask("characters", nodes, "the expression")
             ask("nesting", depth, "the expression")
         if part in (sympy.nan, sympy.oo, -sympy.oo, sympy.zoo):
             raise InputError("the expression is not finite; exact data must be finite")
@@ -167,14 +167,14 @@ def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
     """Collect an expanded expression by powers; None if it is no polynomial in the variable."""
     if expression == 0:
         return {}  # SymPy takes 0 for a power of the variable
-    found: dict[int, list[Expr]] = {}
+    terms_by_power: dict[int, list[Expr]] = {}
     for term in sympy.Add.make_args(expression):
         rest, power = term.as_independent(variable, as_Add=False)
         base, exponent = power.as_base_exp()
         if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
             return None
-        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
-    return {k: sympy.Add(*terms) for k, terms in found.items()}
+        terms_by_power.setdefault(0 if power == 1 else int(exponent), []).append(rest)
+    return {k: sympy.Add(*terms) for k, terms in terms_by_power.items()}
 
 
 def require_small_field(numbers: list[Expr]) -> None:
@@ -203,8 +203,8 @@ def require_small_field(numbers: list[Expr]) -> None:
     degree *= others * min(rational, math.prod(by_prime.values()))
     ask("field_degree", degree, "the irrational numbers together")
     longest = decimal_digits(max((_bits(number) for number in numbers), default=0))
-    what = f"the discriminant of irrational numbers of degree {degree}"
-    ask("digits", degree * (degree - 1) * longest, what)
+    subject = f"the discriminant of irrational numbers of degree {degree}"
+    ask("digits", degree * (degree - 1) * longest, subject)
 
 
 def _bits(number: Expr) -> int:
@@ -218,15 +218,15 @@ def _bits(number: Expr) -> int:
 
 def irrational_parts(number: Expr) -> set[Expr]:
     """Return the roots, the imaginary unit and the indexed roots that a number is made of."""
-    found: set[Expr] = set()
+    constants: set[Expr] = set()
     waiting = [number]
     while waiting:
         part = waiting.pop()
         if part.is_number or isinstance(part, sympy.Pow):
             if isinstance(part, sympy.Pow) and not part.exp.is_Integer:
-                found.add(part)
+                constants.add(part)
             elif part == sympy.I or isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
-                found.add(part)
+                constants.add(part)
                 continue
         waiting += part.args
-    return found
+    return constants

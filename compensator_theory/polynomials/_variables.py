@@ -36,14 +36,14 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         if not variable.is_commutative:
             raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
         return variable
-    found = _named(variable) if isinstance(variable, str) else None
-    if not isinstance(found, Symbol):
+    named = _named(variable) if isinstance(variable, str) else None
+    if not isinstance(named, Symbol):
         pair = "; names go one by one, coefficients as one pair, as in ([1], [1, 2])"
         hint = pair if isinstance(variable, list | tuple) else ""
         raise InputError(
             f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
         )
-    return found
+    return named
 
 
 @lru_cache(maxsize=64)
@@ -83,13 +83,14 @@ def require_time(time: object) -> Time:
 
 def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
     """Return the variable of polynomials in a time domain: s or q where none is named."""
-    wanted = require_time(time)
+    time_of_request = require_time(time)
     if variable is None:
-        return Symbol("s" if wanted == "continuous" else "q")
+        return Symbol("s" if time_of_request == "continuous" else "q")
     symbol = as_symbol(variable)
-    if time_of(symbol, what) != wanted:
+    if time_of(symbol, what) != time_of_request:
         raise InputError(
-            f"{symbol} means {time_of(symbol, what)} time, and {what} is to be in {wanted} time; "
+            f"{symbol} means {time_of(symbol, what)} time, and {what} is to be in "
+            f"{time_of_request} time; "
             "change one of them"
         )
     return symbol
@@ -104,10 +105,10 @@ def agreed_time(time: object, variable: Symbol) -> Time:
                 "write time='continuous' or time='discrete', or use s, z or q"
             )
         return time_of(variable, "stability")
-    wanted = require_time(time)
+    time_of_request = require_time(time)
     if is_operator(variable):
-        variable_in(wanted, variable, "the question")
-    return wanted
+        variable_in(time_of_request, variable, "the question")
+    return time_of_request
 
 
 def require_discrete(variable: Symbol, what: str) -> None:
@@ -134,20 +135,20 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     expressions = [part for part in known if not isinstance(part, Poly)]
     fixed = {part.gen for part in known if isinstance(part, Poly)}
     occurring = fixed.union(*(part.free_symbols for part in expressions))
-    what = _Names([*known] if len(known) == len(parts) else [None, *known])
-    found = evident_variable(occurring, what, fixed)
+    subject = _Names([*known] if len(known) == len(parts) else [None, *known])
+    evident = evident_variable(occurring, subject, fixed)
     for part in expressions:
-        if part.free_symbols and found not in part.free_symbols:
+        if part.free_symbols and evident not in part.free_symbols:
             raise InputError(
-                f"the variable of {what} is not evident: {_written(part)} does not contain "
-                f"{found}, so that it may be a constant or a polynomial in another variable; ",
+                f"the variable of {subject} is not evident: {_written(part)} does not contain "
+                f"{evident}, so that it may be a constant or a polynomial in another variable; ",
                 Advice(
                     "polynomial",
-                    (("variable", found.name),),
+                    (("variable", evident.name),),
                     "name the variable, as in {function}(..., '{variable}')",
                 ),
             )
-    return found
+    return evident
 
 
 def evident_variable(
@@ -162,10 +163,10 @@ def evident_variable(
             f"the variable of {what} is not evident (symbols: {names}); ",
             *NAME_THE_VARIABLE,
         )
-    (found,) = candidates
-    if found.name.endswith((UNKNOWN, POSITIVE)):
-        raise InputError(f"{what} is a polynomial in {found}, and that is no variable; name one")
-    return found
+    (symbol,) = candidates
+    if symbol.name.endswith((UNKNOWN, POSITIVE)):
+        raise InputError(f"{what} is a polynomial in {symbol}, and that is no variable; name one")
+    return symbol
 
 
 def require_no_other_operator(*polys: Poly) -> None:
@@ -173,14 +174,15 @@ def require_no_other_operator(*polys: Poly) -> None:
 
     1/s is no constant of a system in z; in (s + z)/(s + p), read in s, z is a parameter as p is.
     """
-    own = polys[0].gen
-    if not is_operator(own) or any(poly.degree() > 0 for poly in polys):
+    variable = polys[0].gen
+    if not is_operator(variable) or any(poly.degree() > 0 for poly in polys):
         return
     for poly in polys:
         others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
-        if others - {own}:
+        if others - {variable}:
             raise InputError(
-                f"{quoted(poly)} is to be read in the variable {own}, does not contain it, and "
+                f"{quoted(poly)} is to be read in the variable {variable}, does not contain it, "
+                "and "
                 f"contains {', '.join(sorted(map(str, others)))}; use one variable"
             )
 
@@ -203,11 +205,11 @@ class _Names:
         self.parts = parts
 
     def __str__(self) -> str:
-        given = [part for part in self.parts if part is not None]
-        shown = [part for part in given if isinstance(part, Poly) or part.free_symbols]
+        named_parts = [part for part in self.parts if part is not None]
+        shown = [part for part in named_parts if isinstance(part, Poly) or part.free_symbols]
         if None in self.parts:  # numbers beside it may be defaults, or denominators of 1
             return " and ".join([*map(_written, shown), "a list of coefficients"])
-        return " and ".join(map(_written, shown or given)) or "a list of coefficients"
+        return " and ".join(map(_written, shown or named_parts)) or "a list of coefficients"
 
 
 def _written(part: Poly | Expr | Quotient) -> str:

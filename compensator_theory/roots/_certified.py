@@ -97,15 +97,15 @@ def certified_roots(poly: PolynomialLike, variable: str | Symbol | None = None) 
     """
     source = polynomial(poly, variable)
     with ball_precision(64):
-        found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
-    return tuple(sorted(found, key=_order))
+        rounded = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
+    return tuple(sorted(rounded, key=_order))
 
 
 def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:
     """Return (degree, multiplicity) of each distinct irreducible real factor, 1 or 2 in degree."""
     roots = certified_roots(poly)
-    kept = [root for root in roots if root.is_real or root.value.imag > 0]
-    return [(1 if root.is_real else 2, root.multiplicity) for root in kept]
+    upper_half = [root for root in roots if root.is_real or root.value.imag > 0]
+    return [(1 if root.is_real else 2, root.multiplicity) for root in upper_half]
 
 
 def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
@@ -117,8 +117,8 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
             rational.append((root, int(multiplicity)))
             rest //= flint.fmpz_poly([-root.p, root.q]) ** int(multiplicity)
     with ball_precision(precision):
-        found = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
-        return found + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
+        balls = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
+        return balls + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
 
 
 def decided_balls(
@@ -131,12 +131,12 @@ def decided_balls(
     """
 
     def attempt(bits: int) -> list[tuple[flint.acb, int, Decision]] | None:
-        answered = []
+        decided = []
         for ball, multiplicity in root_balls(poly, bits):
             if (answer := decide(ball)) is None:
                 return None
-            answered.append((ball, multiplicity, answer))
-        return answered
+            decided.append((ball, multiplicity, answer))
+        return decided
 
     return at_growing_precision(attempt, precision, "a question about each root")
 

@@ -192,10 +192,10 @@ def count_roots(
     if time == "discrete":
         poly = half_plane_image(poly, degree)
     whole = to_flint_polynomial(poly).numer()
-    found = _count_in_balls(whole)
-    if found is None:
-        found = _count_by_chain(whole)
-    return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
+    counts = _count_in_balls(whole)
+    if counts is None:
+        counts = _count_by_chain(whole)
+    return RootCount(counts.stable, counts.boundary + degree - counts.total, counts.unstable)
 
 
 def half_plane_image(poly: Poly, size: int) -> Poly:
@@ -286,8 +286,8 @@ def _real_roots(poly: flint.fmpz_poly) -> int:
 
 
 def _distinct_real_roots(factor: flint.fmpz_poly) -> int:
-    if (found := distinct_real_roots(factor)) is not None:
-        return found
+    if (roots := distinct_real_roots(factor)) is not None:
+        return roots
     chain = _sturm_chain(factor, factor.derivative())
     return _variations(chain, -1) - _variations(chain, +1)
 

@@ -59,21 +59,21 @@ def _stretched(poly: flint.fmpz_poly, exponent: int) -> flint.fmpz_poly:
 
 
 def _roots_in_unit_interval(poly: flint.fmpz_poly) -> int | None:
-    found, waiting = 0, [poly]
+    intervals, waiting = 0, [poly]
     for _ in range(STEPS * poly.degree() + 40):
         if not waiting:
-            return found
+            return intervals
         poly = waiting.pop()
         variations = _variations(flint.fmpz_poly(poly.coeffs()[::-1])(_ONE_MORE).coeffs())
         if variations < 2:
-            found += variations
+            intervals += variations
             continue
         lower = _stretched(poly, -1)
         upper = lower(_ONE_MORE)
         if upper[0] == 0:  # the midpoint itself
-            found, upper = found + 1, flint.fmpz_poly(upper.coeffs()[1:])
+            intervals, upper = intervals + 1, flint.fmpz_poly(upper.coeffs()[1:])
         waiting += [lower, upper]
-    return None if waiting else found
+    return None if waiting else intervals
 
 
 def _variations(coefficients: list[flint.fmpz]) -> int:

@@ -127,8 +127,8 @@ class FieldMatrix(ExactValue):
 
         def written(entry: tuple[flint.fmpq, ...]) -> Expr:
             terms = (rational(c) * power for c, power in zip(entry, powers, strict=False))
-            found = sympy.Add(*terms)
-            return sympy.expand(found) if self.field.degree <= 4 else found
+            written = sympy.Add(*terms)
+            return sympy.expand(written) if self.field.degree <= 4 else written
 
         rows, columns = self.shape
         return ImmutableMatrix(rows, columns, [written(e) for row in self.entries for e in row])
@@ -158,11 +158,11 @@ class FieldMatrix(ExactValue):
 
         def attempt(bits: int) -> tuple[tuple[Enclosure, ...], ...] | None:
             place = self.field.ball(bits)
-            found = tuple(
+            enclosures = tuple(
                 tuple(enclosure_of_ball(flint.arb_poly(list(e))(place)) for e in row)
                 for row in self.entries
             )
-            return found if all(e.radius <= goal for row in found for e in row) else None
+            return enclosures if all(e.radius <= goal for row in enclosures for e in row) else None
 
         return at_growing_precision(attempt, 64 + 4 * digits, f"entries with {digits} digits")
 
@@ -234,9 +234,9 @@ class Arithmetic:
             for j, entry in enumerate(row):
                 for power, coefficient in enumerate(entry.coeffs()):
                     columns[i * d + power, j] = coefficient
-        found = system.solve(columns)
+        solution = system.solve(columns)
         return [
-            [flint.fmpq_poly([found[i * d + k, j] for k in range(d)]) for j in range(m)]
+            [flint.fmpq_poly([solution[i * d + k, j] for k in range(d)]) for j in range(m)]
             for i in range(n)
         ]
 
@@ -309,16 +309,16 @@ def characteristic_data(
 ) -> tuple[list[flint.fmpq_poly], list[Grid]]:
     """Return det(sI - A), and C adj(sI - A) B as n matrices; powers of s descend."""
     n, zero = len(A), flint.fmpq_poly()
-    descending, found = [flint.fmpq_poly([1])], []
+    descending, coefficients = [flint.fmpq_poly([1])], []
     power = [[flint.fmpq_poly([int(i == j)]) for j in range(n)] for i in range(n)]
     for k in range(1, n + 1):  # Faddeev and LeVerrier
-        found.append(work.product(C, work.product(power, B)))
+        coefficients.append(work.product(C, work.product(power, B)))
         power = work.product(A, power)
         trace = sum((power[i][i] for i in range(n)), zero)
         c = trace * flint.fmpq(-1, k) % work.minimal
         descending.append(c)
         power = plus(power, [[c if i == j else zero for j in range(n)] for i in range(n)])
-    return descending, found
+    return descending, coefficients
 
 
 def transposed(grid: Grid) -> Grid:
@@ -426,9 +426,9 @@ def _generated(
 ) -> tuple[flint.fmpz_poly, list[list[flint.fmpq_poly]]] | None:
     """Compute at the current precision; None where it does not suffice."""
     roots = [_left_roots(f) for f in distinct]
-    if any(found is None for found in roots):
+    if any(root_list is None for root_list in roots):
         return None
-    groups = [[r * scale for r in found or ()] for found in roots]
+    groups = [[r * scale for r in root_list or ()] for root_list in roots]
     flat = [r for group in groups for r in group]
     sums = [flint.acb(0)]
     for r in flat:
@@ -457,7 +457,7 @@ def _generated(
     for index, group in enumerate(groups):
         starts[index] = start
         start += len(group)
-    found = []
+    generated = []
     for _, pairs in parts:
         chosen = [
             (starts[index] + i, r)
@@ -476,11 +476,11 @@ def _generated(
         whole = [[product[k, j].unique_fmpz() for j in range(d)] for k in range(n + 1)]
         if any(c is None for row in whole for c in row):
             return None
-        found.append(whole)
+        generated.append(whole)
     minimal_q = flint.fmpq_poly(minimal)
     slope = inverse(minimal_q.derivative(), minimal_q)  # long: only where the integers are known
     factors = []
-    for (rest, _), whole in zip(parts, found, strict=True):
+    for (rest, _), whole in zip(parts, generated, strict=True):
         irrational = [
             flint.fmpq_poly(row) * slope % minimal_q / (flint.fmpq(scale) ** (len(whole) - 1 - k))
             for k, row in enumerate(whole)
@@ -492,10 +492,10 @@ def _generated(
 def _divided(minimal: flint.fmpz_poly, y: flint.acb) -> list[flint.acb]:
     """Return m(x)/(x - y), ascending."""
     descending = [flint.acb(c) for c in minimal.coeffs()[::-1]]
-    found = [descending[0]]
+    quotient = [descending[0]]
     for c in descending[1:-1]:
-        found.append(c + y * found[-1])
-    return found[::-1]
+        quotient.append(c + y * quotient[-1])
+    return quotient[::-1]
 
 
 def inverse(value: flint.fmpq_poly, minimal: flint.fmpq_poly) -> flint.fmpq_poly:
@@ -510,11 +510,11 @@ def _convolved(
     first: Sequence[flint.fmpq_poly], second: Iterable[flint.fmpq], minimal: flint.fmpq_poly
 ) -> list[flint.fmpq_poly]:
     other = list(second)
-    found = [flint.fmpq_poly() for _ in range(len(first) + len(other) - 1)]
+    product = [flint.fmpq_poly() for _ in range(len(first) + len(other) - 1)]
     for i, a in enumerate(first):
         for j, b in enumerate(other):
-            found[i + j] += a * b
-    return [c % minimal for c in found]
+            product[i + j] += a * b
+    return [c % minimal for c in product]
 
 
 def _require_factor(

@@ -64,8 +64,8 @@ def locate_roots(
     others = decided_balls(poly.exquo(paired), is_inside if discrete else is_left)
     stable = sum(m for _, m, is_stable in others if is_stable)
     boundary = 0
-    for own_image in (1, -1) if discrete else (0,):
-        multiplicity, paired = _divided(paired, Poly([1, -own_image], s, domain=QQ))
+    for orientation in (1, -1) if discrete else (0,):
+        multiplicity, paired = _divided(paired, Poly([1, -orientation], s, domain=QQ))
         boundary += multiplicity
     folded = fold_palindrome(paired) if discrete else Poly(paired.all_coeffs()[::2], s, domain=QQ)
 

@@ -64,14 +64,14 @@ def reflection_coefficients(
     )
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]
-    found = []
+    coefficients = []
     while len(row) > 1:
         k = row[-1] / row[0]
-        found.append(ring.to_sympy(k))
+        coefficients.append(ring.to_sympy(k))
         if abs(k) >= 1:
             break
         row = [a - k * b for a, b in zip(row[:-1], row[:0:-1], strict=True)]
-    return tuple(found)
+    return tuple(coefficients)
 
 
 def has_root_outside(poly: Poly) -> bool:

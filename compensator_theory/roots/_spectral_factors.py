@@ -102,16 +102,16 @@ class SpectralFactor(ExactValue):
         finest = max(int(c.centre.q).bit_length() for c in self.enclosure.coefficients)
         with ball_precision(64 + 2 * finest):
             descending = [ball_of_enclosure(c) for c in self.enclosure.coefficients]
-            given = [ball_of_number(c) for c in reversed(self.spectrum.all_coeffs())]
+            coefficients = [ball_of_number(c) for c in reversed(self.spectrum.all_coeffs())]
             factor, mirrored = descending, descending[::-1]
             if self.time == "continuous":
                 factor = descending[::-1]
                 mirrored = [-c if k % 2 else c for k, c in enumerate(factor)]
             else:
                 shift = self.degree - self.half
-                given = [flint.arb(0)] * max(shift, 0) + given[max(-shift, 0) :]
+                coefficients = [flint.arb(0)] * max(shift, 0) + coefficients[max(-shift, 0) :]
             product = flint.arb_poly(factor) * flint.arb_poly(mirrored)
-            difference = ball_of_enclosure(self.constant) * product - flint.arb_poly(given)
+            difference = ball_of_enclosure(self.constant) * product - flint.arb_poly(coefficients)
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     @property

@@ -143,19 +143,19 @@ class _HurwitzArray:
 
     def conditions(self, chosen: Sequence[int], sizes: Sequence[int]) -> list[Expr]:
         """Return those that do not hold for all values, each once."""
-        asked: list[tuple[flint.fmpz_mpoly | None, int, int | None]]
-        asked = [(top, 1, None) for top in self.before]
-        asked += [(self.tops[k], 1, None) for k in chosen]
+        requests: list[tuple[flint.fmpz_mpoly | None, int, int | None]]
+        requests = [(top, 1, None) for top in self.before]
+        requests += [(self.tops[k], 1, None) for k in chosen]
         minors = _leading_minors(self.tops, self.work.context, max(sizes, default=0))
         if any(pivot.is_zero() for pivot in minors.values()):
             minors |= {size: self._minor(size) for size in sizes if size not in minors}
-        asked += [(minors.get(size), size, size) for size in sizes]
-        kept: list[Expr] = []
-        for top, power, size in asked:
+        requests += [(minors.get(size), size, size) for size in sizes]
+        conditions: list[Expr] = []
+        for top, power, size in requests:
             condition = self._condition(top, power, size)
-            if not condition.is_positive and condition not in kept:
-                kept.append(condition)
-        return kept
+            if not condition.is_positive and condition not in conditions:
+                conditions.append(condition)
+        return conditions
 
     def _minor(self, size: int) -> flint.fmpz_mpoly:
         """Return one determinant, where a smaller one is zero, with exchanges of rows."""
@@ -227,23 +227,23 @@ def _leading_minors(
     """
     zero, products, most_products = ring.constant(0), 0, PRODUCTS * limit_of("terms")
     rows = [[_entry(ascending, i, j, zero) for j in range(most)] for i in range(most)]
-    found = {0: ring.constant(1)}
+    minors = {0: ring.constant(1)}
     for k in range(most):
         places = [(t, i, k) for t in range(k) for i in range(t + 1, k)]
         places += [(t, k, j) for t in range(k) for j in range(t + 1, k + 1)]
         for t, i, j in places:
-            pivot, x, head, y = found[t + 1], rows[i][j], rows[i][t], rows[t][j]
+            pivot, x, head, y = minors[t + 1], rows[i][j], rows[i][t], rows[t][j]
             words = 1 + int(pivot.leading_coefficient()).bit_length() // 64
             products += (len(pivot) * len(x) + len(head) * len(y)) * words
             if products > most_products and not is_generic:
-                return found
-            rows[i][j] = (pivot * x - head * y) / found[t]
-        found[k + 1] = rows[k][k]
+                return minors
+            rows[i][j] = (pivot * x - head * y) / minors[t]
+        minors[k + 1] = rows[k][k]
         if is_generic:
             ask("terms", len(rows[k][k]), f"Hurwitz's determinant {k + 1}, multiplied out,")
         if rows[k][k].is_zero():
             break
-    return found
+    return minors
 
 
 def _hurwitz_minor(ascending: list[Expr], size: int) -> Expr:

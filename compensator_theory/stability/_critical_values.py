@@ -37,33 +37,33 @@ def critical_polynomials(poly: Poly, parameter: Symbol, *, discrete: bool) -> li
     other two (Orlando).
     """
     q = half_plane_polynomial(poly) if discrete else poly
-    found = [_in(poly.LC(), parameter)]
+    polynomials = [_in(poly.LC(), parameter)]
     for part in _factors(q, parameter):
         even, odd = part[0::2], part[1::2]
         if len(part) > 1 and not (any(even) and any(odd)):
             return None  # its roots come in pairs that are symmetric about 0, or it is s
-        found += [from_flint_polynomial(c, parameter) for c in (part[-1], part[0])]
+        polynomials += [from_flint_polynomial(c, parameter) for c in (part[-1], part[0])]
         if len(part) > 2:
-            found.append(from_flint_polynomial(resultant_in_parameter(even, odd), parameter))
+            polynomials.append(from_flint_polynomial(resultant_in_parameter(even, odd), parameter))
     if discrete and q.degree() < poly.degree():
         return None  # -1 is a root for every value
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(polynomials))
 
 
 def _factors(poly: Poly, parameter: Symbol) -> list[list[flint.fmpq_poly]]:
     """Return the irreducible factors as ascending coefficients, polynomials in the parameter."""
     (whole,) = to_flint(QQ[parameter], poly)
-    found = []
+    factors = []
     for factor, _ in whole.factor()[1]:
         rows: list[dict[int, flint.fmpq]] = [{} for _ in range(int(factor.degrees()[0]) + 1)]
         scale = flint.fmpq(int(factor.leading_coefficient().q))
         for (power, k), c in factor.to_dict().items():
             rows[int(power)][int(k)] = c * scale
-        found.append([
+        factors.append([
             flint.fmpq_poly([row.get(k, 0) for k in range(max(row, default=-1) + 1)])
             for row in rows
         ])  # fmt: skip
-    return found
+    return factors
 
 
 def resultant_in_parameter(
@@ -75,10 +75,10 @@ def resultant_in_parameter(
     """
     sides = []
     for side in (first, second):
-        kept = list(side)
-        while not kept[-1]:
-            kept.pop()
-        sides.append(kept)
+        coefficients = list(side)
+        while not coefficients[-1]:
+            coefficients.pop()
+        sides.append(coefficients)
     sizes = [max(int(c.degree()) for c in side) for side in sides]
     degree = sum(
         size * (len(other) - 1) for size, other in zip(sizes, reversed(sides), strict=True)
@@ -110,10 +110,10 @@ def real_roots(polys: list[Poly]) -> list[CriticalValue]:
     }
 
     def attempt(bits: int) -> list[CriticalValue] | None:
-        found = [root for factor in factors for root in _roots_of_factor(factor, bits)]
-        found.sort(key=lambda root: root.enclosure.lower)
-        apart = all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(found))
-        return found if apart else None
+        roots = [root for factor in factors for root in _roots_of_factor(factor, bits)]
+        roots.sort(key=lambda root: root.enclosure.lower)
+        apart = all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(roots))
+        return roots if apart else None
 
     return at_growing_precision(attempt, 64, "the order of real roots")  # distinct: irreducible
 
@@ -191,8 +191,8 @@ def number_between(lower: Rational, upper: Rational) -> Rational:
 
 def _roots_of_factor(factor: Poly, precision: int) -> list[CriticalValue]:
     decided = decided_balls(factor, lambda ball: bool(ball.imag == 0), precision)
-    found = [enclosure_of_ball(ball.real) for ball, _, is_real in decided if is_real]
-    ascending = sorted(found, key=lambda enclosure: enclosure.lower)
+    roots = [enclosure_of_ball(ball.real) for ball, _, is_real in decided if is_real]
+    ascending = sorted(roots, key=lambda enclosure: enclosure.lower)
     return [CriticalValue(real_root(factor, i), place) for i, place in enumerate(ascending)]
 
 

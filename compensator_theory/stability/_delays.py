@@ -202,10 +202,10 @@ def stability_delays(
             "give a list, a_0, a_1, ... of a_0(s) + a_1(s) exp(-tau s) + ...: of N/D in negative "
             "feedback with a delay it is [D, N]"
         )
-    given = listed(coefficients, "degree", "the list of coefficients")
-    if len(given) < 2:
+    coefficient_list = listed(coefficients, "degree", "the list of coefficients")
+    if len(coefficient_list) < 2:
         raise InputError("give a_0, a_1, ...: without a delay use decide_stability")
-    polys = in_one_variable(*given, variable=variable, default="s")
+    polys = in_one_variable(*coefficient_list, variable=variable, default="s")
     polys = tuple(p if p.is_zero else require_rational(p) for p in polys)
     if time_of(polys[0].gen, "a delay in s") == "discrete":
         raise InputError("in discrete time a delay is a power of the variable; write it out")
@@ -238,9 +238,9 @@ def stability_delays(
         signs = signs_at_real_roots(Poly(SQUARE, SQUARE, domain=QQ), factor)
         for index, root in enumerate(real_roots([factor])):
             if signs[index] > 0:
-                found = _crossing(polys, H, factor, int(multiplicity), index, root.value, whole)
-                crossings.append(found)
-                at_once += found.tendency > 0 and found.first.centre == 0
+                crossing = _crossing(polys, H, factor, int(multiplicity), index, root.value, whole)
+                crossings.append(crossing)
+                at_once += crossing.tendency > 0 and crossing.first.centre == 0
     crossings.sort(key=lambda crossing: crossing.frequency.centre, reverse=True)
     # Roots on the axis without delay have left it, to where the crossing says; the later delays
     # of the same crossing follow.
@@ -271,8 +271,8 @@ def _resultant(polys: Sequence[Poly]) -> Poly:
                 sides[0][k, power] = c
                 sides[1][n - k, power] = -c if power % 2 else c
     first, second = (context.from_dict(side) for side in sides)
-    found = first.resultant(second, "z").to_dict()
-    terms = {int(powers[1]): QQ(int(c.p), int(c.q)) for powers, c in found.items()}
+    eliminated = first.resultant(second, "z").to_dict()
+    terms = {int(powers[1]): QQ(int(c.p), int(c.q)) for powers, c in eliminated.items()}
     even, odd = even_and_odd(Poly({(k,): c for k, c in terms.items()} or 0, s, domain=QQ))
     assert odd.is_zero
     halved = {k: c * (-1) ** int(k[0]) for k, c in even.terms()}
@@ -327,14 +327,14 @@ def _crossing(
                 continue
             else:
                 first = (angle if angle > 0 else angle + 2 * flint.arb.pi()) / omega
-            found = [enclosure_of_ball(x) for x in (omega, first, 2 * flint.arb.pi() / omega)]
-            if all(x.radius <= Rational(1, 10**30) for x in found):
+            enclosures = [enclosure_of_ball(x) for x in (omega, first, 2 * flint.arb.pi() / omega)]
+            if all(x.radius <= Rational(1, 10**30) for x in enclosures):
                 if at_zero and first == 0 and tendency == 0:
                     raise NoSolutionError(
                         "a root on the imaginary axis without delay only touches it; where it goes "
                         "is not decided here"
                     )
-                return DelayCrossing(value, found[0], tendency, found[1], found[2])
+                return DelayCrossing(value, enclosures[0], tendency, enclosures[1], enclosures[2])
     raise BudgetError(
         f"what happens at the frequency sqrt({value}) takes more than {BITS[-1]} bits"
     )
@@ -410,7 +410,7 @@ def _windows(
                 f"roots cross at two frequencies for the delay {float(a):.6g}, or so close to it "
                 "that 30 digits do not tell"
             )
-    found: list[tuple[Enclosure, Enclosure | None]] = []
+    windows: list[tuple[Enclosure, Enclosure | None]] = []
     total, since = unstable, start
     at_zero = [way for place, way in events if place.centre == place.radius == 0]
     total += 2 * sum(way > 0 for way in at_zero)  # those that leave to the left were not counted
@@ -418,7 +418,7 @@ def _windows(
         if place.centre == place.radius == 0:
             continue
         if total == 0:
-            found.append((since, place))
+            windows.append((since, place))
         total += 2 * way
         since = place
-    return tuple(found)
+    return tuple(windows)

@@ -46,16 +46,17 @@ class HalfPlaneMatrix:
 
 
 def half_plane_matrix(
-    G: TransferMatrixLike, what: str, variable: str | Symbol | None = None
+    G: TransferMatrixLike, subject: str, variable: str | Symbol | None = None
 ) -> HalfPlaneMatrix:
     """Read a rational proper transfer matrix; factors common to all entries are left out."""
     source = transfer_matrix(G, variable)
     s = source.variable
-    discrete = is_discrete(s, what)
+    discrete = is_discrete(s, subject)
     entries = [entry for row in source.numerators for entry in row]
     if not all(map(is_rational, [*entries, source.denominator])):
         raise InputError(
-            f"{what} needs rational coefficients; {way_to_rational(*entries, source.denominator)}"
+            f"{subject} needs rational coefficients; "
+            f"{way_to_rational(*entries, source.denominator)}"
         )
     common = source.denominator
     for entry in entries:
@@ -64,8 +65,8 @@ def half_plane_matrix(
     tops = [[canonical(entry.exquo(common)) for entry in row] for row in source.numerators]
     size = int(bottom.degree())
     if any(not e.is_zero and e.degree() > size for row in tops for e in row):
-        raise ImproperError(f"the transfer matrix {source} is improper, and {what} infinite")
-    ask("degree", size * min(source.shape) * 4, what)
+        raise ImproperError(f"the transfer matrix {source} is improper, and {subject} infinite")
+    ask("degree", size * min(source.shape) * 4, subject)
     if discrete:
         bottom = half_plane_image(bottom, size)
         tops = [[half_plane_image(entry, size) for entry in row] for row in tops]

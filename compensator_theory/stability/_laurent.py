@@ -167,26 +167,26 @@ def _series(
     field = construct_domain(numbers, field=True)[0]
     D = [field.from_sympy(c) for c in bottom]
     N = [[field.from_sympy(c) for c in entry] for row in above for entry in row]
-    found: list[list[Any]] = []
+    coefficients: list[list[Any]] = []
     left = []
     for k in range(terms):
         known = range(1, min(k + 1, len(D)))
         right = [e[k + shift] if 0 <= k + shift < len(e) else field.zero for e in N]
-        found.append(
+        coefficients.append(
             [
-                (top - sum((found[k - j][i] * D[j] for j in known), field.zero)) / D[0]
+                (top - sum((coefficients[k - j][i] * D[j] for j in known), field.zero)) / D[0]
                 for i, top in enumerate(right)
             ]
         )
         left.append(
             [
-                sum((found[k - j][i] * D[j] for j in (0, *known)), field.zero) - top
+                sum((coefficients[k - j][i] * D[j] for j in (0, *known)), field.zero) - top
                 for i, top in enumerate(right)
             ]
         )
     series, rest = (
         [ImmutableMatrix(*shape, [field.to_sympy(c) for c in grid]) for grid in grids]
-        for grids in (found, left)
+        for grids in (coefficients, left)
     )
     return series, rest
 
@@ -221,12 +221,12 @@ def _about(poly: Poly, point: Expr) -> list[Expr]:
         return [rational(c) for c in shifted.coeffs()] or [sympy.Integer(0)]
     numbers = [point, *map(sympy.sympify, poly.all_coeffs())]
     field, (root, *rest) = construct_domain(numbers, field=True)
-    found = []
+    coefficients = []
     while rest:
         for k in range(1, len(rest)):
             rest[k] = rest[k] + root * rest[k - 1]
-        found.append(field.to_sympy(rest.pop()))
-    return found
+        coefficients.append(field.to_sympy(rest.pop()))
+    return coefficients
 
 
 def _first(ascending: list[Expr]) -> int:

@@ -467,13 +467,13 @@ def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
 def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
     """Return (irreducible factor, index among its real roots, value) of the positive roots."""
     factors = [factor for factor, _ in poly.factor_list()[1]]
-    found = []
+    roots = []
     for factor in factors:
         signs = signs_at_real_roots(Poly(factor.gen, factor.gen, domain=QQ), factor)
         for index, root in enumerate(real_roots([factor])):
             if signs[index] > 0:
-                found.append((root.enclosure.centre, factor, index, root.value))
-    return [(factor, index, value) for _, factor, index, value in sorted(found, key=lambda r: r[0])]
+                roots.append((root.enclosure.centre, factor, index, root.value))
+    return [(factor, index, value) for _, factor, index, value in sorted(roots, key=lambda r: r[0])]
 
 
 def real_root_balls(factor: Poly, bits: int) -> list[flint.arb]:
@@ -499,8 +499,8 @@ def narrow(*balls: flint.arb) -> tuple[Enclosure, ...] | None:
     """Return balls of 30 digits as enclosures; None where one of them is larger."""
     if not all(ball.is_finite() for ball in balls):
         return None
-    found = tuple(map(enclosure_of_ball, balls))
-    return found if all(x.radius <= GOAL for x in found) else None
+    enclosures = tuple(map(enclosure_of_ball, balls))
+    return enclosures if all(x.radius <= GOAL for x in enclosures) else None
 
 
 def vanishes_at(poly: Poly, factor: Poly) -> bool:
@@ -541,11 +541,11 @@ def _phase_crossovers(
     real: Poly, imaginary: Poly, below: Poly, size: int, time: Time, balls: Balls
 ) -> list[PhaseCrossover]:
     zero = Enclosure(Rational(0), Rational(0))
-    found = []
+    crossovers = []
     at_zero, under = real.eval(0), below.eval(0)
     if under != 0 and at_zero < 0:
         factor = -under / at_zero
-        found.append(PhaseCrossover(Rational(0), zero, factor, Enclosure(factor, Rational(0))))
+        crossovers.append(PhaseCrossover(Rational(0), zero, factor, Enclosure(factor, Rational(0))))
     signs, quotients = {}, {}
     for factor, index, value in positive_roots(imaginary):
         if below.rem(factor).is_zero:
@@ -557,15 +557,17 @@ def _phase_crossovers(
             quotients[factor] = -quotient_modulo(factor, below, real)
         if signs[factor][index] < 0:
             quotient = quotients[factor]
-            found.append(_phase_crossover(factor, index, value, real, below, quotient, time, balls))
+            crossovers.append(
+                _phase_crossover(factor, index, value, real, below, quotient, time, balls)
+            )
     last, least = (p.coeff_monomial(SQUARE**size) for p in (real, below))
     if least != 0 and last < 0:
         factor, edge = -least / last, None
         if time == "discrete":
             with ball_precision(160):
                 edge = enclosure_of_ball(flint.arb.pi())
-        found.append(PhaseCrossover(sympy.oo, edge, factor, Enclosure(factor, Rational(0))))
-    return found
+        crossovers.append(PhaseCrossover(sympy.oo, edge, factor, Enclosure(factor, Rational(0))))
+    return crossovers
 
 
 def _phase_crossover(

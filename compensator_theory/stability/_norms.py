@@ -152,16 +152,16 @@ def _factors(G: HalfPlaneMatrix) -> list[Bivariate]:
         if c
     }
     both = flint.fmpz_mpoly_ctx.get(["w", "g"], flint.Ordering.lex).from_dict(terms)
-    found = [_by_powers_of_w(factor) for factor, _ in both.factor()[1]]
-    return [factor for factor in found if any(c.degree() > 0 for c in factor)]
+    factors = [_by_powers_of_w(factor) for factor, _ in both.factor()[1]]
+    return [factor for factor in factors if any(c.degree() > 0 for c in factor)]
 
 
 def _by_powers_of_w(poly: flint.fmpz_mpoly) -> Bivariate:
     size, levels = (int(degree) + 1 for degree in poly.degrees())
-    found = [[flint.fmpz(0)] * levels for _ in range(size)]
+    by_level = [[flint.fmpz(0)] * levels for _ in range(size)]
     for (i, k), c in poly.to_dict().items():
-        found[int(i)][int(k)] = c
-    return [flint.fmpz_poly(row) for row in found]
+        by_level[int(i)][int(k)] = c
+    return [flint.fmpz_poly(row) for row in by_level]
 
 
 def _supremum(factors: list[Bivariate]) -> tuple[CriticalValue, Poly]:
@@ -184,8 +184,10 @@ def _supremum(factors: list[Bivariate]) -> tuple[CriticalValue, Poly]:
             else sympy.floor(place.lower) - 1
         )
         if polynomial in constant or any(_has_frequency(factor, below) for factor in factors):
-            found = from_flint_polynomial(flint.fmpq_poly(polynomial), LEVEL)
-            return CriticalValue(real_root(found.monic(), index), place), found
+            level_polynomial = from_flint_polynomial(flint.fmpq_poly(polynomial), LEVEL)
+            return CriticalValue(
+                real_root(level_polynomial.monic(), index), place
+            ), level_polynomial
     raise AssertionError("the eigenvalues of a Gram matrix are real")
 
 
@@ -193,15 +195,15 @@ def _levels(polys: list[flint.fmpz_poly]) -> list[tuple[Enclosure, flint.fmpz_po
     """Return the real roots of distinct irreducible polynomials, which and whose each is."""
 
     def attempt(_: int) -> list[tuple[Enclosure, flint.fmpz_poly, int]] | None:
-        found = []
+        levels = []
         for poly in polys:
             real = sorted(
                 (r.real for r, _ in poly.complex_roots() if r.imag == 0), key=lambda r: r.mid()
             )
-            found += [(enclosure_of_ball(r), poly, i) for i, r in enumerate(real)]
-        found.sort(key=lambda level: level[0].lower)
-        apart = all(a[0].upper < b[0].lower for a, b in pairwise(found))
-        return found if apart else None
+            levels += [(enclosure_of_ball(r), poly, i) for i, r in enumerate(real)]
+        levels.sort(key=lambda level: level[0].lower)
+        apart = all(a[0].upper < b[0].lower for a, b in pairwise(levels))
+        return levels if apart else None
 
     return at_growing_precision(attempt, 64, "the order of levels")
 
@@ -227,10 +229,10 @@ def _discriminant(factor: Bivariate) -> flint.fmpz_poly:
     for step in range(1, size):  # Newton's divided differences
         for i in range(size - 1, step - 1, -1):
             values[i] = (values[i] - values[i - 1]) / (places[i] - places[i - step])
-    found = flint.fmpq_poly()
+    discriminant = flint.fmpq_poly()
     for place, value in zip(reversed(places), reversed(values), strict=True):
-        found = found * flint.fmpq_poly([-place, 1]) + value
-    return found.numer()
+        discriminant = discriminant * flint.fmpq_poly([-place, 1]) + value
+    return discriminant.numer()
 
 
 def _has_frequency(factor: Bivariate, level: Rational) -> bool:

@@ -102,21 +102,22 @@ def pade_approximant(
     m, n = (_degree(d) for d in (numerator_degree, denominator_degree))
     s = as_symbol(variable)
     ask("entries", n * (n + 1) + m, "the Pade approximant")
-    given = read_coefficients(coefficients)
-    if len(given) < m + n + 1:
+    series = read_coefficients(coefficients)
+    if len(series) < m + n + 1:
         raise InputError(
-            f"[{m}/{n}] needs {m + n + 1} coefficients c_0 to c_{m + n}, and {len(given)} are given"
+            f"[{m}/{n}] needs {m + n + 1} coefficients c_0 to c_{m + n}, and {len(series)} are "
+            "given"
         )
-    if any(s in c.free_symbols for c in given):
+    if any(s in c.free_symbols for c in series):
         raise InputError(f"the coefficients contain {s}, the variable; name another one")
-    c = given[: m + n + 1]
+    c = series[: m + n + 1]
     symbols = len(set().union(*(number.free_symbols for number in c)))
     if symbols:  # N has minors of order n + 1 as coefficients
         amount = (m + n + 1) * math.comb(n + 1 + symbols, symbols)
         ask("terms", amount, "the Pade approximant with symbols")
     table = ImmutableMatrix(n, n + 1, lambda i, j: c[m + 1 + i - j] if m + 1 + i >= j else 0)
-    found = echelon(table)
-    kernel = found.kernel()
+    reduced = echelon(table)
+    kernel = reduced.kernel()
     below = list(kernel[:, 0])
     D = from_coefficients(list(reversed(below)), s)
     N = from_coefficients(_convolved(below, c, m + 1, s)[::-1], s)
@@ -134,7 +135,7 @@ def pade_approximant(
     coefficients_of = ImmutableMatrix(1, 0, [])
     for poly in (top, bottom):
         coefficients_of = coefficients_of.row_join(ImmutableMatrix([poly.all_coeffs()]))
-    divisors = [found.divided_by, bottom.eval(0), *denominators_of([coefficients_of])]
+    divisors = [reduced.divided_by, bottom.eval(0), *denominators_of([coefficients_of])]
     return PadeApproximant(
         quotient,
         m + n + 1,
@@ -146,8 +147,8 @@ def pade_approximant(
 def _convolved(ascending: list[Expr], series: list[Expr], count: int, s: Symbol) -> list[Expr]:
     """Return the first coefficients of the product of a polynomial and a series."""
     left, right = (from_coefficients(values[::-1], s) for values in (ascending, series))
-    found = canonical(left * right).all_coeffs()[::-1][:count]
-    return [*found, *[sympy.S(0)] * (count - len(found))]
+    coefficients = canonical(left * right).all_coeffs()[::-1][:count]
+    return [*coefficients, *[sympy.S(0)] * (count - len(coefficients))]
 
 
 def _degree(value: int) -> int:

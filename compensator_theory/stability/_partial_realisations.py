@@ -112,13 +112,13 @@ def partial_realisation(
     divisors: list[Expr] = []
     for n in range(count + 1):
         table = ImmutableMatrix(count - n, n + 1, lambda i, j: h[i + j])
-        found = echelon(table)
-        divisors.append(found.divided_by)
-        if n not in found.pivots:  # the last column, of D_n = 1, is a combination of the others
+        reduced = echelon(table)
+        divisors.append(reduced.divided_by)
+        if n not in reduced.pivots:  # the last column, of D_n = 1, is a combination of the others
             break
     D = [sympy.Integer(0)] * n + [sympy.Integer(1)]
-    for row, pivot in enumerate(found.pivots):
-        D[pivot] = -found.matrix[row, n]
+    for row, pivot in enumerate(reduced.pivots):
+        D[pivot] = -reduced.matrix[row, n]
     denominator = from_coefficients(list(reversed(D)), s)
     numerator = from_coefficients(
         [
@@ -135,7 +135,7 @@ def partial_realisation(
     return PartialRealisation(
         TransferFunction(numerator, denominator),
         n,
-        n - len(found.pivots),
+        n - len(reduced.pivots),
         exceptional_factors(divisors),
         certificate_of(IDENTITY, [ImmutableMatrix(1, len(left), left)]),
     )

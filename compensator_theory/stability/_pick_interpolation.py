@@ -214,10 +214,12 @@ def nevanlinna_pick(
     where = _numbers(points, "points")
     if isinstance(values, str) or getattr(values, "shape", None) == ():
         raise InputError(f"the values {shown(values)} are to be given in a list")
-    given = listed(values, "degree", "the list of values", more=1)
-    if len(given) != len(where):
-        raise InputError(f"there are {len(where)} points and {len(given)} values; give as many")
-    chains = [list(cast("Sequence[Any]", v)) if _is_list(v) else [v] for v in given]
+    value_list = listed(values, "degree", "the list of values", more=1)
+    if len(value_list) != len(where):
+        raise InputError(
+            f"there are {len(where)} points and {len(value_list)} values; give as many"
+        )
+    chains = [list(cast("Sequence[Any]", v)) if _is_list(v) else [v] for v in value_list]
     if not all(chains):
         raise InputError("a point has an empty list of values; give its value at least")
     w = [_numbers(chain, "values") for chain in chains]
@@ -258,14 +260,14 @@ def nevanlinna_pick(
 def _numbers(numbers: Sequence[NumberLike], name: str) -> list[Expr]:
     if isinstance(numbers, str):
         raise InputError(f"the {name} {shown(numbers)} are to be given in a list")
-    found = [sympy.expand(number) for number in read_coefficients(numbers)]
-    for number in found:
+    expanded = [sympy.expand(number) for number in read_coefficients(numbers)]
+    for number in expanded:
         # with symbols the real part alone would be multiplied out, whatever the degree
         if number.free_symbols or not all(part.is_Rational for part in number.as_real_imag()):
             raise InputError(
                 f"the {name} must be rational or complex rational, and {quoted(number)} is not"
             )
-    return found
+    return expanded
 
 
 def _pencil(A: ImmutableMatrix, B: ImmutableMatrix) -> Poly:
@@ -299,7 +301,7 @@ def solve_pick(
     (z - 1)/(z + 1). Where P is singular, of rank r, the first r data make Theta, and the next one
     the number g of modulus 1: f is a Blaschke product.
     """
-    inner = [_in_continuous_time(*given) for given in data] if discrete else data
+    inner = [_in_continuous_time(*datum) for datum in data] if discrete else data
     size, P = _leading_pick_matrix(inner)
     theta = _theta(_first(inner, size), P, variable)
     left = _first_left_over(inner, size)
@@ -341,10 +343,10 @@ def _require_closed(data: Data) -> None:
         for k, c in enumerate(series):
             if partner[k : k + 1] != [_conjugate(c)]:
                 name = "f" + "'" * k if k < 4 else f"f^({k})"
-                here, there = (QQ_I.to_sympy(p) for p in (point, _conjugate(point)))
+                number, there = (QQ_I.to_sympy(p) for p in (point, _conjugate(point)))
                 value, mirrored = (QQ_I.to_sympy(v * factorial(k)) for v in (c, _conjugate(c)))
                 raise InputError(
-                    f"{name}({here}) = {value}, and a real function then has {name}({there}) = "
+                    f"{name}({number}) = {value}, and a real function then has {name}({there}) = "
                     f"{mirrored}; give complex points together with their conjugates"
                 )
 
@@ -362,8 +364,8 @@ def _taylor(
     ]
 
 
-def _is_list(given: object) -> bool:
-    return isinstance(given, Sequence) and not isinstance(given, str)
+def _is_list(value: object) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str)
 
 
 def _multiplied(
@@ -383,11 +385,11 @@ def _in_continuous_time(
     place = (point - 1) / (point + 1)
     rest = 1 - place
     step = [QQ_I(0)] + [2 / rest ** (k + 1) for k in range(1, len(series))]  # of z, in powers of s
-    found = [QQ_I(0)] * len(series)
+    mapped = [QQ_I(0)] * len(series)
     for c in reversed(series):  # Horner's rule
-        found = _multiplied(found, step)
-        found[0] += c
-    return place, found
+        mapped = _multiplied(mapped, step)
+        mapped[0] += c
+    return place, mapped
 
 
 def _conjugate(number: GaussianRational) -> GaussianRational:
@@ -441,11 +443,11 @@ def _leading_pick_matrix(data: Data) -> tuple[int, DomainMatrix]:
 
 def _first(data: Data, size: int) -> Data:
     """The first data, as many as given."""
-    found = []
+    coefficients = []
     for point, series in data:
-        found.append((point, series[: max(0, size)]))
+        coefficients.append((point, series[: max(0, size)]))
         size -= len(series)
-    return [(point, series) for point, series in found if series]
+    return [(point, series) for point, series in coefficients if series]
 
 
 def _first_left_over(
@@ -504,11 +506,11 @@ def _in_discrete_time(theta: Entries, degree: int) -> Entries:
 
 def _mapped(poly: Poly, degree: int) -> Poly:
     """Return (z + 1)^n p((z - 1)/(z + 1))."""
-    z, found = poly.gen, _poly([], poly.gen)
+    z, mapped = poly.gen, _poly([], poly.gen)
     up, down = (_poly([QQ_I(1), QQ_I(c)], z) for c in (-1, 1))
     for (k,), c in poly.terms():
-        found = found + up**k * down ** (degree - k) * _poly([QQ_I.from_sympy(c)], z)
-    return found
+        mapped = mapped + up**k * down ** (degree - k) * _poly([QQ_I.from_sympy(c)], z)
+    return mapped
 
 
 def _poly(descending: Sequence[GaussianRational], variable: Symbol) -> Poly:
@@ -534,7 +536,9 @@ def _real(poly: Poly) -> Poly:
 
 def _series_at(poly: Poly, point: GaussianRational, terms: int) -> list[GaussianRational]:
     """The first Taylor coefficients at a point, by Horner's rule."""
-    found = [QQ_I(0)] * terms
+    series_at_point = [QQ_I(0)] * terms
     for c in _complex_rational(poly.all_coeffs()):
-        found = [point * found[0] + c] + [point * found[k] + found[k - 1] for k in range(1, terms)]
-    return found
+        series_at_point = [point * series_at_point[0] + c] + [
+            point * series_at_point[k] + series_at_point[k - 1] for k in range(1, terms)
+        ]
+    return series_at_point

@@ -344,7 +344,7 @@ def root_locus(
 
 def _breaks(N: Poly, D: Poly) -> tuple[LocusBreak, ...]:
     W = N * D.diff() - N.diff() * D
-    found = []
+    breaks = []
     for factor, power in W.factor_list()[1] if not W.is_zero else []:
         if N.rem(factor).is_zero:
             continue  # a multiple zero, where k is infinite
@@ -362,11 +362,11 @@ def _breaks(N: Poly, D: Poly) -> tuple[LocusBreak, ...]:
                             index = next(
                                 i for i, v in enumerate(ascending) if v.real.overlaps(value.real)
                             )
-                            found.append(_break(factor, ball, int(power) + 1, real[index].value))
+                            breaks.append(_break(factor, ball, int(power) + 1, real[index].value))
                     break
         else:
             raise InputError(f"the gains at the roots of {factor.as_expr()} lie too close together")
-    return tuple(sorted(found, key=lambda b: (b.value.real, -b.value.imag)))
+    return tuple(sorted(breaks, key=lambda b: (b.value.real, -b.value.imag)))
 
 
 def _middle(ball: flint.acb) -> flint.arb:
@@ -403,10 +403,10 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
     if imaginary.is_zero:
         return None
     zero = Enclosure(Rational(0), Rational(0))
-    found = []
+    crossings = []
     if below.eval(0) != 0:
         gain = -real.eval(0) / below.eval(0)
-        found.append(LocusCrossing(Rational(0), zero, gain, Enclosure(gain, Rational(0))))
+        crossings.append(LocusCrossing(Rational(0), zero, gain, Enclosure(gain, Rational(0))))
     balls = cache(real_root_balls)  # a factor is isolated once for all its roots
     quotients: dict[Poly, Poly] = {}
     for factor, index, value in positive_roots(imaginary):
@@ -428,32 +428,32 @@ def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None
         if factor not in quotients:
             quotients[factor] = -quotient_modulo(factor, real, below)
         gain = value_at_root(quotients[factor], value)
-        found.append(LocusCrossing(value, frequency, gain, enclosure))
+        crossings.append(LocusCrossing(value, frequency, gain, enclosure))
     last, least = (p.coeff_monomial(p.gen**size) for p in (real, below))
     if least != 0:
         gain, edge = -last / least, None
         if time == "discrete":
             with ball_precision(160):
                 edge = enclosure_of_ball(flint.arb.pi())
-        found.append(LocusCrossing(sympy.oo, edge, gain, Enclosure(gain, Rational(0))))
-    return tuple(found)
+        crossings.append(LocusCrossing(sympy.oo, edge, gain, Enclosure(gain, Rational(0))))
+    return tuple(crossings)
 
 
-def _angles(here: Poly, other: Poly) -> tuple[LocusAngles, ...]:
+def _angles(polynomial: Poly, other: Poly) -> tuple[LocusAngles, ...]:
     """Return the directions at the roots of one polynomial, for positive gains."""
-    found = []
-    for factor, multiplicity in here.factor_list()[1]:
+    angles = []
+    for factor, multiplicity in polynomial.factor_list()[1]:
         m = int(multiplicity)
-        derivative = here
+        derivative = polynomial
         for _ in range(m):
             derivative = derivative.diff()
         for root in certified_roots(canonical(factor)):
             if root.value.imag < 0:
                 continue
-            found.append(
+            angles.append(
                 LocusAngles(replaced(root, m), _directions(factor, root, derivative, other, m))
             )
-    return tuple(sorted(found, key=lambda a: (a.at.value.real, a.at.value.imag)))
+    return tuple(sorted(angles, key=lambda a: (a.at.value.real, a.at.value.imag)))
 
 
 def replaced(root: Root, multiplicity: int) -> Root:

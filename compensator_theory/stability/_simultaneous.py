@@ -161,8 +161,8 @@ def decide_simultaneous_stabilisability(
             reduced, False, auxiliary, decision, None, (), "no compensator stabilises both plants"
         )
     size = max(0, auxiliary.reduced().order - 1)
-    found = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
-    if found is None:
+    compensator = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
+    if compensator is None:
         reason = (
             "some compensator stabilises both plants; the search for a stable compensator of the "
             f"auxiliary plant {auxiliary} up to order {size} found none, which is no proof that "
@@ -170,7 +170,7 @@ def decide_simultaneous_stabilisability(
         )
         return SimultaneousStabilisability(reduced, True, auxiliary, decision, None, (), reason)
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
-    a, b = found.numerator, found.denominator
+    a, b = compensator.numerator, compensator.denominator
     chosen = u * b + d_1 * a, v * b - n_1 * a
     return _result(True, auxiliary, decision, reduced, chosen, feedback, period)
 
@@ -198,7 +198,7 @@ def _result(
         canonical(-feedback * top), canonical(bottom), feedback=feedback, sample_time=period
     ).reduced()
     loops = tuple(well_posed_loop(plant, C, feedback) for plant in plants)
-    found = SimultaneousStabilisability(plants, answer, auxiliary, decision, C, loops)
-    if not C.is_proper or found.certificate is None or not found.certificate.holds:
+    result = SimultaneousStabilisability(plants, answer, auxiliary, decision, C, loops)
+    if not C.is_proper or result.certificate is None or not result.certificate.holds:
         raise NoSolutionError(f"{C} does not stabilise both plants; please report it")
-    return found
+    return result

@@ -270,10 +270,10 @@ def _at(p: Poly, parameter: Symbol, value: Rational) -> Poly:
 
 
 def _intervals(p: Poly, parameter: Symbol, *, of_a_loop: bool) -> StabilityIntervals:
-    found = stability_intervals(p, parameter)
+    intervals = stability_intervals(p, parameter)
     if not of_a_loop:
-        return found
-    return StabilityIntervals(found.polynomial, found.parameter, found.cells)
+        return intervals
+    return StabilityIntervals(intervals.polynomial, intervals.parameter, intervals.cells)
 
 
 def _boundaries(p: Poly, parameters: tuple[Symbol, ...]) -> list[Poly]:
@@ -302,11 +302,11 @@ def _levels(boundaries: list[Poly], parameters: tuple[Symbol, ...]) -> Levels:
 def _projected(curves: tuple[Poly, ...], parameters: tuple[Symbol, ...]) -> list[Poly]:
     """Where curves meet, turn, or go to infinity in the last parameter."""
     *rest, last = parameters
-    found = []
+    conditions = []
     in_last = []
     for curve in curves:
         if curve.degree(last) == 0:
-            found.append(curve.as_expr())
+            conditions.append(curve.as_expr())
         else:
             in_last.append(Poly(curve.as_expr(), last))
     for one, two in combinations_with_replacement([c for c in curves if c.degree(last) > 0], 2):
@@ -314,20 +314,20 @@ def _projected(curves: tuple[Poly, ...], parameters: tuple[Symbol, ...]) -> list
         # As many terms as a polynomial of the degree of their resultant may have.
         ask("terms", comb(degree + len(rest), len(rest)), "the region of stability")
     for curve in in_last:
-        found.append(curve.LC())
+        conditions.append(curve.LC())
         if curve.degree() > 1:
-            found.append(curve.discriminant())
-    found += [one.resultant(two) for one, two in combinations(in_last, 2)]
-    return _factors(found, tuple(rest))
+            conditions.append(curve.discriminant())
+    conditions += [one.resultant(two) for one, two in combinations(in_last, 2)]
+    return _factors(conditions, tuple(rest))
 
 
 def _factors(parts: list[Expr], parameters: tuple[Symbol, ...]) -> list[Poly]:
     """The distinct irreducible factors that are not constant."""
-    found: dict[Poly, None] = {}
+    factors: dict[Poly, None] = {}
     for part in parts:
         for factor, _ in Poly(part, *parameters, domain=QQ).factor_list()[1]:
-            found[factor.primitive()[1]] = None
-    return list(found)
+            factors[factor.primitive()[1]] = None
+    return list(factors)
 
 
 def _there(curves: tuple[Poly, ...], last: Symbol, before: dict[Symbol, Rational]) -> list[Poly]:
@@ -386,16 +386,16 @@ def _lines(region: StabilityRegion, formulas: bool) -> list[str]:
             continue
         if formulas:
             low, high = slab.range
-            here = f"{region.parameters[0]} in ({text(low)}, {text(high)})"
+            cell = f"{region.parameters[0]} in ({text(low)}, {text(high)})"
         else:
-            here = f"{region.parameters[0]} in ({text(slab.lower)}, {text(slab.upper)})"
-            here += f", for instance {text(slab.sample)}"
+            cell = f"{region.parameters[0]} in ({text(slab.lower)}, {text(slab.upper)})"
+            cell += f", for instance {text(slab.sample)}"
         if isinstance(slab.section, StabilityRegion):
-            lines += [f"{here}: {line}" for line in _lines(slab.section, formulas)]
+            lines += [f"{cell}: {line}" for line in _lines(slab.section, formulas)]
             continue
         cells = [f"({text(low)}, {text(high)})" for low, high in slab.ends]
         written = cells if formulas else map(str, slab.section.intervals)
-        lines.append(f"{here}: {slab.section.parameter} in {' or '.join(written)}")
+        lines.append(f"{cell}: {slab.section.parameter} in {' or '.join(written)}")
     return lines
 
 
@@ -405,12 +405,12 @@ def _latex_lines(region: StabilityRegion, formulas: bool) -> list[str]:
     for slab in region.slabs:
         if slab.is_empty:
             continue
-        here = rf"{first} \in {latex(slab.range if formulas else (slab.lower, slab.upper))}"
+        cell = rf"{first} \in {latex(slab.range if formulas else (slab.lower, slab.upper))}"
         if not formulas:
-            here += rf" \; ({first} = {latex(slab.sample)})"
+            cell += rf" \; ({first} = {latex(slab.sample)})"
         if isinstance(slab.section, StabilityRegion):
-            lines += [rf"{here}: \; {line}" for line in _latex_lines(slab.section, formulas)]
+            lines += [rf"{cell}: \; {line}" for line in _latex_lines(slab.section, formulas)]
             continue
         cells = r" \cup ".join(map(latex, slab.ends if formulas else slab.section.intervals))
-        lines.append(rf"{here}: \; {latex(slab.section.parameter)} \in {cells}")
+        lines.append(rf"{cell}: \; {latex(slab.section.parameter)} \in {cells}")
     return lines

@@ -68,8 +68,8 @@ class StableCompensator(ExactValue):
         if self.compensator is None or self.characteristic_polynomial is None:
             return None
         left = loop_left_over(self.plant, self.compensator, self.characteristic_polynomial)
-        own = count_roots(self.compensator.denominator)
-        left.append([Integer(own.total - own.stable)])
+        counts = count_roots(self.compensator.denominator)
+        left.append([Integer(counts.total - counts.stable)])
         return evaluated(f"{LOOP}; no root of D_c is", left)
 
     def __str__(self) -> str:
@@ -296,15 +296,15 @@ def low_order_candidates(
             n, d = (_scaled(p, unit, size) for p in (N, D))
             gain = max(map(abs, n))
             n = [c / gain for c in n]
-            found = _descent(n, d, order, discrete, share, random.Random(start))
+            candidate = _descent(n, d, order, discrete, share, random.Random(start))
         except (OverflowError, ZeroDivisionError):  # the numbers are none for floats
             continue
-        if found is None:
+        if candidate is None:
             continue
         # x = s/unit: what is monic in x has the coefficient of s**(order - k) times unit**k
         weights = [unit**k for k in range(order + 1)]
-        top = [c / gain * w for c, w in zip(found[0], weights, strict=True)]
-        bottom = [c * w for c, w in zip(found[1], weights, strict=True)]
+        top = [c / gain * w for c, w in zip(candidate[0], weights, strict=True)]
+        bottom = [c * w for c, w in zip(candidate[1], weights, strict=True)]
         for q in DENOMINATORS:
             yield tuple(_near(c, q) for c in top), tuple(_near(c, q) for c in bottom)
 
@@ -312,8 +312,8 @@ def low_order_candidates(
 def _near(value: float, largest_denominator: int) -> Rational:
     """Round to a small denominator, small numbers to as many digits as large ones."""
     power = 0 if value == 0 else max(0, -math.floor(math.log10(abs(value))))
-    found = Fraction(value * 10**power).limit_denominator(largest_denominator) / 10**power
-    return Rational(found.numerator, found.denominator)
+    nearest = Fraction(value * 10**power).limit_denominator(largest_denominator) / 10**power
+    return Rational(nearest.numerator, nearest.denominator)
 
 
 def _size_of_roots(D: Poly) -> float:
@@ -360,10 +360,10 @@ def _descent(
                 break
             before = least
         length = step * rng.lognormvariate(0, 1)
-        tried = [x + length * rng.gauss(0, 1) for x in best]
-        now = cost(tried)
+        trial = [x + length * rng.gauss(0, 1) for x in best]
+        now = cost(trial)
         if now < least:
-            best, least, step = tried, now, step * 1.6
+            best, least, step = trial, now, step * 1.6
         else:
             step *= 0.95
     return (best[order:], _stable(best[:order], discrete)) if least < 0 else None
@@ -383,11 +383,11 @@ def _stable(x: Sequence[float], discrete: bool) -> list[float]:
 
 
 def _product(p: Sequence[float], q: Sequence[float]) -> list[float]:
-    found = [0.0] * (len(p) + len(q) - 1)
+    product = [0.0] * (len(p) + len(q) - 1)
     for i, a in enumerate(p):
         for j, b in enumerate(q):
-            found[i + j] += a * b
-    return found
+            product[i + j] += a * b
+    return product
 
 
 def _sum(p: Sequence[float], q: Sequence[float]) -> list[float]:

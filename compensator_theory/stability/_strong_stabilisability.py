@@ -190,9 +190,9 @@ def _zeros(N: Poly, D: Poly, edge: int, discrete: bool) -> list[UnstableRealZero
             value = -value
         return 1 if value > 0 else -1 if value < 0 else None
 
-    found = [(enclosure_of_ball(b.real), s) for b, _, s in decided_balls(N, decide) if s]
-    found.sort(key=lambda item: item[0].lower)
-    return [UnstableRealZero(place, sign) for place, sign in found]
+    zeros = [(enclosure_of_ball(b.real), s) for b, _, s in decided_balls(N, decide) if s]
+    zeros.sort(key=lambda item: item[0].lower)
+    return [UnstableRealZero(place, sign) for place, sign in zeros]
 
 
 # What parity interlacing asks of a plant with any number of signals: blocking zeros and poles.

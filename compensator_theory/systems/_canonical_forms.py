@@ -86,29 +86,29 @@ def realisation(
     """
     if not is_one_of(form, ("controllable", "observable")):
         raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
-    found = _read(obj, variable, form)
-    return found if sample_time is None else sampled_every(found, sample_time)
+    system = _read(obj, variable, form)
+    return system if sample_time is None else sampled_every(system, sample_time)
 
 
 def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Realisation:
-    found = read_system(obj, variable)
-    if isinstance(found, States):
-        return realised(found, variable)
-    if isinstance(found, DescriptorSystem):
-        found = found.realisation()
-    if not isinstance(found, Realisation):
-        return _canonical(found, variable, form)
-    if variable is not None and as_symbol(variable) != found.variable:
-        raise InputError(f"the realisation has the variable {found.variable}, not {variable}")
-    return found
+    contents = read_system(obj, variable)
+    if isinstance(contents, States):
+        return realised(contents, variable)
+    if isinstance(contents, DescriptorSystem):
+        contents = contents.realisation()
+    if not isinstance(contents, Realisation):
+        return _canonical(contents, variable, form)
+    if variable is not None and as_symbol(variable) != contents.variable:
+        raise InputError(f"the realisation has the variable {contents.variable}, not {variable}")
+    return contents
 
 
 def timed_realisation(
     obj: RealisationLike, variable: str | Symbol | None, what: str
 ) -> Realisation:
     """Read a realisation for a question whose answer depends on time, which is never guessed."""
-    found = described(obj, variable)
-    if variable is None and isinstance(found, States) and found.sample_time is None:
+    description = described(obj, variable)
+    if variable is None and isinstance(description, States) and description.sample_time is None:
         raise InputError(
             f"{what} depends on the time domain, which matrices do not show; write variable='s' "
             "for continuous time, 'z' or 'q' for discrete time"
@@ -136,13 +136,13 @@ def verified_realisation(
 ) -> Realisation:
     """The realisation of a transfer function, compared with it."""
     s = G.variable
-    found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
-    back = found.transfer_function()
+    candidate = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
+    back = candidate.transfer_function()
     left = back.numerator - G.numerator, back.denominator - G.denominator
     residual = of_rows([[p.as_expr() if p else 0 for p in left]], (1, 2))
     identity = f"C adj({s.name}I - A) B + D det({s.name}I - A) = N, det({s.name}I - A) = D"
     certificate = Certificate(identity, residual)
     if not certificate.holds:
         raise InputError(f"{certificate}: these matrices do not realise {G}")
-    object.__setattr__(found, "certificate", certificate)  # reading the matrices again is slow
-    return found
+    object.__setattr__(candidate, "certificate", certificate)  # reading the matrices again is slow
+    return candidate

@@ -154,9 +154,9 @@ def _plain(quotient: Quotient) -> str:
 def _number(value: Expr) -> str:
     """Write a constant; roots of unity and cosines by their real and imaginary parts."""
     if value.atoms(sympy.exp, sympy.cos, sympy.sin) or _has_branches(value):
-        found = algebraic(value)
-        if found is not None:
-            value = _in_parts(found)
+        number = algebraic(value)
+        if number is not None:
+            value = _in_parts(number)
         elif value.atoms(sympy.exp, sympy.cos, sympy.sin):
             raise InputError(
                 f"the number {text(value)[:60]} has no exact text here; write a symbol"

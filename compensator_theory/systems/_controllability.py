@@ -158,10 +158,10 @@ def krylov(A: Any, B: Any) -> Any:
 def _generic_controllability(A: MatrixLike, B: MatrixLike) -> tuple[bool, list[Expr]]:
     """A rank is largest for generic values, so that a loss holds for all of them."""
     kalman = controllability_matrix(A, B)
-    found = echelon(kalman)
-    if len(found.pivots) < kalman.rows:
+    reduced = echelon(kalman)
+    if len(reduced.pivots) < kalman.rows:
         return False, []
-    return True, [found.divided_by, *_denominators(kalman)]
+    return True, [reduced.divided_by, *_denominators(kalman)]
 
 
 def _denominators(matrix: ImmutableMatrix) -> list[Expr]:
@@ -227,12 +227,12 @@ def uncontrollable_polynomial(
     """
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
     s = variable_beside(variable, A, B)
-    found = echelon(controllability_matrix(A, B).T)
-    whole, size = characteristic_polynomial(A, s), len(found.pivots)
+    reduced = echelon(controllability_matrix(A, B).T)
+    whole, size = characteristic_polynomial(A, s), len(reduced.pivots)
     if size in (0, A.rows):
         return whole if size == 0 else canonical(Poly(1, s))
     # The rows are a basis V' that is the identity in its pivots: A V = V X shows X there.
-    moved = multiplied(A[list(found.pivots), :], found.matrix.T)
+    moved = multiplied(A[list(reduced.pivots), :], reduced.matrix.T)
     return exact_quotient(whole, characteristic_polynomial(moved, s))
 
 
@@ -241,5 +241,5 @@ def _generic_polynomial(
     A: MatrixLike, B: MatrixLike, *, variable: str | Symbol | None = None
 ) -> tuple[Poly, list[Expr]]:
     kalman = controllability_matrix(A, B)
-    found = uncontrollable_polynomial(A, B, variable=variable)
-    return found, [echelon(kalman).divided_by, *_denominators(kalman)]
+    polynomial = uncontrollable_polynomial(A, B, variable=variable)
+    return polynomial, [echelon(kalman).divided_by, *_denominators(kalman)]

@@ -117,8 +117,8 @@ def transfer_function(
         obj = Roots(zeros, poles, gain)
     elif not (zeros is None and poles is None and gain is None):
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
-    found = scalar_of(read_system(obj, variable), variable)
-    return found if sample_time is None else sampled_every(found, sample_time)
+    contents = scalar_of(read_system(obj, variable), variable)
+    return contents if sample_time is None else sampled_every(contents, sample_time)
 
 
 def scalar_of(found: Description, variable: str | Symbol | None) -> TransferFunction:

@@ -45,8 +45,8 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     matrices are (A, B, C) or (A, B, C, D), and beside (A, B, C, D) a sample time may stand.
     """
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
-        held = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
-        return held if isinstance(held, Realisation) else obj
+        content = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
+        return content if isinstance(content, Realisation) else obj
     if isinstance(obj, Description | str):
         return obj
     if isinstance(obj, MatrixBase):
@@ -103,33 +103,33 @@ def is_description(obj: object) -> bool:
 
 def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
     """Tell whether something is in state space, with states of its own."""
-    found = described(obj, variable)
-    if not is_foreign(found):
-        return isinstance(found, States | Realisation)
-    if all(hasattr(found, name) for name in "ABCD"):
+    description = described(obj, variable)
+    if not is_foreign(description):
+        return isinstance(description, States | Realisation)
+    if all(hasattr(description, name) for name in "ABCD"):
         return True
-    joined = type(found).__module__.startswith("sympy") and shape_of(found) == (1, 1)
-    return joined and isinstance(contents_of(found, variable), States)
+    joined = type(description).__module__.startswith("sympy") and shape_of(description) == (1, 1)
+    return joined and isinstance(contents_of(description, variable), States)
 
 
 def shape_of(obj: Any, variable: str | Symbol | None = None) -> tuple[int, int]:
     """Numbers of outputs and inputs, as far as they show; (1, 1) of whatever is scalar."""
-    found = described(obj, variable)
-    if isinstance(found, States):
-        return _sizes(found.C)[0], _sizes(found.B)[1]
-    if is_foreign(found):
+    description = described(obj, variable)
+    if isinstance(description, States):
+        return _sizes(description.C)[0], _sizes(description.B)[1]
+    if is_foreign(description):
         counts: tuple[Any, Any] = (None, None)
-        if hasattr(found, "noutputs"):  # of python-control, SymPy and SciPy
-            counts = found.noutputs, found.ninputs
-        elif hasattr(found, "num_outputs"):
-            counts = found.num_outputs, found.num_inputs
-        elif hasattr(found, "outputs") and hasattr(found, "inputs"):
-            counts = found.outputs, found.inputs
+        if hasattr(description, "noutputs"):  # of python-control, SymPy and SciPy
+            counts = description.noutputs, description.ninputs
+        elif hasattr(description, "num_outputs"):
+            counts = description.num_outputs, description.num_inputs
+        elif hasattr(description, "outputs") and hasattr(description, "inputs"):
+            counts = description.outputs, description.inputs
         if all(isinstance(count, int) for count in counts):
             return counts
-    own = getattr(found, "D", found)  # of a realisation, a descriptor system
-    if isinstance(own, Rows | System | MatrixBase) and hasattr(own, "shape"):
-        outputs, inputs = own.shape
+    matrix = getattr(description, "D", description)  # of a realisation, a descriptor system
+    if isinstance(matrix, Rows | System | MatrixBase) and hasattr(matrix, "shape"):
+        outputs, inputs = matrix.shape
         return int(outputs), int(inputs)
     return 1, 1
 
@@ -210,8 +210,8 @@ def _is_nested(part: Any) -> bool:
     )
 
 
-def _is_list_of(given: Any, is_right: Callable[[Any], bool]) -> bool:
-    return isinstance(given, list | tuple) and bool(given) and all(map(is_right, given))
+def _is_list_of(value: Any, is_right: Callable[[Any], bool]) -> bool:
+    return isinstance(value, list | tuple) and bool(value) and all(map(is_right, value))
 
 
 def _of_nested_lists(numerators: Any, denominators: Any) -> Rows:

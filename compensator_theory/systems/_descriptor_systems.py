@@ -210,8 +210,8 @@ class DescriptorSystem(System):
     @property
     def is_controllable(self) -> bool | None:
         """Whether every finite mode feels the input; None if that depends on a symbol."""
-        form, found = self.weierstrass_form(), self.slow_part().is_controllable
-        return None if form.exceptional else found
+        form, form_is_controllable = self.weierstrass_form(), self.slow_part().is_controllable
+        return None if form.exceptional else form_is_controllable
 
     @property
     def is_observable(self) -> bool | None:
@@ -269,15 +269,15 @@ class DescriptorSystem(System):
             pencil = ImmutableMatrix(point * self.E - self.A)
             M = solve(pencil, self.E)
             power = reduce(multiplied, [M] * length)
-            found, image = echelon(power), echelon(ImmutableMatrix(power.T))
-            n_1 = len(found.pivots)
-            Q = joined(self.n, [image.matrix.T, found.kernel()])
+            reduced, image = echelon(power), echelon(ImmutableMatrix(power.T))
+            n_1 = len(reduced.pivots)
+            Q = joined(self.n, [image.matrix.T, reduced.kernel()])
             inside = solve(Q, multiplied(M, Q))
             slow, other = inside[:n_1, :n_1], identity_matrix(self.n - n_1)
             inverse = solve(slow, identity_matrix(n_1)) if n_1 else slow
             scale = sympy.diag(inverse, solve(point * inside[n_1:, n_1:] - other, other))
             P = multiplied(scale, solve(Q, solve(pencil, one)))
-            divisors = [determinant(pencil), found.divided_by, image.divided_by, determinant(Q)]
+            divisors = [determinant(pencil), reduced.divided_by, image.divided_by, determinant(Q)]
         E, A = (multiplied(P, X, Q) for X in (self.E, self.A))
         J, N = A[:n_1, :n_1], E[n_1:, n_1:]
         index, nilpotent = 0, identity_matrix(N.rows)
@@ -336,8 +336,8 @@ class DescriptorSystem(System):
             for _ in range(form.index - 1):
                 powers.append(multiplied(form.N, powers[-1]))
             parts.append(form.Q[:, n_1:] @ _over_one(powers, s))
-        found: TransferMatrix = reduce(add, parts)
-        return found
+        total: TransferMatrix = reduce(add, parts)
+        return total
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""

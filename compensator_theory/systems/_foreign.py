@@ -79,8 +79,8 @@ def sample_time_of(system: Any) -> Rational | None:
     period = getattr(system, "dt", None)
     if period is None or isinstance(period, bool) or not period > 0:
         return None
-    found: Rational = exact_number(float(period))
-    return found
+    time_step: Rational = exact_number(float(period))
+    return time_step
 
 
 def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:

@@ -80,8 +80,8 @@ def transfer_matrix(
     >>> print(transfer_matrix([["1/(s + 1)", 0], [2, "1/(s + a)"]]))
     [[s + a, 0], [2*s**2 + (2*a + 2)*s + 2*a, s + 1]]/(s**2 + (a + 1)*s + a)
     """
-    found = _read(rows, variable)
-    return found if sample_time is None else sampled_every(found, sample_time)
+    contents = _read(rows, variable)
+    return contents if sample_time is None else sampled_every(contents, sample_time)
 
 
 def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMatrix:

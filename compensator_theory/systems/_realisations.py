@@ -164,12 +164,12 @@ class Realisation(System):
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {needed[0]} x "
                     f"{needed[1]}, as the other matrices show"
                 )
-            if symbol in (found := symbols_in(matrix)):
+            if symbol in (occurring := symbols_in(matrix)):
                 raise InputError(
                     f"{name} contains {symbol}, the variable of the transfer function; name "
                     "another one with variable="
                 )
-            symbols |= found
+            symbols |= occurring
             object.__setattr__(self, name, matrix)
         require_one_symbol_a_name(symbols)
         if not (m and p):

@@ -41,9 +41,9 @@ class System(ExactValue):
     @classmethod
     def _of_canonical(cls, **fields: Any) -> Self:
         """Return one of fields in canonical form, denominators monic: none is looked at again."""
-        found = object.__new__(cls)
-        vars(found).update(fields)
-        return found
+        system = object.__new__(cls)
+        vars(system).update(fields)
+        return system
 
     @property
     def time(self) -> Time | None:
@@ -117,12 +117,12 @@ def shared_sample_time(*systems: Any) -> Rational | None:
     What has no sample time, a number or a transfer function that was written down, takes on that of
     the others.
     """
-    found = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}
+    times = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}
     try:
-        return agreed_period(*sorted(found))
+        return agreed_period(*sorted(times))
     except InputError:
         raise InputError(
-            f"systems sampled every {' and '.join(f'{t} s' for t in sorted(found))} cannot be "
+            f"systems sampled every {' and '.join(f'{t} s' for t in sorted(times))} cannot be "
             "joined; resample one of them"
         ) from None
 

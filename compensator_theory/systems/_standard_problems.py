@@ -130,11 +130,11 @@ class StandardProblem(System):
         symbol = as_symbol(variable)
         object.__setattr__(self, "sample_time", period_in(symbol, sample_time))
         object.__setattr__(self, "variable", symbol)
-        given = {
+        matrices = {
             "A": A, "B": B, "C": C, "D_1": D_1, "D_0": D_0, "D_2": D_2, "E_1": E_1, "E_2": E_2,
             "E_0": E_0,
         }  # fmt: skip
-        exact = {k: exact_matrix(v, k) for k, v in given.items() if v is not None}
+        exact = {k: exact_matrix(v, k) for k, v in matrices.items() if v is not None}
         missing = [k for k in ("A", "B", "C", "D_1", "E_1") if k not in exact]
         if missing:
             raise InputError(f"the plant lacks {', '.join(missing)}; only D_0, D_2, E_2, E_0 may")

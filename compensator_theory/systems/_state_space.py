@@ -48,8 +48,8 @@ def transfer_matrix_of_realisation(
     :math:`(qI - A)\,\mathrm{adj}(qI-A)B = \det(qI-A)B` for all q. That is the certificate of the
     result. Source: (2.6), (2.7).
     """
-    found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
-    entries, denominator, residual = found
+    fraction = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
+    entries, denominator, residual = fraction
     certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
     return TransferMatrix._of_canonical(
         numerators=entries,

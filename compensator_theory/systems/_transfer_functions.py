@@ -263,10 +263,11 @@ class TransferFunction(System):
             for side in (self.numerator, self.denominator)
         )
         if bottom == 0:
-            what = "a root that numerator and denominator share; take .reduced()" if top == 0 else (
-                "a pole"
-            )  # fmt: skip
-            raise InputError(f"{self} has no value at {self.denominator.gen} = {at}: it is {what}")
+            shared = "a root that numerator and denominator share; take .reduced()"
+            reason = shared if top == 0 else "a pole"
+            raise InputError(
+                f"{self} has no value at {self.denominator.gen} = {at}: it is {reason}"
+            )
         return quotient_of(top / bottom).value()
 
     def compose(self, inner: Operand, variable: str | Symbol | None = None) -> TransferFunction:
@@ -453,15 +454,15 @@ def _in_one_operator(sides: Sides) -> Sides:
 def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Sides:
     if isinstance(inner, TransferFunction | Poly):
         read: Operand | Quotient = inner
-        own = inner.gen if isinstance(inner, Poly) else inner.denominator.gen
+        variable_of_inner = inner.gen if isinstance(inner, Poly) else inner.denominator.gen
     else:
         read = read_quotient(inner)
         occurring = read.value().free_symbols
-        own = evident_variable(occurring, repr(inner)) if occurring else outer
-    found = sides_of(read, own if variable is None else as_symbol(variable))
-    if found is None:
+        variable_of_inner = evident_variable(occurring, repr(inner)) if occurring else outer
+    sides = sides_of(read, variable_of_inner if variable is None else as_symbol(variable))
+    if sides is None:
         raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
-    return found
+    return sides
 
 
 def _expanded(expression: Expr) -> Expr:

@@ -146,9 +146,9 @@ def printed_target() -> Facts:
         relative, leading = _at_infinity(*(Poly(part, q) for part in fraction(printed)))
         yield f"with {name}: relative degree {printed_degree}", relative == printed_degree
         yield f"with {name}: leading coefficient 3/8", leading == Rational(3, 8)
-    found = high_authority_target(plant).transfer_function
-    assert found is not None  # its zeros are rational
-    relative, leading = _at_infinity(found.numerator, found.denominator)
+    target = high_authority_target(plant).transfer_function
+    assert target is not None  # its zeros are rational
+    relative, leading = _at_infinity(target.numerator, target.denominator)
     yield (
         "corrected: relative degree d_zu = 1 and leading coefficient 3",
         (relative, leading)

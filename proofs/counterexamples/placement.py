@@ -50,9 +50,9 @@ def more_states_than_the_plant() -> Facts:
     """D = s^2 + 3s + 2, N = s + 5, n_c = 4 > n: M is M_1(D, N), N with formal degree n_c, and it is
     nonsingular, so that "n_c <= n" of Propositions 3 and 5 is not necessary.
     """
-    found = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=4, m_hat=1)
-    yield "M = M_1(D, N)", found.left
-    yield "n_c <= n does not hold", not found.printed_right
+    proposition = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=4, m_hat=1)
+    yield "M = M_1(D, N)", proposition.left
+    yield "n_c <= n does not hold", not proposition.printed_right
     yield "M is nonsingular", determinant(sylvester_m("s**2 + 3*s + 2", "s + 5", 4, 1)) != 0
 
 

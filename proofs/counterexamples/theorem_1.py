@@ -80,19 +80,19 @@ def common_factors() -> Facts:
 def disconnected() -> Facts:
     """(b1) n = 2: A = diag(3, 4), A_c = diag(1, 2), B_c = 0, C_c = 0 is in no basis an observer."""
     plant = Realisation([[3, 0], [0, 4]], [[1], [1]], [[1, 1]])
-    found = observer_forms(plant, Realisation([[1, 0], [0, 2]], [[0], [0]], [[0, 0]]))
+    forms = observer_forms(plant, Realisation([[1, 0], [0, 2]], [[0], [0]], [[0, 0]]))
     yield "the plant is minimal and n is even", plant.is_minimal is True
-    yield "all 6 shares of the poles fail", len(found.rejections) == 6 and not found.forms
-    yield "there are no others", found.is_complete is True
+    yield "all 6 shares of the poles fail", len(forms.rejections) == 6 and not forms.forms
+    yield "there are no others", forms.is_complete is True
 
 
 def hidden_mode() -> Facts:
     """(b2) n = 2: A_c = diag(-6, -7), B_c = [1; 0], C_c = [12, 0], so that N_c is not 0."""
     hidden = Realisation([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
-    found = observer_forms(SECOND_ORDER, hidden)
-    spectrum = sorted(roots(found.characteristic_polynomial))
+    forms = observer_forms(SECOND_ORDER, hidden)
+    spectrum = sorted(roots(forms.characteristic_polynomial))
     yield "the closed-loop spectrum is {-7, -5, -4, 0}", spectrum == [-7, -5, -4, 0]
-    yield "all 6 shares fail", len(found.rejections) == 6 and not found.forms
+    yield "all 6 shares fail", len(forms.rejections) == 6 and not forms.forms
     twice = Realisation([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]])
     family = observer_forms(SECOND_ORDER, twice)
     yield "with -5 for -7 there is a continuum of forms", bool(family.has_continuum)
@@ -122,11 +122,11 @@ def several_signals() -> Facts:
     compensator = Realisation(
         [[0, -half], [1, -half]], [[0, -half], [-1, half]], [[0, half], [1, half]]
     )
-    found = observer_forms(plant, compensator)
+    forms = observer_forms(plant, compensator)
     loop = polynomial("(s**2 + 1)*(s**2 + 2*s + 2)")
     yield "both are minimal", plant.is_minimal is True and compensator.is_minimal is True
-    yield "D~ is (s^2 + 1)(s^2 + 2s + 2)", found.characteristic_polynomial == loop
-    yield "both real planes fail", len(found.rejections) == 2 and not found.forms
+    yield "D~ is (s^2 + 1)(s^2 + 2s + 2)", forms.characteristic_polynomial == loop
+    yield "both real planes fail", len(forms.rejections) == 2 and not forms.forms
 
 
 def suboptimality() -> Facts:
@@ -136,14 +136,14 @@ def suboptimality() -> Facts:
     plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
     regulator, observer = [-2, -1 + I, -1 - I], [-3, -1 + 2 * I, -1 - 2 * I]
     design = observer_based_compensator(plant, regulator, observer).transfer_function.reduced()
-    found = (-design.numerator, design.denominator)  # negative feedback
+    compensator = (-design.numerator, design.denominator)  # negative feedback
     pair = (f"4*{g}", f"(s + 1)*{g}")
     decided = pair_is_observer_based(plant, pair, feedback=-1)
     yield "the pair is not observer-based", decided.answer is False
     yield (
         "K and F with stable A + BK and A - FC, optimal for |u - Kx|^2 with the noises Fw and w, "
         "give 4/(s + 1)",
-        found == (polynomial("4", "s"), polynomial("s + 1")),
+        compensator == (polynomial("4", "s"), polynomial("s + 1")),
     )
     yield "it is not suboptimal", is_lqg_suboptimal(plant, pair, feedback=-1).answer is False
 

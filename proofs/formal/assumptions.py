@@ -48,9 +48,15 @@ def unproved(names: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
         return answers
     given, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
     for name in askable:
-        found = axioms(given.get(name, ""))
+        axioms_of_name = axioms(given.get(name, ""))
         unclear = "Coq gave no answer" + (f": {complaint}" if complaint else "")
-        answers[name] = unclear if found == "?" else f"rests on axioms: {found}" if found else ""
+        answers[name] = (
+            unclear
+            if axioms_of_name == "?"
+            else f"rests on axioms: {axioms_of_name}"
+            if axioms_of_name
+            else ""
+        )
     return answers
 
 
@@ -61,5 +67,5 @@ def _closed_together(names: list[str], folder: Path) -> bool:
     for name in others:
         pairs = f"(@{LIBRARY}.{name}, {pairs})"
     question = f"Definition together := {pairs}.\nPrint Assumptions together."
-    given, _ = ask(dict.fromkeys(others, "") | {last: question}, folder)
-    return bool(given) and axioms(given.get(last, "")) == ""
+    answers, _ = ask(dict.fromkeys(others, "") | {last: question}, folder)
+    return bool(answers) and axioms(answers.get(last, "")) == ""

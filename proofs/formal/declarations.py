@@ -67,7 +67,7 @@ def declarations(folder: Path = SOURCES) -> dict[str, Declaration]:
     >>> declarations()["theorems.Diophantine.lemma_1"].line > 10
     True
     """
-    found: dict[str, Declaration] = {}
+    declared: dict[str, Declaration] = {}
     for path in sources(folder):
         text = blanked(path.read_text(encoding="utf-8"))
         places = list(_DECLARES.finditer(text))
@@ -76,8 +76,8 @@ def declarations(folder: Path = SOURCES) -> dict[str, Declaration]:
             end = after.start() if after else len(text)
             line = text.count("\n", 0, match.start(2)) + 1
             is_local = match.group(1) == "Let"
-            found.setdefault(name, Declaration(name, line, text[match.start() : end], is_local))
-    return found
+            declared.setdefault(name, Declaration(name, line, text[match.start() : end], is_local))
+    return declared
 
 
 def blanked(text: str) -> str:
@@ -89,7 +89,7 @@ def blanked(text: str) -> str:
     >>> blanked("a (* b\n (* c *) *) d") == "a     \n            d"
     True
     """
-    kept, depth, at = [], 0, 0
+    kept_text, depth, at = [], 0, 0
     while at < len(text):
         pair = text[at : at + 2]
         step = 2 if pair == "(*" or (depth and pair == "*)") else 1
@@ -97,9 +97,9 @@ def blanked(text: str) -> str:
         covered = depth > 0
         depth -= step == 2 and pair == "*)"
         piece = text[at : at + step]
-        kept.append(re.sub(r"[^\n]", " ", piece) if covered else piece)
+        kept_text.append(re.sub(r"[^\n]", " ", piece) if covered else piece)
         at += step
-    return "".join(kept)
+    return "".join(kept_text)
 
 
 def resolved(word: str, module: str, folder: Path = SOURCES) -> str:
@@ -133,13 +133,13 @@ def uses(folder: Path = SOURCES) -> Mapping[str, frozenset[str]]:
     >>> "foundations.Vocabulary.controllable" in uses()["theorems.Kalman.controllableP"]
     True
     """
-    found = {}
+    users = {}
     for name, declaration in declarations(folder).items():
         module = name.rpartition(".")[0]
         words = set(WORD.findall(declaration.text))
         named = {full for word in words if (full := resolved(word, module, folder))}
-        found[name] = frozenset(named - {name})
-    return found
+        users[name] = frozenset(named - {name})
+    return users
 
 
 def rests_on(name: str, among: Iterable[str], folder: Path = SOURCES) -> set[str]:
@@ -151,15 +151,15 @@ def rests_on(name: str, among: Iterable[str], folder: Path = SOURCES) -> set[str
     >>> rests_on("theorems.Resultants.theorem_A2", ["theorems.Resultants.theorem_A1"])
     {'theorems.Resultants.theorem_A1'}
     """
-    wanted, found, seen, waiting = set(among) - {name}, set(), {name}, [name]
+    names, used, visited, waiting = set(among) - {name}, set(), {name}, [name]
     while waiting:
         for other in uses(folder).get(waiting.pop(), ()):
-            if other in wanted:
-                found.add(other)
-            elif other not in seen:
-                seen.add(other)
+            if other in names:
+                used.add(other)
+            elif other not in visited:
+                visited.add(other)
                 waiting.append(other)
-    return found
+    return used
 
 
 @cache

@@ -135,14 +135,14 @@ def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
     >>> assumed()
     ()
     """
-    found = []
+    names = []
     for path in sources(folder):
         text, where = without_comments(path.read_text(encoding="utf-8")), path.relative_to(folder)
         match = _ASSUMED.search(text) or _CHANGED.search(text)
         words = [match.group()] if match else []
         words += list(_outside_sections(text))
-        found += [f"{where.as_posix()}: {word.strip()}" for word in words]
-    return tuple(found)
+        names += [f"{where.as_posix()}: {word.strip()}" for word in words]
+    return tuple(names)
 
 
 def _outside_sections(text: str) -> Iterator[str]:

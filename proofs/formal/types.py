@@ -74,14 +74,14 @@ def committed(folder: Path = SOURCES) -> dict[str, str]:
     >>> "foundations.Vocabulary.controllable" in committed()
     True
     """
-    found = {}
+    types = {}
     root = folder / FOLDER
     for path in sorted(root.rglob("*.txt")):
         module = ".".join(path.relative_to(root).with_suffix("").parts)
         _, *parts = _HEAD.split(path.read_text(encoding="utf-8"))
         for name, digest, text in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
-            found[f"{module}.{name}"] = f"[{digest}]\n{text.strip(chr(10))}"
-    return found
+            types[f"{module}.{name}"] = f"[{digest}]\n{text.strip(chr(10))}"
+    return types
 
 
 def commit(statements: Mapping[str, str], folder: Path = SOURCES) -> None:

@@ -30,14 +30,14 @@ def witnesses(folder: Path = SOURCES) -> dict[str, str]:
     >>> witnesses()["Diophantine.lemma_1"]
     'witnesses.Placement.lemma_1'
     """
-    found = {}
+    witnessed = {}
     for path in sources(folder):
         if path.parent.name == _FOLDER:
             text = without_comments(path.read_text(encoding="utf-8"))
             for name, file, theorem in _WITNESS.findall(text):
                 if name == theorem:
-                    found[f"{file}.{theorem}"] = f"{_FOLDER}.{path.stem}.{name}"
-    return found
+                    witnessed[f"{file}.{theorem}"] = f"{_FOLDER}.{path.stem}.{name}"
+    return witnessed
 
 
 def without_witness(theorems: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:

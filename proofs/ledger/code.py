@@ -43,22 +43,22 @@ class Code:
 
         Layout counts for nothing; docstrings count, since they are the statements.
         """
-        found: dict[str, str] = {}
+        sources: dict[str, str] = {}
         waiting = [(module, name)]
         while waiting:
             where, what = waiting.pop()
             read = self.module(where)
-            if read is None or where.startswith(_RUNNERS) or f"{where}.{what}" in found:
+            if read is None or where.startswith(_RUNNERS) or f"{where}.{what}" in sources:
                 continue
             if what in read.imported:
                 waiting.append(read.imported[what])
             elif what in read.defined:
                 texts, used = read.defined[what]
-                found[f"{where}.{what}"] = " ".join(" ".join(texts).split())
+                sources[f"{where}.{what}"] = " ".join(" ".join(texts).split())
                 waiting += [(where, other) for other in used]
                 if _MODULE in read.defined:
                     waiting.append((where, _MODULE))
-        return found
+        return sources
 
     def digest(self, module: str, name: str) -> str:
         """Return the digest of a closure; that of nothing where there is no such definition."""

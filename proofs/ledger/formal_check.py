@@ -63,8 +63,8 @@ def main() -> int:
     answers, differs = examine(names)
     faults = [f"{file} assumes instead of proving" for file in assumed()]
     faults += [f"{name}: {reason}" for name, reason in differs.items() if reason]
-    gone = committed().keys() - {*names, *definitions}
-    faults += [f"{name}: is committed in proofs/rocq/types and gone" for name in sorted(gone)]
+    missing = committed().keys() - {*names, *definitions}
+    faults += [f"{name}: is committed in proofs/rocq/types and gone" for name in sorted(missing)]
     text, is_well = report(answers, faults)
     print(text)
     if not is_well:

@@ -40,7 +40,7 @@ def read(folder: Path) -> tuple[Entry, ...]:
         If a file is not TOML or lacks something, a sentence has no evidence, or a property has too
         few examples to say anything.
     """
-    found: list[Entry] = []
+    entries: list[Entry] = []
     for path in sorted(folder.glob("*.toml"), key=lambda p: (p.stem < "chapter", p.stem)):
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -48,8 +48,8 @@ def read(folder: Path) -> tuple[Entry, ...]:
             raise LedgerError(f"{path.name} is not TOML: {error}") from error
         if not {"chapter", "entry"} <= set(data):
             raise LedgerError(f"{path.name} needs the keys chapter and entry")
-        found += [_entry(data["chapter"], table, path.name) for table in data["entry"]]
-    return tuple(found)
+        entries += [_entry(data["chapter"], table, path.name) for table in data["entry"]]
+    return tuple(entries)
 
 
 def select(names: Iterable[str]) -> tuple[Entry, ...]:
@@ -66,17 +66,17 @@ def select(names: Iterable[str]) -> tuple[Entry, ...]:
     >>> [entry.name for entry in select(["B"])]
     ['theorem-a1', 'theorem-a2', 'resultant-determinants']
     """
-    wanted = {name.lower() for name in names}
+    lower = {name.lower() for name in names}
     known = {key.lower() for entry in ledger() for key in (entry.name, entry.chapter)}
-    if not wanted <= known:
+    if not lower <= known:
         chapters = sorted({entry.chapter for entry in ledger()})
         raise LedgerError(
-            f"the ledger has no entry or chapter {', '.join(sorted(wanted - known))}; chapters are "
+            f"the ledger has no entry or chapter {', '.join(sorted(lower - known))}; chapters are "
             f"{', '.join(chapters)}, and --list shows the names"
         )
-    if not wanted:
+    if not lower:
         return ledger()
-    return tuple(e for e in ledger() if wanted & {e.name.lower(), e.chapter.lower()})
+    return tuple(e for e in ledger() if lower & {e.name.lower(), e.chapter.lower()})
 
 
 def theorems(entries: Iterable[Entry]) -> tuple[str, ...]:

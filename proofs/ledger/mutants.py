@@ -70,8 +70,8 @@ class Mutant:
 
 def _finds_something_false(package: str, check: Any) -> bool:
     if isinstance(check, ForAll):
-        found = check.run(_EXAMPLES, kept=0.01, shrinks=False)
-        return found.detail.startswith("false for")
+        outcome = check.run(_EXAMPLES, kept=0.01, shrinks=False)
+        return outcome.detail.startswith("false for")
     if package == "counterexamples":
         return any(holds is False for _, holds in check())
     sizes = [1, 2] if inspect.signature(check).parameters else []
@@ -107,14 +107,14 @@ def mutants(package: str, check: str, code: Code | None = None) -> Iterator[Muta
     module, _, name = check.partition(".")
     full = f"proofs.{package}.{module}"
     code = code or Code()
-    here = [
+    nodes = [
         key.rpartition(".")[2] for key in code.closure(full, name) if key.startswith(f"{full}.")
     ]
     source = code.root.joinpath(*full.split(".")).with_suffix(".py").read_text(encoding="utf-8")
     tree = ast.parse(source)
     known = {n for node in tree.body if isinstance(node, ast.ImportFrom) for n in _names(node)}
     for node in sorted(tree.body, key=lambda node: not _defines(node, [name])):
-        if not _defines(node, here) or _draws(node):
+        if not _defines(node, nodes) or _draws(node):
             continue
         inner = deepcopy(node)
         body = inner.body if isinstance(inner, ast.FunctionDef) else [inner]
@@ -245,19 +245,19 @@ def _replaced(node: ast.Call, new: ast.Call) -> tuple[Callable[[], None], Callab
 def main() -> int:
     """Run every mutant of every check; fail where one has none that is caught."""
     checks = dict.fromkeys(check for entry in ledger() for check in checks_of(entry))
-    tried = caught = blind = 0
+    count = caught = blind = 0
     for check in checks:
-        found = [(mutant, mutant.is_caught) for mutant in mutants(*check)]
-        sharp = [is_caught for mutant, is_caught in found if mutant.kind != "comparison"]
-        tried, caught = tried + len(found), caught + sum(is_caught for _, is_caught in found)
-        print(f"{check[1]}: {sum(c for _, c in found)} of {len(found)} mutants caught")
-        for mutant, is_caught in found:
+        results = [(mutant, mutant.is_caught) for mutant in mutants(*check)]
+        sharp = [is_caught for mutant, is_caught in results if mutant.kind != "comparison"]
+        count, caught = count + len(results), caught + sum(is_caught for _, is_caught in results)
+        print(f"{check[1]}: {sum(c for _, c in results)} of {len(results)} mutants caught")
+        for mutant, is_caught in results:
             if not is_caught:
                 print(f"    lives ({mutant.kind}): {mutant.change}")
         if not any(sharp):
             blind += 1
             print(f"BLIND  {check[1]}: none of its mutants is caught")
-    print(f"{caught} of {tried} mutants of {len(checks)} checks caught; {blind} checks are blind")
+    print(f"{caught} of {count} mutants of {len(checks)} checks caught; {blind} checks are blind")
     return 1 if blind else 0
 
 

@@ -94,12 +94,12 @@ class Verified:
     @property
     def strength(self) -> str:
         """That of its sentences; where they differ, the strongest of them and "in part"."""
-        found = min(self.strengths, key=[*_STRENGTHS.values(), NOTHING].index)
-        return found if len(set(self.strengths)) == 1 else f"{found} in part"
+        strength = min(self.strengths, key=[*_STRENGTHS.values(), NOTHING].index)
+        return strength if len(set(self.strengths)) == 1 else f"{strength} in part"
 
     def _strength(self, sentence: int) -> str:
         for kind, words in _STRENGTHS.items():
-            found = [o for o in self.outcomes if o.kind == kind and sentence in o.of]
-            if found and all(o.status == "holds" for o in found):
+            outcomes = [o for o in self.outcomes if o.kind == kind and sentence in o.of]
+            if outcomes and all(o.status == "holds" for o in outcomes):
                 return words
         return NOTHING

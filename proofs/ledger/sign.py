@@ -35,7 +35,7 @@ def main(arguments: list[str]) -> int:
 def _blind(differences: dict[str, list[str]]) -> dict[str, str]:
     """Say of each changed check, if so, that none of its mutants is caught."""
     changed = {name for name, words in differences.items()}
-    found = {}
+    blind = {}
     for entry in ledger():
         if entry.name in changed:
             words = " ".join(differences[entry.name])
@@ -43,8 +43,8 @@ def _blind(differences: dict[str, list[str]]) -> dict[str, str]:
                 if check in words or "new" in differences[entry.name]:
                     caught = first_caught(kind, check)
                     if caught is None:
-                        found[check] = "no mutant of it is caught"
-    return found
+                        blind[check] = "no mutant of it is caught"
+    return blind
 
 
 if __name__ == "__main__":

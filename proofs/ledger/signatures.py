@@ -46,24 +46,24 @@ class Tree:
         """Return for each statement, and for the Coq files, the digest of each of its parts."""
         rocq, code = self.root / "proofs" / "rocq", Code(self.root)
         types = committed(rocq)
-        found = {
+        parts = {
             entry.name: dict(_parts(entry, rocq, types, code))
             for entry in read(self.root / "proofs" / "statements")
         }
-        found[_FILE_PARTS] = {
+        parts[_FILE_PARTS] = {
             path.relative_to(rocq).as_posix(): digest(
                 without_proofs(path.read_text(encoding="utf-8"))
             )
             for path in sources(rocq)
         }
         proofs = self.root / "proofs"
-        found[_RUNNER_PARTS] = {
+        parts[_RUNNER_PARTS] = {
             name: digest(" ".join((proofs / f"{name}.py").read_text(encoding="utf-8").split()))
             for name in _RUNNERS
         }
         for name in ("_CoqProject", "Makefile"):
-            found[_RUNNER_PARTS][f"rocq/{name}"] = digest((rocq / name).read_text(encoding="utf-8"))
-        return found
+            parts[_RUNNER_PARTS][f"rocq/{name}"] = digest((rocq / name).read_text(encoding="utf-8"))
+        return parts
 
     def signed(self) -> dict[str, Parts]:
         """Read what is signed.
@@ -73,7 +73,7 @@ class Tree:
         ValueError
             If a fingerprint is not that of the parts below it.
         """
-        found: dict[str, Parts] = {}
+        signed: dict[str, Parts] = {}
         path = self.root / FILE
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         for block in filter(None, text.split("\n\n")):
@@ -82,18 +82,18 @@ class Tree:
             parts = {line[14:].strip(): line[:14].strip() for line in lines}
             if fingerprint(parts) != print_:
                 raise ValueError(f"{FILE}: the fingerprint of {name} is not that of its parts")
-            found[name] = parts
-        return found
+            signed[name] = parts
+        return signed
 
     def differences(self) -> dict[str, list[str]]:
         """Say for each statement which parts are changed, new or gone since it was signed."""
         now, then = self.parts(), self.signed()
-        found = {}
+        differences = {}
         for name in [*now, *(name for name in then if name not in now)]:
             words = list(_differences(then.get(name), now.get(name)))
             if words:
-                found[name] = words
-        return found
+                differences[name] = words
+        return differences
 
     def sign(self) -> None:
         """Write the fingerprints of today."""
@@ -163,14 +163,16 @@ def _code(package: str, check: str, code: Code) -> str:
 
 def _theorem(name: str, rocq: Path, types: Mapping[str, str]) -> str:
     """Return the digest of a theorem's source, of its type, and of every definition in that."""
-    texts, waiting, seen = [stated(name, rocq)], [name], {name}
+    texts, waiting, names = [stated(name, rocq)], [name], {name}
     while waiting:
         text = types.get(waiting.pop(), "")
         texts.append(text)
         words = _words(text)
-        used = [known for known in types if known not in seen and known.rpartition(".")[2] in words]
+        used = [
+            known for known in types if known not in names and known.rpartition(".")[2] in words
+        ]
         waiting += used
-        seen.update(used)
+        names.update(used)
     return digest(source(name, rocq).stem, *texts)
 
 

@@ -65,17 +65,19 @@ def verify(
 
     def outcomes(entry: Entry) -> Iterator[Outcome]:
         for theorem in entry.formal:
-            found = formal_outcome("formal", theorem.theorem, theorem.says, compilation)
-            yield replace(found, of=theorem.of)
+            outcome = formal_outcome("formal", theorem.theorem, theorem.says, compilation)
+            yield replace(outcome, of=theorem.of)
         for identity in entry.symbolic:
-            found = once(("symbolic", identity.check), partial(run_symbolic, identity, quick=quick))
-            yield replace(found, of=identity.of)
+            outcome = once(
+                ("symbolic", identity.check), partial(run_symbolic, identity, quick=quick)
+            )
+            yield replace(outcome, of=identity.of)
         for claim in entry.properties:
-            found = once(("property", claim.check), partial(run_property, claim, quick=quick))
-            yield replace(found, of=claim.of)
+            outcome = once(("property", claim.check), partial(run_property, claim, quick=quick))
+            yield replace(outcome, of=claim.of)
         for case in entry.counterexamples:
-            found = once(("counterexample", case.check), partial(run_counterexample, case))
-            yield replace(found, statement=case.refutes)
+            outcome = once(("counterexample", case.check), partial(run_counterexample, case))
+            yield replace(outcome, statement=case.refutes)
             if case.formal is not None:
                 yield formal_outcome("refutation", case.formal, case.refutes, compilation)
 

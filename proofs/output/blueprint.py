@@ -100,7 +100,7 @@ def dependencies(entries: Iterable[Entry]) -> dict[str, list[str]]:
         for proof in entry.formal:
             home.setdefault(proof.theorem, entry.name)
     named = theorems(entries)
-    found = {}
+    needs = {}
     for entry in entries:
         mine = {proof.theorem for proof in entry.formal}
         others = {
@@ -109,22 +109,22 @@ def dependencies(entries: Iterable[Entry]) -> dict[str, list[str]]:
             for other in rests_on(theorem, named)
             if other in home and home[other] != entry.name and other not in mine
         }
-        found[entry.name] = [name for name in (e.name for e in entries) if name in others]
-    return _without_circles(found)
+        needs[entry.name] = [name for name in (e.name for e in entries) if name in others]
+    return _without_circles(needs)
 
 
 def _without_circles(needs: Mapping[str, list[str]]) -> dict[str, list[str]]:
     """Drop what would close a circle: two statements may each rest on one theorem of the other."""
-    kept: dict[str, list[str]] = {name: [] for name in needs}
+    edges: dict[str, list[str]] = {name: [] for name in needs}
 
     def reaches(start: str, goal: str) -> bool:
-        return start == goal or any(reaches(other, goal) for other in kept[start])
+        return start == goal or any(reaches(other, goal) for other in edges[start])
 
     for name, others in needs.items():
         for other in others:
             if not reaches(other, name):
-                kept[name].append(other)
-    return kept
+                edges[name].append(other)
+    return edges
 
 
 def graph(entries: Iterable[Entry]) -> str:

@@ -82,15 +82,15 @@ def unproved(path: Path = FILE) -> dict[str, str]:
     >>> unproved()["1.1"]
     'data of an example: numbers, nothing to prove'
     """
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for group in tomllib.loads(path.read_text(encoding="utf-8"))["group"]:
         for item in group["equations"]:
             first, _, last = item.partition("-")
             for number in numbers(f"({first})-({last})" if last else f"({first})"):
-                if number in found:
+                if number in reasons:
                     raise LedgerError(f"{path.name} gives two reasons for ({number})")
-                found[number] = group["why"]
-    return found
+                reasons[number] = group["why"]
+    return reasons
 
 
 def coverage(used: Iterable[str], entries: Iterable[Entry]) -> tuple[Covered, ...]:

@@ -125,8 +125,8 @@ def predictive_loop(model: tuple[int, int, Matrix, Matrix, Matrix]) -> bool:
     A, C = _form(n, p, Phi)
     A_c = A + Gamma * K - Phi * C
     loop = Matrix(closed_loop_matrix((A, Gamma, C), (A_c, Phi, K), feedback=1, variable="q"))
-    wanted = Poly(q ** (n * p), q) * characteristic_polynomial(A + Gamma * K, q)
-    return bool(characteristic_polynomial(loop, q) == wanted)
+    target = Poly(q ** (n * p), q) * characteristic_polynomial(A + Gamma * K, q)
+    return bool(characteristic_polynomial(loop, q) == target)
 
 
 @for_all(model=arx_models(), x=matrices(4, 1), u=matrices(2, 8))

@@ -15,11 +15,11 @@ roots = st.sampled_from([Rational(1), Rational(2), Rational(1, 2)])  # of alpha
 def weighted(x: Matrix, S: Matrix, root: Rational, f: Callable[[Matrix], Matrix]) -> Matrix:
     """Sum f over the points (8.10) with the weights (8.11), gamma_0 = (alpha - n) / alpha."""
     n, alpha = S.rows, root**2
-    found = (alpha - n) / alpha * f(x)
+    mean = (alpha - n) / alpha * f(x)
     for i in range(n):
         for sign in (1, -1):
-            found += f(x + sign * root * S[:, i]) / (2 * alpha)
-    return found
+            mean += f(x + sign * root * S[:, i]) / (2 * alpha)
+    return mean
 
 
 @for_all(A=matrices(2, 2), C=matrices(1, 2), S=matrices(2, 2), noise=matrices(2, 2),
@@ -37,11 +37,11 @@ def unscented_is_kalman(
     P_minus = A * P * A.T + Q
     wide = Matrix.hstack(A * S, noise)  # a square root of P^-, padded to a square one
     square = Matrix.vstack(wide, zeros(2, 4))
-    seen = Matrix.hstack(C, zeros(1, 2))
+    row = Matrix.hstack(C, zeros(1, 2))
     start = Matrix.vstack(mean, zeros(2, 1))
-    y = weighted(start, square, root, lambda X: seen * X)
-    P_xy = weighted(start, square, root, lambda X: (X - start) * (seen * X - y).T)
-    P_yy = weighted(start, square, root, lambda X: (seen * X - y) * (seen * X - y).T) + R
+    y = weighted(start, square, root, lambda X: row * X)
+    P_xy = weighted(start, square, root, lambda X: (X - start) * (row * X - y).T)
+    P_yy = weighted(start, square, root, lambda X: (row * X - y) * (row * X - y).T) + R
     printed = weighted(mean, A * S, root, lambda X: (X - mean) * (C * X - C * mean).T)
     return bool(
         mean == A * x

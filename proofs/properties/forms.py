@@ -36,11 +36,11 @@ def subspaces_are_forms(loop: Loop) -> bool:
     """Every n-dimensional real invariant subspace of the loop of a minimal plant and a minimal
     compensator of order n gives a form: its T is invertible and (7.13) holds.
     """
-    found = observer_forms(*loop)
+    forms = observer_forms(*loop)
     return bool(
-        found.is_complete
-        and not (found.rejections or found.families or found.undecided)
-        and all(is_form(form) for form in found.forms)
+        forms.is_complete
+        and not (forms.rejections or forms.families or forms.undecided)
+        and all(is_form(form) for form in forms.forms)
     )
 
 
@@ -73,10 +73,10 @@ def as_many_as_divisors(loop: Loop) -> bool:
     """There are as many forms as real monic divisors of degree n of the closed-loop polynomial,
     counted by the generating function, and their regulator polynomials differ.
     """
-    found = observer_forms(*loop)
-    regulators = {form.regulator for form in found.forms}
-    count = count_observer_forms(found.characteristic_polynomial, loop[0].n)
-    return len(found.forms) == len(regulators) == count
+    forms = observer_forms(*loop)
+    regulators = {form.regulator for form in forms.forms}
+    count = count_observer_forms(forms.characteristic_polynomial, loop[0].n)
+    return len(forms.forms) == len(regulators) == count
 
 
 @for_all(loop=hidden_loops())
@@ -85,8 +85,8 @@ def hidden_mode_rule(loop: Loop) -> bool:
     unobservable mode of the compensator is a root of p_R and no uncontrollable one a root of p_O.
     """
     plant, compensator = loop
-    found = observer_forms(plant, compensator)
-    whole = found.characteristic_polynomial
+    forms = observer_forms(plant, compensator)
+    whole = forms.characteristic_polynomial
     assume(derogatory_factor(closed_loop_matrix(plant, compensator), whole) is None)
 
     def allowed(p_R: Poly) -> bool:
@@ -96,11 +96,11 @@ def hidden_mode_rule(loop: Loop) -> bool:
         )
         return all(common.degree() == 0 for common in hidden)
 
-    every_share = len(found.forms) + len(found.rejections) == count_observer_forms(whole, plant.n)
+    every_share = len(forms.forms) + len(forms.rejections) == count_observer_forms(whole, plant.n)
     return (
         every_share
-        and all(allowed(form.regulator) and is_form(form) for form in found.forms)
-        and not any(allowed(p_R) for p_R, _ in found.rejections)
+        and all(allowed(form.regulator) and is_form(form) for form in forms.forms)
+        and not any(allowed(p_R) for p_R, _ in forms.rejections)
     )
 
 
@@ -111,11 +111,11 @@ def chains_are_youla_forms(loop: Loop) -> bool:
     """
     plant, compensator = loop
     whole = characteristic_polynomial(closed_loop_matrix(plant, compensator), plant.variable)
-    found = youla_forms(plant, compensator)
+    forms = youla_forms(plant, compensator)
     n, n_c = plant.n, compensator.n
-    return len(found) == count_partitions(whole, (n, n_c - n, n)) and all(
+    return len(forms) == count_partitions(whole, (n, n_c - n, n)) and all(
         form.is_verified and form.regulator * form.parameter * form.observer == whole
-        for form in found
+        for form in forms
     )
 
 

@@ -46,8 +46,8 @@ def recursion_is_batch(data: list[Step], start: Matrix, forgetting: Rational) ->
     every k >= 1.
     """
     R_theta = Matrix(3, 3, lambda i, j: 1 + (i == j))
-    found = recursive(data, R_theta.inv(), Matrix(start), forgetting)
-    return bool(found == batch(data, R_theta, Matrix(start), forgetting))
+    theta = recursive(data, R_theta.inv(), Matrix(start), forgetting)
+    return bool(theta == batch(data, R_theta, Matrix(start), forgetting))
 
 
 @for_all(data=steps(l_z=1), beta=st.sampled_from([Rational(1, 3), Rational(5)]),
@@ -114,8 +114,8 @@ def ud_factors(U: Matrix, phi: Matrix, d: list[int], r: int, forgetting: Rationa
             new[i, j] = unit[i, j] - f[j] / alpha * gain[i]
             gain[i] += v * unit[i, j]
         gain[j], alpha = v, following
-    wanted = (P - P * phi * phi.T * P / (r + (phi.T * P * phi)[0])) / forgetting
-    return bool(min(d_new) > 0 and new * Matrix.diag(*d_new) * new.T == wanted)
+    expected = (P - P * phi * phi.T * P / (r + (phi.T * P * phi)[0])) / forgetting
+    return bool(min(d_new) > 0 and new * Matrix.diag(*d_new) * new.T == expected)
 
 
 @for_all(

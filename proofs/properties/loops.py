@@ -30,8 +30,8 @@ def minimal_loops(draw: st.DrawFn, excess: int = 0, max_order: int = 3) -> Loop:
     """
     plant = draw(strictly_proper_plants(max_order=max_order))
     roots = draw(spectra(2 * plant.order + excess))
-    wanted = polynomial_from_roots(roots, "s")
-    placed = place_poles(plant, wanted, feedback=+1).compensator
+    target = polynomial_from_roots(roots, "s")
+    placed = place_poles(plant, target, feedback=+1).compensator
     assume(placed.is_coprime and placed.is_strictly_proper)
     compensator = realisation(placed)
     return realisation(plant), compensator.in_basis(draw(unimodular_matrices(compensator.n)))
@@ -58,11 +58,11 @@ def hidden_loops(draw: st.DrawFn, max_order: int = 3) -> Loop:
     r = draw(st.integers(0, n))
     if r:
         D_c = draw(polynomials("s", r, r, is_monic=True))
-        given = TransferFunction(draw(polynomials("s", 0, r - 1)), D_c)
-        assume(given.is_coprime)
-        wanted = polynomial_from_roots(draw(spectra(n + r)), "s")
-        plant = place_poles(given, wanted, feedback=+1).compensator
-        minimal = realisation(given)
+        direct = TransferFunction(draw(polynomials("s", 0, r - 1)), D_c)
+        assume(direct.is_coprime)
+        target = polynomial_from_roots(draw(spectra(n + r)), "s")
+        plant = place_poles(direct, target, feedback=+1).compensator
+        minimal = realisation(direct)
         blocks = [Matrix(M) for M in (minimal.A, minimal.B, minimal.C)]
     else:
         D = polynomial_from_roots(draw(spectra(n)), "s")
@@ -73,6 +73,6 @@ def hidden_loops(draw: st.DrawFn, max_order: int = 3) -> Loop:
     hidden = [draw(st.sampled_from([(0, 0), (0, 1), (1, 0)])) for _ in modes]
     A_c = diag(blocks[0], *modes)
     B_c = blocks[1].col_join(Matrix(n - r, 1, [reached for reached, _ in hidden]))
-    C_c = blocks[2].row_join(Matrix(1, n - r, [seen for _, seen in hidden]))
+    C_c = blocks[2].row_join(Matrix(1, n - r, [output_entry for _, output_entry in hidden]))
     compensator = Realisation(A_c, B_c, C_c)
     return realisation(plant), compensator.in_basis(draw(unimodular_matrices(n)))

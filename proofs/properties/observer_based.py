@@ -122,8 +122,8 @@ def theorem_1_transfer_functions(
     """A strictly proper transfer function of McMillan degree r < n is always observer-based: the
     pair with the common factor (s - x)^(n - r), x any real number, is.
     """
-    plant, given = case
-    G_c = given.reduced()
+    plant, compensator = case
+    G_c = compensator.reduced()
     factor = polynomial(f"(s - ({root}))**{plant.order - G_c.order}", "s")
     pair = TransferFunction(G_c.numerator * factor, G_c.denominator * factor)
     answers = (

@@ -42,16 +42,16 @@ def uniqueness(plant: TransferFunction, D_c: Poly, N_c: Poly, room: int) -> bool
     n, N_c = plant.order, N_c.rem(D)
     l = max(int(D_c.degree()), int(N.degree())) + 1 + room  # noqa: E741  (columns for D_c)
     matrix = sylvester_m1(D, N, n, l)
-    given = Matrix([*_coefficients(D_c, l), *_coefficients(N_c, n)])
-    wanted = Matrix(_coefficients(D * D_c + N * N_c, n + l))
-    solution = solve_affine(matrix, wanted)
-    return bool(not solution.nullspace and solution.particular == given)
+    pair = Matrix([*_coefficients(D_c, l), *_coefficients(N_c, n)])
+    target = Matrix(_coefficients(D * D_c + N * N_c, n + l))
+    solution = solve_affine(matrix, target)
+    return bool(not solution.nullspace and solution.particular == pair)
 
 
 def _coefficients(poly: Poly, size: int) -> list[Expr]:
     """List coefficients in descending order, with leading zeros."""
-    given = [] if poly.is_zero else poly.all_coeffs()
-    return [0] * (size - len(given)) + given
+    coefficients = [] if poly.is_zero else poly.all_coeffs()
+    return [0] * (size - len(coefficients)) + coefficients
 
 
 @for_all(case=plant_and_poles())
@@ -61,16 +61,16 @@ def existence(case: tuple[TransferFunction, tuple[Expr, ...]]) -> bool:
     """
     plant, poles = case
     D, N = plant.denominator, plant.numerator
-    wanted = polynomial_from_roots(poles, "s")
-    found = place_poles(plant, wanted, feedback=-1).compensator
+    target = polynomial_from_roots(poles, "s")
+    compensator = place_poles(plant, target, feedback=-1).compensator
     n_c = len(poles) - plant.order
     matrix = sylvester_m(D, N, n_c, plant.order - 1)
-    placed = D * found.denominator + N * found.numerator
+    placed = D * compensator.denominator + N * compensator.numerator
     return bool(
-        placed == wanted
-        and found.denominator.is_monic
-        and found.denominator.degree() == n_c
-        and found.numerator.degree() < plant.order
+        placed == target
+        and compensator.denominator.is_monic
+        and compensator.denominator.degree() == n_c
+        and compensator.numerator.degree() < plant.order
         and determinant(matrix) != 0
     )
 
@@ -101,7 +101,7 @@ def targets(draw: st.DrawFn) -> Target:
     d, n_c = draw(st.integers(1, 2)), draw(st.integers(0, 3))
     n_p = d + len(outside) + draw(st.integers(0, n_c + 1))
     poles = draw(st.lists(st.sampled_from(["0", "1/4", "-1/5"]), min_size=n_p, max_size=n_p))
-    N_s, N_u, D_p = (polynomial_from_roots(found, "q") for found in (inside, outside, poles))
+    N_s, N_u, D_p = (polynomial_from_roots(roots, "q") for roots in (inside, outside, poles))
     return N_s, N_u, D_p, d, n_c
 
 

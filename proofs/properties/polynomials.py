@@ -66,8 +66,8 @@ def rank_of_m2(a: Poly, b: Poly, shared: Poly) -> bool:
     """The degree of gcd(a, b) is 2k - rank M_2(a, b) for deg a = k >= deg b."""
     a, b = a * shared, b * shared
     a, b = (a, b) if a.degree() >= b.degree() else (b, a)
-    k, given = int(a.degree()), b.all_coeffs()
-    matrix = sylvester_m2(a.all_coeffs(), [0] * (k + 1 - len(given)) + given)
+    k, coefficients = int(a.degree()), b.all_coeffs()
+    matrix = sylvester_m2(a.all_coeffs(), [0] * (k + 1 - len(coefficients)) + coefficients)
     return bool(2 * k - rank(matrix) == a.gcd(b).degree())
 
 

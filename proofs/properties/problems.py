@@ -53,6 +53,6 @@ def sensitivity_determines(loop: tuple[TransferFunction, TransferFunction]) -> b
 def partition(H: Matrix, U: Matrix, order: list[int], cut: int) -> bool:
     """(8.38): columns of H and components of U, rearranged alike and cut in two, give H U."""
     H, U = Matrix(H), Matrix(U)
-    rest, kept = order[:cut], order[cut:]
-    parts = [H.extract([0, 1], part) * U.extract(part, [0]) for part in (rest, kept)]
+    rest, others = order[:cut], order[cut:]
+    parts = [H.extract([0, 1], part) * U.extract(part, [0]) for part in (rest, others)]
     return bool(parts[0] + parts[1] == H * U)

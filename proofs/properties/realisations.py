@@ -31,8 +31,8 @@ def gains_place(case: tuple[Matrix, Matrix, Matrix, tuple[Expr, ...]]) -> bool:
     asked for, and the map from K to det(sI - A - BK) is affine and injective.
     """
     A, B, C, poles = case
-    wanted = polynomial_from_roots(poles, "s")
-    K, F = (Matrix(found(A, M, wanted)) for found, M in ((regulator_gain, B), (observer_gain, C)))
+    target = polynomial_from_roots(poles, "s")
+    K, F = (Matrix(gain(A, M, target)) for gain, M in ((regulator_gain, B), (observer_gain, C)))
     # column i: how the coefficients move with K_i
     origin = characteristic_polynomial(A, s)
     moves = []
@@ -41,8 +41,8 @@ def gains_place(case: tuple[Matrix, Matrix, Matrix, tuple[Expr, ...]]) -> bool:
         moved = (characteristic_polynomial(A + B * unit, s) - origin).all_coeffs()
         moves.append([0] * (A.rows - len(moved)) + moved)
     return bool(
-        characteristic_polynomial(A + B * K, s) == wanted
-        and characteristic_polynomial(A - F * C, s) == wanted
+        characteristic_polynomial(A + B * K, s) == target
+        and characteristic_polynomial(A - F * C, s) == target
         and rank(Matrix(moves)) == A.rows
     )
 
@@ -55,10 +55,10 @@ def minimal_is_coprime(A: Matrix, B: Matrix, C: Matrix, hidden: int) -> bool:
     if hidden:
         B[hidden:, 0] = Matrix.zeros(3 - hidden, 1)
     reached = rank(Matrix.hstack(B, A * B, A * A * B))
-    seen = rank(Matrix.vstack(C, C * A, C * A * A))
+    rows = rank(Matrix.vstack(C, C * A, C * A * A))
     D = characteristic_polynomial(A, s)
     N = D - characteristic_polynomial(A + B * C, s)
-    return bool((reached == seen == 3) == (D.gcd(N).degree() == 0))
+    return bool((reached == rows == 3) == (D.gcd(N).degree() == 0))
 
 
 @for_all(A=matrices(3, 3), B=matrices(3, 1), C=matrices(1, 3), terms=st.integers(0, 5))

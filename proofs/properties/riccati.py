@@ -30,11 +30,11 @@ def plants_with_rational_zeros(draw: st.DrawFn) -> Case:
     D = draw(polynomials("q", 1, 4, is_monic=True))
     n = int(D.degree())
     off_circle = nonzero_rationals().filter(lambda x: abs(x) != 1)
-    found = draw(st.lists(st.one_of(off_circle, st.just(Rational(0))), max_size=n - 1))
+    roots = draw(st.lists(st.one_of(off_circle, st.just(Rational(0))), max_size=n - 1))
     H = draw(nonzero_rationals())
-    N = polynomial(H * prod(q - zero for zero in found), "q")
+    N = polynomial(H * prod(q - zero for zero in roots), "q")
     A, B, E_1, _ = controllable_canonical_form(TransferFunction(N, D))
-    return disguised(A, B, E_1, draw(unimodular_matrices(n))), found, H, n - len(found)
+    return disguised(A, B, E_1, draw(unimodular_matrices(n))), roots, H, n - len(roots)
 
 
 @for_all(case=plants_with_rational_zeros())
@@ -42,9 +42,9 @@ def high_authority_poles(case: Case) -> bool:
     """For R_2 = 0 the poles of A + BC_c are d times 0, the zeros of N_zu inside the unit circle and
     the reciprocals of those outside; B'PB = H_d^2 times the squares of those outside.
     """
-    (A, B, E_1), found, H, d = case
-    outside = [zero for zero in found if abs(zero) > 1]
-    reflected = [1 / zero if abs(zero) > 1 else zero for zero in found]
+    (A, B, E_1), poles, H, d = case
+    outside = [zero for zero in poles if abs(zero) > 1]
+    reflected = [1 / zero if abs(zero) > 1 else zero for zero in poles]
     chi = canonical(Poly(q**d * prod(q - zero for zero in reflected), q))
     solution = solve_riccati(A, B, E_1=E_1, time="discrete")
     P, K = Matrix(solution.P), Matrix(solution.K)

@@ -75,15 +75,15 @@ def hurwitz_inequalities(roots: tuple[Expr, ...], shift: Rational) -> bool:
     _, *coefficients = _from(tuple(root + shift for root in roots), "s").all_coeffs()
     if len(coefficients) == 2:
         a, b = coefficients
-        wanted = a > 0 and b > 0
+        expected = a > 0 and b > 0
     elif len(coefficients) == 3:
         a, b, c = coefficients
-        wanted = a > 0 and c > 0 and c < a * b
+        expected = a > 0 and c > 0 and c < a * b
     else:
         a, b, c, d = coefficients
-        wanted = a > 0 and c > 0 and d > 0 and a**2 * d < c * (a * b - c)
+        expected = a > 0 and c > 0 and d > 0 and a**2 * d < c * (a * b - c)
     p = Poly([1, *coefficients], s)
-    return bool(wanted) is decide_stability(p, time="continuous").by_roots
+    return bool(expected) is decide_stability(p, time="continuous").by_roots
 
 
 @for_all(
@@ -174,11 +174,11 @@ def jury_inequalities(p: Poly) -> bool:
     _, a, b, *rest = p.all_coeffs()
     if rest:
         (c,) = rest
-        wanted = abs(c) < 1 and abs(b - a * c) < 1 - c**2 and -1 - b < a + c < 1 + b
-        wanted = wanted and 1 + a + b + c > 0
+        expected = abs(c) < 1 and abs(b - a * c) < 1 - c**2 and -1 - b < a + c < 1 + b
+        expected = expected and 1 + a + b + c > 0
     else:
-        wanted = b < 1 and abs(a) < 1 + b
-    return bool(wanted) is decide_stability(p, time="discrete").by_roots
+        expected = b < 1 and abs(a) < 1 + b
+    return bool(expected) is decide_stability(p, time="discrete").by_roots
 
 
 def _between(p: Poly, low: Rational, high: Rational) -> int:
@@ -220,16 +220,16 @@ def strongly_stabilisable_plants_interlace(places: list[int], order: int) -> boo
     unstable = sorted(zero for zero in zeros if zero >= 0)
     above = [sum(pole > zero for pole in poles) for zero in unstable]
     plant = TransferFunction(_from(tuple(zeros), "s"), _from(tuple(poles), "s"))
-    found = decide_strong_stabilisability(plant).is_strongly_stabilisable
-    return bool(found) is all(number % 2 == 0 for number in above)
+    decision = decide_strong_stabilisability(plant).is_strongly_stabilisable
+    return bool(decision) is all(number % 2 == 0 for number in above)
 
 
 @for_all(pair=coprime_pairs(), D_c=polynomials(max_degree=3), N_c=polynomials(max_degree=3))
 def pairs_have_one_parameter(pair: tuple[Poly, Poly], D_c: Poly, N_c: Poly) -> bool:
     """Of X N + Y D = 1: Q = Y N_c - X D_c gives D_c = D~ Y - Q N and N_c = D~ X + Q D."""
     D, N = pair
-    found = bezout_identity(D, N)
-    Y, X = found.x, found.y
+    identity = bezout_identity(D, N)
+    Y, X = identity.x, identity.y
     placed, Q = D * D_c + N * N_c, Y * N_c - X * D_c
     return bool((X * N + Y * D).is_one and D_c == placed * Y - Q * N and N_c == placed * X + Q * D)
 
@@ -259,11 +259,11 @@ def compensators_of_stable_parameters(
     def answers(sign: int) -> tuple[bool, bool]:
         Q = TransferFunction(Poly(gain, s), Poly(s, s) + sign * pole)
         C = every.compensator(Q).transfer_function()
-        found = every.parameter(C)[0, 0]
+        parameter = every.parameter(C)[0, 0]
         loop = plant.denominator * C.denominator + plant.numerator * C.numerator
         return (
             bool(decide_stability(loop, time="continuous").is_stable),
-            (found.numerator * Q.denominator - Q.numerator * found.denominator).is_zero,
+            (parameter.numerator * Q.denominator - Q.numerator * parameter.denominator).is_zero,
         )
 
     return answers(1) == (True, True) and (gain == 0 or not answers(-1)[0])
@@ -285,8 +285,8 @@ def placements_differ_by_one_polynomial(
     """
     plant, poles = case
     D, N = plant.denominator, plant.numerator
-    found = place_poles(plant, polynomial_from_roots(poles, "s"), feedback=-1).compensator
-    D_0, N_0 = found.denominator, found.numerator
+    compensator = place_poles(plant, polynomial_from_roots(poles, "s"), feedback=-1).compensator
+    D_0, N_0 = compensator.denominator, compensator.numerator
     D_c, N_c = D_0 - Q * N, N_0 + Q * D
     return bool(
         D * D_c + N * N_c == polynomial_from_roots(poles, "s")

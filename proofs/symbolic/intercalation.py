@@ -72,8 +72,8 @@ def controller_with_perturbation() -> bool:
     k, k_c, i = symbols("k k_c i", integer=True)
     P, Q, v, v_star, v_tilde, m = map(IndexedBase, ("P", "Q", "u", "us", "ut", "y"))
     through_y = Sum(Q[i] * m[k - i], (i, k_c, n_c))
-    given = Sum(P[i] * v[k - i], (i, 1, n_c)) + through_y
-    split = given.replace(
+    sum_of_past = Sum(P[i] * v[k - i], (i, 1, n_c)) + through_y
+    split = sum_of_past.replace(
         lambda e: e.base == v if e.is_Indexed else False,
         lambda e: v_star[e.indices[0]] + v_tilde[e.indices[0]],
     )

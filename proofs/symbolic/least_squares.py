@@ -56,5 +56,5 @@ def kalman_predictor() -> bool:
     A, C, V, Q, W = letters("A C V Q W")  # W = (C Q C' + V_2)^-1
     printed = A * Q * transpose(A) + V - A * Q * transpose(C) * W * C * Q * transpose(A)
     predictor = printed.subs({transpose(A): 1, A: 1})
-    here = V + (P_NEXT * forgetting).subs({P: Q, Upsilon: W**-1, Phi: C, Phi_T: transpose(C)})
-    return bool(expand(predictor - here) == 0)
+    gain = V + (P_NEXT * forgetting).subs({P: Q, Upsilon: W**-1, Phi: C, Phi_T: transpose(C)})
+    return bool(expand(predictor - gain) == 0)

@@ -9,11 +9,11 @@ A, B, C, D_1, x, y = letters("A B C D_1 x y")
 
 def state(r: int) -> Expr:
     """Return x(k) from x(k - r), by the recursion; w_i is w(k - i)."""
-    found = x
+    value = x
     for i in range(r, 0, -1):
         w, u = letters(f"w_{i} u_{i}")
-        found = A * found + D_1 * w + B * u
-    return found
+        value = A * value + D_1 * w + B * u
+    return value
 
 
 def past_inputs(r: int) -> bool:
@@ -29,5 +29,5 @@ def past_inputs(r: int) -> bool:
         - y
         + sum(C * A ** (i - 1) * (D_1 * w + B * u) for i, (w, u) in enumerate(past, start=1))
     )
-    found = state(r)
-    return bool(expand(found - claimed) == 0 and expand(C * found - y - performance) == 0)
+    value = state(r)
+    return bool(expand(value - claimed) == 0 and expand(C * value - y - performance) == 0)

@@ -87,9 +87,9 @@ def _full_key(key: str, value: str, table: Raw) -> str:
     known = [name for name, _ in known_keys() if name.partition(".")[0] in table]
     ends = {name.rpartition(".")[2] for name in known}
     close = difflib.get_close_matches(key.rpartition(".")[2][:80], sorted(ends), n=1, cutoff=0.8)
-    found = [name for name in known if close and name.endswith(f".{close[0]}")]
-    in_use = [name for name in found if _is_set(table, name)]
-    proposals = [f"--set {name}={value.strip()[:80]}" for name in in_use or found[:3]]
+    matches = [name for name in known if close and name.endswith(f".{close[0]}")]
+    in_use = [name for name in matches if _is_set(table, name)]
+    proposals = [f"--set {name}={value.strip()[:80]}" for name in in_use or matches[:3]]
     return f" Did you mean {' or '.join(proposals)}?" if proposals else ""
 
 
@@ -115,12 +115,12 @@ def complete_case(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
     """The numbers of the examples with their titles, and the shell's own files."""
-    found = [
+    cases = [
         CompletionItem(number, help=title)
         for number, title in example_titles()
         if number.startswith(incomplete)
     ]
-    return found or [CompletionItem(incomplete, type="file")]
+    return cases or [CompletionItem(incomplete, type="file")]
 
 
 def complete_key(incomplete: str) -> list[CompletionItem]:

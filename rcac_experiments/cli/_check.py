@@ -107,15 +107,15 @@ def check(
     with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
         model, table = read_case(plant, problem or "standard")
         described = names or structure is not None or controller is not None
-        own = _own(log) if plant is None and not described else None
-        if own is not None:
-            found = check_controller(
-                own, target=None if target is None else target_model(target),
+        structure_of_log = _own(log) if plant is None and not described else None
+        if structure_of_log is not None:
+            result = check_controller(
+                structure_of_log, target=None if target is None else target_model(target),
                 noise=parse_noise(noise), k_w=k_w, sample_time=sample_time, tolerance=tolerance,
             )  # fmt: skip
-            found = replace(found, log=replaced(found.log, source=str(log)))
-            show(check_sheet(found), as_json, picture, found.plot)
-            return _status(found)
+            result = replace(result, log=replaced(result.log, source=str(log)))
+            show(check_sheet(result), as_json, picture, result.plot)
+            return _status(result)
         if controller is not None and (structure is not None or n_c is not None):
             raise InputError("--controller is the whole controller; leave --structure, --n-c out.")
         recorded = read_log(log, parse_names(names), transpose=transpose)
@@ -127,14 +127,16 @@ def check(
         if k_w is None:
             k_w = k_w_of(table) if controller is None else 0
         widths = (recorded.u.shape[1], recorded.y.shape[1])
-        made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
+        structure_of_case = read_structure(
+            table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths
+        )
         if controller is None:
             _require_coefficients(recorded, log, parse_names(names))
-            if made is None:
+            if structure_of_case is None:
                 _require_structure(recorded, widths)
-        found = check_controller(
+        result = check_controller(
             recorded,
-            structure=made,
+            structure=structure_of_case,
             compensator=None if controller is None else compensator_of(controller, "controller"),
             plant=model,
             target=read_target(table, model, target),
@@ -143,21 +145,21 @@ def check(
             sample_time=sample_time,
             tolerance=tolerance,
         )
-        found = replace(found, decision=decision)
-        show(check_sheet(found), as_json, picture, found.plot)
-    return _status(found)
+        result = replace(result, decision=decision)
+        show(check_sheet(result), as_json, picture, result.plot)
+    return _status(result)
 
 
-def _status(found: ControllerCheck) -> int:
+def _status(result: ControllerCheck) -> int:
     """The exit status that the check of a log comes to."""
-    residual = found.plant_residual
-    if not found.is_consistent or (residual is not None and residual.is_contradicted):
+    residual = result.plant_residual
+    if not result.is_consistent or (residual is not None and residual.is_contradicted):
         return NO
-    if found.is_undecided:
+    if result.is_undecided:
         return UNDECIDED
-    if found.loop is not None and not found.loop.is_stable:
+    if result.loop is not None and not result.loop.is_stable:
         return UNSTABLE
-    if found.comparison is None or found.comparison.is_reached:
+    if result.comparison is None or result.comparison.is_reached:
         return DONE
     return MISSED
 
@@ -295,13 +297,13 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
         return plant_and_tables(plant)
     if suffix in FORMATS:
         variables = read_variables(plant)
-        found_plant = plant_in(variables, plant)
-        if found_plant is None:
+        plant_of_file = plant_in(variables, plant)
+        if plant_of_file is None:
             raise InputError(
                 f"{plant} has no plant: A, B and C are needed, and it has "
                 f"{shortened(', '.join(variables))}."
             )
-        return found_plant, {}
+        return plant_of_file, {}
     G = written_system(plant)
     if problem == "servo":
         return servo_plant(G), {}

@@ -33,7 +33,7 @@ from rcac_numeric.signals._data_files import read_variables
 from rcac_numeric.signals._waveforms import Step
 
 # What only the owner of the plant knows: the option, the question, and what is taken unasked.
-ASKED = {
+QUESTIONS = {
     "disturbance": ("Size of the disturbance, in units of u, or none", "unknown"),
     "noise": ("Standard deviation of the sensor noise, in units of y", "unknown"),
     "u_limits": ("Limits of u, as LOW,HIGH", "none"),
@@ -99,9 +99,9 @@ def design(
     What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
     with --assume. Where u = 0 leaves a smaller error than the controller, the status is 1.
     """
-    found = designed(**_known(**options), seeds=seeds)
-    show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
-    return _status(found)
+    result = designed(**_known(**options), seeds=seeds)
+    show(design_sheet(result), as_json, picture, result.plot, lambda: _written(result, output))
+    return _status(result)
 
 
 @click.command("tune")
@@ -129,18 +129,18 @@ def tune_command(
     begun = designed(**_known(**options), seeds=1)
     line = ProgressLine() if sys.stderr.isatty() else None
     try:
-        found = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
+        tuned = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
                      progress=line)  # fmt: skip
     finally:
         if line is not None:
             line.end()
-    show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
-    return _status(found.design)
+    show(tuned_sheet(tuned), as_json, picture, tuned.plot, lambda: _written(tuned, output))
+    return _status(tuned.design)
 
 
-def _status(found: Design) -> int:
+def _status(result: Design) -> int:
     """That of a no where the controller is worse than none."""
-    return NO if found.verdict.is_worse_than_none else DONE
+    return NO if result.verdict.is_worse_than_none else DONE
 
 
 def _known(
@@ -164,21 +164,21 @@ def _known(
     late = _dead_time(dead_time)
     if not isinstance(known["plant"], ControllerLog):  # what cannot be read is said before asking
         read_plant(known["plant"], known["sample_time"], late)
-    given = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
-    missing = [name for name, value in given.items() if value is None and name not in known]
+    options = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
+    missing = [name for name, value in options.items() if value is None and name not in known]
     if missing and not assume:
         if not at_a_terminal():
             names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
             raise InputError(
                 f"{names} {'is' if len(missing) == 1 else 'are'} not given, and there is no "
                 f"terminal to ask at. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
-                f"take {', '.join(f'{name} = {ASKED[name][1]}' for name in missing)}."
+                f"take {', '.join(f'{name} = {QUESTIONS[name][1]}' for name in missing)}."
             )
         for name in missing:
-            words, default = ASKED[name]
-            given[name] = click.prompt(words, default=default)
-    for name, value in given.items():
-        if value is not None and value != ASKED[name][1]:
+            words, default = QUESTIONS[name]
+            options[name] = click.prompt(words, default=default)
+    for name, value in options.items():
+        if value is not None and value != QUESTIONS[name][1]:
             known[name] = _numbers(name, value)
     if height is not None:
         known["command"] = Step(height)
@@ -210,11 +210,11 @@ def _uncertainty(
     uncertain_gain: str | None, uncertain_delay: int | None, uncertain_time: float | None
 ) -> Uncertainty | None:
     """What is said of it; None where nothing is."""
-    said: dict[str, Any] = {"delay": uncertain_delay, "time": uncertain_time}
+    uncertainty: dict[str, Any] = {"delay": uncertain_delay, "time": uncertain_time}
     if uncertain_gain is not None:
-        said["gain"] = _numbers("uncertain_gain", uncertain_gain)
-    given = {name: value for name, value in said.items() if value is not None}
-    return Uncertainty(**given) if given else None
+        uncertainty["gain"] = _numbers("uncertain_gain", uncertain_gain)
+    options = {name: value for name, value in uncertainty.items() if value is not None}
+    return Uncertainty(**options) if options else None
 
 
 def at_a_terminal() -> bool:
@@ -233,14 +233,14 @@ def _numbers(name: str, text: str) -> float | tuple[float, ...]:
         values = ()
     if len(values) != (1 if name in ("disturbance", "noise") else 2):
         form = "a number" if name in ("disturbance", "noise") else "LOW,HIGH"
-        instead = f", or {ASKED[name][1]!r}" if name in ASKED else ""
+        instead = f", or {QUESTIONS[name][1]!r}" if name in QUESTIONS else ""
         instead += ', or "none"' * (name == "disturbance")
         raise InputError(f"{option} {text}: write {form}{instead}.")
     return values if len(values) > 1 else values[0]
 
 
-def _written(found: Design | Tuned, output: Path | None) -> list[str]:
+def _written(result: Design | Tuned, output: Path | None) -> list[str]:
     if output is None:
         return []
-    save_design(found.design if isinstance(found, Tuned) else found, output)
+    save_design(result.design if isinstance(result, Tuned) else result, output)
     return [f"Experiment file: {output} (rcac verify {output})"]

@@ -74,7 +74,7 @@ def reproduce_command(
         experiments = [reduced(experiment) for experiment in experiments]
     count = min(jobs or os.cpu_count() or 1, len(experiments))
     with case_workers(count) as executor:
-        found = reproduce(
+        result = reproduce(
             experiments,
             folder,
             executor=executor,
@@ -83,9 +83,9 @@ def reproduce_command(
     if sys.stderr.isatty():
         click.echo("\r\033[K", err=True, nl=False)
     if archive is not None:
-        write_archive(found, archive)
-    show(_sheet(found, archive), as_json)
-    return found.exit_status
+        write_archive(result, archive)
+    show(_sheet(result, archive), as_json)
+    return result.exit_status
 
 
 def _progress(name: str, done: int, of: int) -> None:
@@ -94,25 +94,27 @@ def _progress(name: str, done: int, of: int) -> None:
     click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} is done\033[K", err=True, nl=False)
 
 
-def _sheet(found: Reproduction, archive: Path | None) -> Sheet:
-    rows = tuple(cells(case.id, case.title, _verdicts(case), _end(case)) for case in found.cases)
-    counts = headline(found.cases)
+def _sheet(reproduction: Reproduction, archive: Path | None) -> Sheet:
+    rows = tuple(
+        cells(case.id, case.title, _verdicts(case), _end(case)) for case in reproduction.cases
+    )
+    counts = headline(reproduction.cases)
     record = {
-        "page": str(found.page),
+        "page": str(reproduction.page),
         "verdicts": {
-            whose: {verdict: count[verdict] for verdict in VERDICTS}
-            for whose, count in counts.items()
+            owner: {verdict: count[verdict] for verdict in VERDICTS}
+            for owner, count in counts.items()
         },
         "examples": [
             {"id": case.id, "status": case.status, "verdicts": [c.verdict for c in case.claims]}
-            for case in found.cases
+            for case in reproduction.cases
         ],
     }
     blocks: tuple[Block, ...] = (
         SheetTable(("example", "title", "claims", "outcome"), rows),
         Fact("sentences of the text", _words(counts[TEXT])),
         Fact("sentences that leave room", _words(counts[READING])),
-        Fact("page", str(found.page)),
+        Fact("page", str(reproduction.page)),
         *([] if archive is None else [Fact("archive", str(archive))]),
     )
     return Sheet("The dissertation's examples", sections=(Section("", blocks, record),))
@@ -127,13 +129,13 @@ def _words(count: Counter[str]) -> str:
 
 
 def _end(case: Case) -> Text:
-    told = {
+    messages = {
         0: Text("as on record", "quiet"),
         1: Text("a verdict has changed", "bad"),
         2: Text("could not be verified", "bad"),
         3: Text("diverged unexpectedly", "bad"),
     }
-    return told[case.status]
+    return messages[case.status]
 
 
 @click.command("errata")

@@ -126,9 +126,9 @@ def at_the_shell(advice: Advice) -> str:
 
 def _usage(error: click.ClickException) -> int:
     """What click says of a wrong option, with its hint."""
-    told = io.StringIO()
-    error.show(told)
-    click.echo(shortened(printable(told.getvalue()), LONGEST), err=True, nl=False)
+    message = io.StringIO()
+    error.show(message)
+    click.echo(shortened(printable(message.getvalue()), LONGEST), err=True, nl=False)
     return error.exit_code
 
 

@@ -84,7 +84,7 @@ def export(
             return
         if folder.is_file():
             raise InputError(f"{folder} is a file; -o names a folder, or an FMU that ends in .fmu.")
-        found = export_controller(
+        exported = export_controller(
             controller,
             folder,
             real=real,
@@ -95,19 +95,19 @@ def export(
             supervision=supervision,
             run=run,
         )
-    show(_sheet(found), as_json)
+    show(_sheet(exported), as_json)
 
 
 def _require_defaults(
     real: str, layouts: tuple[str, ...], prefix: str, live_order: int | None
 ) -> None:
-    given = {
+    options = {
         "--real": real != "float64",
         "--layout": layouts != ("c",),
         "--prefix": prefix != "rcac",
         "--live-order": live_order is not None,
     }
-    if wrong := [option for option, is_given in given.items() if is_given]:
+    if wrong := [option for option, is_set in options.items() if is_set]:
         raise InputError(f"{' and '.join(wrong)} belong to a folder in C, not to an FMU.")
 
 
@@ -142,30 +142,30 @@ def _run(
     return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
 
 
-def _sheet(found: Export) -> Sheet:
-    health = [Text(warning, "warning") for warning in found.warnings]
-    if not found.is_verified:
+def _sheet(exported: Export) -> Sheet:
+    health = [Text(warning, "warning") for warning in exported.warnings]
+    if not exported.is_verified:
         health.append(Text("Not compiled: there is no C compiler on this machine.", "warning"))
     facts = [
-        Fact("folder", str(found.folder)),
-        Fact("files", ", ".join(found.files)),
-        Fact("numbers", found.real),
-        Fact("RAM", f"{found.state_bytes} bytes"),
-        Fact("constants", f"{found.constant_bytes} bytes"),
+        Fact("folder", str(exported.folder)),
+        Fact("files", ", ".join(exported.files)),
+        Fact("numbers", exported.real),
+        Fact("RAM", f"{exported.state_bytes} bytes"),
+        Fact("constants", f"{exported.constant_bytes} bytes"),
     ]
-    if found.is_verified:
-        facts.append(Fact("replay", found.replay, "good"))
-    if found.agreement:
-        facts.append(Fact("float32", found.agreement))
+    if exported.is_verified:
+        facts.append(Fact("replay", exported.replay, "good"))
+    if exported.agreement:
+        facts.append(Fact("float32", exported.agreement))
     record = {
-        "folder": str(found.folder),
-        "files": list(found.files),
-        "real": found.real,
-        "state_bytes": found.state_bytes,
-        "constant_bytes": found.constant_bytes,
-        "replay": found.replay,
-        "agreement": found.agreement,
-        "warnings": list(found.warnings),
+        "folder": str(exported.folder),
+        "files": list(exported.files),
+        "real": exported.real,
+        "state_bytes": exported.state_bytes,
+        "constant_bytes": exported.constant_bytes,
+        "replay": exported.replay,
+        "agreement": exported.agreement,
+        "warnings": list(exported.warnings),
     }
     return Sheet(
         "A controller in C",

@@ -11,7 +11,7 @@ from rcac_numeric.arrays._wording import printable
 @click.command("list")
 def list_examples() -> None:
     """List the numbered examples: what can be verified, and what cannot yet and why."""
-    here = dict(example_titles())
+    titles = dict(example_titles())
     absent = {number: f"(not here yet: {reason})" for number, reason in absent_examples()}
-    for number, title in sorted({**here, **absent}.items(), key=lambda item: in_order(item[0])):
+    for number, title in sorted({**titles, **absent}.items(), key=lambda item: in_order(item[0])):
         click.echo(f"{number:<5} {printable(title)}")

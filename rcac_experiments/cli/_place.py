@@ -67,16 +67,17 @@ def _target(poles: str, variable: str) -> Poly:
     return target
 
 
-def _require_degree(asked: int, n: int, n_c: int | None) -> None:
+def _require_degree(degree: int, n: int, n_c: int | None) -> None:
     """Refuse a number of poles that no compensator of that order has."""
-    if n_c is not None and asked != n + n_c:
-        other = f", or write --order {asked - n}" if asked >= n else ""
+    if n_c is not None and degree != n + n_c:
+        other = f", or write --order {degree - n}" if degree >= n else ""
         raise InputError(
-            f"--poles names {asked} poles; a plant of order {n} with a compensator of order {n_c} "
+            f"--poles names {degree} poles; a plant of order {n} with a compensator of order {n_c} "
             f"has {n + n_c}. Name so many{other}."
         )
-    if asked < n:
+    if degree < n:
         raise InputError(
-            f"--poles names {asked} poles; the plant alone has {n}. Name at least so many, and one "
+            f"--poles names {degree} poles; the plant alone has {n}. Name at least so many, and "
+            "one "
             "more for each order of the compensator."
         )

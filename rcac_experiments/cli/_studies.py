@@ -251,9 +251,9 @@ def check(*, folder: Path, as_json: bool) -> int:
     The status is 1 where something is damaged. Nothing is changed; `rcac sweep` computes again what
     is damaged.
     """
-    found = check_store(folder)
-    show(store_sheet(found), as_json)
-    return DONE if found.is_whole else NO
+    report = check_store(folder)
+    show(store_sheet(report), as_json)
+    return DONE if report.is_whole else NO
 
 
 @store.command(epilog=EXIT_STATUS)
@@ -269,6 +269,6 @@ def convert(*, old: Path, folder: Path, as_json: bool) -> int:
     OLD is read only. The status is 1 where some of its runs are not what was stored: they are left
     out, and `rcac sweep` computes them.
     """
-    found = convert_store(old, folder)
-    show(store_sheet(found), as_json)
-    return DONE if found.is_whole else NO
+    converted = convert_store(old, folder)
+    show(store_sheet(converted), as_json)
+    return DONE if converted.is_whole else NO

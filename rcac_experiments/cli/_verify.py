@@ -93,35 +93,38 @@ def verify(
             experiment = experiment.held_out(group or 0)
         if completions:
             experiment = experiment.completed()
-        found = verified(experiment, _progress if sys.stderr.isatty() else silence)
+        verification = verified(experiment, _progress if sys.stderr.isatty() else silence)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
-        write = partial(_written, found, folder, kept, page, is_file(case))
-        show(verification_sheet(found), as_json, picture, found.plot, write)
-    return found.exit_status
+        write = partial(_written, verification, folder, kept, page, is_file(case))
+        show(verification_sheet(verification), as_json, picture, verification.plot, write)
+    return verification.exit_status
 
 
 def _written(
-    found: Verification,
+    verification: Verification,
     folder: Path | None,
     kept: Path | None,
     page: Path | None,
-    is_own: bool,
+    is_local: bool,
 ) -> list[str]:
     """Write the files that were asked for; return what is said of them."""
     written = []
     if folder is not None:
-        requests = found.figure_requests
+        requests = verification.figure_requests
         for number, request in enumerate(requests, 1):
-            save(found.plot(request), member(folder, f"{found.experiment.id}-{number}.svg"))
+            save(
+                verification.plot(request),
+                member(folder, f"{verification.experiment.id}-{number}.svg"),
+            )
         written.append(
             f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
         )
     if kept is not None:
-        found.main.first.run.save(kept)
+        verification.main.first.run.save(kept)
         written.append(f"Run: {kept}")
     if page is not None:
-        write_page((case_page if is_own else example_page)(case_of(found)), page)
+        write_page((case_page if is_local else example_page)(case_of(verification)), page)
         written.append(f"Page: {page}")
     return written
 

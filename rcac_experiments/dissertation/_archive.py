@@ -32,18 +32,18 @@ of the held-out seeds, rcac verify NUMBER --seeds GROUP runs others.
 """
 
 
-def write_archive(found: Reproduction, path: str | Path) -> None:
+def write_archive(reproduction: Reproduction, path: str | Path) -> None:
     """Write the archive of a reproduction, a ZIP file."""
-    own = version("compensator-theory")
+    package_version = version("compensator-theory")
     with replacing(path) as new, zipfile.ZipFile(new, "w", zipfile.ZIP_DEFLATED) as archive:
 
         def add(name: str, content: bytes) -> None:
             archive.writestr(zipfile.ZipInfo(name, DATE), content, zipfile.ZIP_DEFLATED)
 
-        add("README.txt", README.format(version=own).encode())
+        add("README.txt", README.format(version=package_version).encode())
         add("environment.json", _environment().encode())
-        add("index.html", found.page.read_bytes())
-        for file in sorted((found.page.parent / CASES).glob("*.json")):
+        add("index.html", reproduction.page.read_bytes())
+        for file in sorted((reproduction.page.parent / CASES).glob("*.json")):
             add(f"cases/{file.name}", file.read_bytes())
         home = resources.files("rcac_experiments.dissertation")
         for name, content in _files(home.joinpath("example_files"), "examples"):
@@ -68,10 +68,10 @@ def _files(folder: Traversable, prefix: str) -> Iterator[tuple[str, bytes]]:
 def _environment() -> str:
     """Versions and machine as JSON."""
     versions = {one.metadata["Name"]: one.version for one in distributions()}
-    told = {
+    environment = {
         "python": platform.python_version(),
         "system": platform.system(),
         "machine": platform.machine(),
         "versions": dict(sorted(versions.items())),
     }
-    return json.dumps(told, indent=1)
+    return json.dumps(environment, indent=1)

@@ -95,12 +95,12 @@ def _resolved(package: str, name: str, erratum: Erratum) -> Callable[[], Iterabl
     module, _, function = name.partition(".")
     try:
         home = f"{package}.{module}" if module.isidentifier() else ""
-        found = getattr(importlib.import_module(home), function)
-        if found.__module__ != home:  # what the module imports is no check
+        function_object = getattr(importlib.import_module(home), function)
+        if function_object.__module__ != home:  # what the module imports is no check
             raise AttributeError(function)
     except (ImportError, ValueError, AttributeError):
         raise InputError(f"{package} has no check {name!r}; correct {erratum.name!r}.") from None
-    checked: Callable[[], Iterable[tuple[str, Any]]] = found
+    checked: Callable[[], Iterable[tuple[str, Any]]] = function_object
     return checked
 
 

@@ -56,10 +56,10 @@ class ErratumEvidence(Result):
     others: Sequence[str] = attrs.field(default=(), converter=tuple)
 
     def __attrs_post_init__(self) -> None:
-        given = [name for name in EVIDENCE if getattr(self, name)]
-        if len(given) != 1:
+        kinds = [name for name in EVIDENCE if getattr(self, name)]
+        if len(kinds) != 1:
             raise InputError(
-                f"evidence is exactly one of {', '.join(EVIDENCE)}; given are {given or 'none'}."
+                f"evidence is exactly one of {', '.join(EVIDENCE)}; given are {kinds or 'none'}."
             )
         if bool(self.example) != bool(self.claim):
             raise InputError("example and claim go together: a claim of which example?")

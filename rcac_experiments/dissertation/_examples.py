@@ -30,11 +30,11 @@ def in_order(number: str) -> list[str]:
 
 def absent_examples() -> Iterator[tuple[str, str]]:
     """The numbered examples that are not here, each with the reason."""
-    here = set(example_ids())
+    present = set(example_ids())
     table = tomllib.loads(FOLDER.joinpath("__absent__.toml").read_text("utf-8"))
     for entry in table["absent"]:
         for number in entry["numbers"]:
-            if number not in here:
+            if number not in present:
                 yield number, str(entry["reason"])
 
 

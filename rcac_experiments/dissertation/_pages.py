@@ -131,7 +131,7 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
                 old = worst.get(key)
                 if old is None or order.index(row.verdict) > order.index(old.verdict):
                     worst[key] = row
-    count = {whose: Counter[str]() for whose in (TEXT, READING)}
+    count = {owner: Counter[str]() for owner in (TEXT, READING)}
     for row in worst.values():
         count[row.whose][row.verdict] += 1
     return count
@@ -139,9 +139,9 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
 
 def _chapters(cases: Sequence[Case], wrong: Sequence[Erratum]) -> list[dict[str, Any]]:
     """The cases by chapter; what belongs to none comes first."""
-    found = []
+    chapters = []
     for number in dict.fromkeys(case.chapter for case in cases):
-        own = [case for case in cases if case.chapter == number]
+        cases_of_chapter = [case for case in cases if case.chapter == number]
         name = "Appendix" if number in ("A", "B") else "Chapter"
         title = f"{name} {number}: {CHAPTERS[number]}" if number else "Cases"
         examples = [
@@ -150,12 +150,12 @@ def _chapters(cases: Sequence[Case], wrong: Sequence[Erratum]) -> list[dict[str,
                 "errata": _errata_of(case, wrong),
                 "count": Counter(row.verdict for row in case.claims),
             }
-            for case in own
+            for case in cases_of_chapter
         ]
-        counts = headline(own)
+        counts = headline(cases_of_chapter)
         total = counts[TEXT] + counts[READING]
-        found.append({"number": number, "title": title, "examples": examples, "count": total})
-    return found
+        chapters.append({"number": number, "title": title, "examples": examples, "count": total})
+    return chapters
 
 
 def _errata_of(case: Case, wrong: Iterable[Erratum]) -> list[str]:

@@ -62,13 +62,13 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
     bare = place.strip("()")
     if _NUMBER.fullmatch(bare):
         return tuple(entry for entry in every if _bears(entry, bare, bare != place))
-    found = tuple(
+    matches = tuple(
         entry
         for entry in every
         if entry.name == place or place.lower() in (name.lower() for name in entry.named)
     )
-    if found or re.fullmatch(r"(?i)(example|table|figure|section) [1-9AB][\d.]*", place):
-        return found
+    if matches or re.fullmatch(r"(?i)(example|table|figure|section) [1-9AB][\d.]*", place):
+        return matches
     raise InputError(
         f"{brief(where)} is no place of the dissertation; give a chapter ({', '.join(CHAPTERS)}), "
         'an equation such as "(2.31)", "Example 7.1", or the name of an erratum.'

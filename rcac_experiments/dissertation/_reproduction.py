@@ -90,28 +90,30 @@ def reproduce(
     >>> found.exit_status, found.page.name, [case.id for case in found.cases]
     (0, 'index.html', ['7.1', 'B.2'])
     """
-    wanted = list(experiments)
-    kept = KeptCases(Path(folder) / CASES)
-    found = {i: case for i, wish in enumerate(wanted) if (case := kept.find(wish)) is not None}
-    for count, i in enumerate(found, 1):
-        progress(wanted[i].id, count, len(wanted))
-    left = [i for i in range(len(wanted)) if i not in found]
+    requests = list(experiments)
+    store = KeptCases(Path(folder) / CASES)
+    cases_done = {
+        i: case for i, wish in enumerate(requests) if (case := store.find(wish)) is not None
+    }
+    for count, i in enumerate(cases_done, 1):
+        progress(requests[i].id, count, len(requests))
+    left = [i for i in range(len(requests)) if i not in cases_done]
 
     def done(i: int, case: Case) -> None:
         if case.status != FAILED:
-            kept.keep(wanted[i], case)
-        found[i] = case
-        progress(wanted[i].id, len(found), len(wanted))
+            store.keep(requests[i], case)
+        cases_done[i] = case
+        progress(requests[i].id, len(cases_done), len(requests))
 
     if executor is None:
         for i in left:
-            done(i, made(wanted[i]))
+            done(i, made(requests[i]))
     else:
-        futures = {executor.submit(made, wanted[i]): i for i in left}
+        futures = {executor.submit(made, requests[i]): i for i in left}
         for future in as_completed(futures):
             done(futures[future], future.result())
-    is_quick = any(wish.reduced_runs for wish in wanted)
-    return _written([found[i] for i in range(len(wanted))], Path(folder), is_quick)
+    is_quick = any(wish.reduced_runs for wish in requests)
+    return _written([cases_done[i] for i in range(len(requests))], Path(folder), is_quick)
 
 
 def made(experiment: Experiment) -> Case:
@@ -120,8 +122,8 @@ def made(experiment: Experiment) -> Case:
         with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
             return case_of(verify(experiment))
     except CompensatorError as error:
-        told = f"This could not be verified: {error}"
-        body = str(rendered("sentence.html", level="bad", words=told))
+        message = f"This could not be verified: {error}"
+        body = str(rendered("sentence.html", level="bad", words=message))
         return Case(
             experiment.id, experiment.title, experiment.source, FAILED, (), body, "", (), ""
         )

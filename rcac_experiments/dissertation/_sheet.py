@@ -14,15 +14,15 @@ def errata_sheet(
     entries: Sequence[Erratum], where: str = "", checked: Mapping[str, Checked] | None = None
 ) -> Sheet:
     """What is said of the errata of one place, or of all."""
-    found = checked or {}
+    results = checked or {}
     place = f" at {where}" if where else ""
     remark = f": {len(entries)}{place}, {_counted(entries)}" if entries else f": none known{place}"
-    failed = [name for name, result in found.items() if not result.holds]
+    failed = [name for name, result in results.items() if not result.holds]
     health = tuple(Text(f"The check of {name} fails.", "bad") for name in failed)
-    if found and not failed:
-        health = (Text(f"All checks hold ({len(found)}).", "good"),)
-    sections = tuple(_section(entry, found.get(entry.name)) for entry in entries)
-    record = {"errata": [_record(entry, found.get(entry.name)) for entry in entries]}
+    if results and not failed:
+        health = (Text(f"All checks hold ({len(results)}).", "good"),)
+    sections = tuple(_section(entry, results.get(entry.name)) for entry in entries)
+    record = {"errata": [_record(entry, results.get(entry.name)) for entry in entries]}
     return Sheet("Errata of the dissertation", remark, health, (Section(record=record), *sections))
 
 

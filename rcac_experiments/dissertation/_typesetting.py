@@ -24,8 +24,8 @@ def typeset(text: str) -> Markup:
     parts = re.split(r"(?<!\\)\$", text)
     if len(parts) % 2 == 0:  # a dollar without its other one is no formula
         return escape(text)
-    told = (_formula(part) if i % 2 else escape(part) for i, part in enumerate(parts))
-    return Markup("").join(told)
+    pieces = (_formula(part) if i % 2 else escape(part) for i, part in enumerate(parts))
+    return Markup("").join(pieces)
 
 
 def typeset_quotes(body: str) -> Markup:

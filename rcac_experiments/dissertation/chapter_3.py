@@ -75,18 +75,21 @@ def two_digits() -> Facts:
 
 def nominal_zero() -> Facts:
     """The sampling zero of the nominal plant, of four decimals and of all of them."""
-    printed, held = _zeros(*PRINTED_0), _zeros(*_held(A_0, B_0))
+    printed, sampled = _zeros(*PRINTED_0), _zeros(*_held(A_0, B_0))
     yield "of the printed matrices it is -0.9959", _has(printed, -0.9959, 1e-4)
-    yield "of the zero-order hold it is -1.0004", _has(held, -1.0004, 1e-4)
+    yield "of the zero-order hold it is -1.0004", _has(sampled, -1.0004, 1e-4)
 
 
 def off_nominal_zero() -> Facts:
     """The zeros after the transition, of four decimals and of all of them."""
-    printed, held = _zeros(*_corrected()), _zeros(*_held(A_1, B_1))
+    printed, sampled = _zeros(*_corrected()), _zeros(*_held(A_1, B_1))
     yield "of four decimals: -1.0027 and 1.1369", _has(printed, -1.0027) and _has(printed, 1.1369)
-    yield "of the zero-order hold: -1.0004 and 1.1359", _has(held, -1.0004) and _has(held, 1.1359)
+    yield (
+        "of the zero-order hold: -1.0004 and 1.1359",
+        _has(sampled, -1.0004) and _has(sampled, 1.1359),
+    )
     before = _zeros(*_held(A_0, B_0))
-    crossing = int((np.abs(held) > 1).sum() - (np.abs(before) > 1).sum())
+    crossing = int((np.abs(sampled) > 1).sum() - (np.abs(before) > 1).sum())
     yield "one zero crosses the unit circle, not two", crossing == 1
 
 

@@ -31,7 +31,7 @@ def complex_gains_of_7_6() -> Facts:
     for root in roots:
         p *= Poly(s - root, s, extension=I)
     q = Poly([c.conjugate() for c in p.all_coeffs()], s, extension=I)
-    asked = exact.polynomial("((s + 0.5)**2 + 0.01)*((s + 1)**2 + 0.25)*((s + 2)**2 + 1)")
+    requested = exact.polynomial("((s + 0.5)**2 + 0.01)*((s + 1)**2 + 0.25)*((s + 2)**2 + 1)")
     product = [c.expand() for c in (p * q).all_coeffs()]
-    yield "it is p times the conjugate of p, of degree 3 each", product == asked.all_coeffs()
-    yield "it has no real root", exact.roots.number_of_real_roots(asked) == 0
+    yield "it is p times the conjugate of p, of degree 3 each", product == requested.all_coeffs()
+    yield "it has no real root", exact.roots.number_of_real_roots(requested) == 0

@@ -33,8 +33,8 @@ def singular_hessian() -> Facts:
     """A(k) of (8.53) for H~ = [H_1 H_2], R = 1, eta = 0, and for H~ = H_2."""
     H = np.array([[1.2, 0.6]])
     yield "H~'H~ has rank 1 and order 2", np.linalg.matrix_rank(H.T @ H) == 1
-    held = np.linalg.pinv(H) @ H @ np.array([1.0, 1.0])
-    yield "its pseudoinverse moves u* off u where z = 0", bool(np.abs(held - 1).max() > 0.1)
+    projected = np.linalg.pinv(H) @ H @ np.array([1.0, 1.0])
+    yield "its pseudoinverse moves u* off u where z = 0", bool(np.abs(projected - 1).max() > 0.1)
     yield "H_2 alone is regular", H[0, 1] ** 2 > 0
 
 
@@ -74,12 +74,12 @@ _E, _C = np.array([1.0, 0.0]), np.array([0.0, 1.0])  # y_0 = x_1 and y = x_2
 
 def _responses(w: np.ndarray, kappa: float, noise: np.ndarray | None = None) -> np.ndarray:
     """The velocity y of the stiffness kappa, driven by y_0 with `noise` added to it."""
-    x, found = np.array([0.1, 0.01]), []
+    x, outputs = np.array([0.1, 0.01]), []
     for k, now in enumerate(w):
-        found.append(_C @ x)
+        outputs.append(_C @ x)
         y_0 = _E @ x + (0.0 if noise is None else noise[k])
         x = _A @ x + _B * kappa * y_0 + _D * now
-    return np.array(found)
+    return np.array(outputs)
 
 
 def model_without_the_input() -> Facts:
@@ -128,12 +128,12 @@ def stacked_residuals() -> Facts:
     """z(k) split by two choices of the retained entries, two rows of S."""
     markov, past = np.array([3.0, -2.0, 0.5]), np.array([1.0, 4.0, -1.0])
     z = float(markov @ past)
-    kept = ([0], [1])  # H~_1 holds the first Markov parameter, H~_2 the second
-    S = [z - float(markov[j] @ past[j]) for j in kept]
+    columns = ([0], [1])  # H~_1 holds the first Markov parameter, H~_2 the second
+    S = [z - float(markov[j] @ past[j]) for j in columns]
     yield "S_1 and S_2 of one k differ", abs(S[0] - S[1]) > 1
-    rows = [S[i] + float(markov[j] @ past[j]) for i, j in enumerate(kept)]
+    rows = [S[i] + float(markov[j] @ past[j]) for i, j in enumerate(columns)]
     yield "each row needs its own S_j to add up to z", np.allclose(rows, z)
-    wrong = [S[0] + float(markov[j] @ past[j]) for j in kept]
+    wrong = [S[0] + float(markov[j] @ past[j]) for j in columns]
     yield "one S for both rows does not", not np.allclose(wrong, z)
 
 

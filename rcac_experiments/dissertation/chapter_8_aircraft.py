@@ -80,8 +80,8 @@ def loop_without_command() -> Facts:
 def block_of_8_102() -> Facts:
     """The spectrum of (8.102) with A_a + B_a K - F C_a, n = 2 and an integrator."""
     loop, regulator, observer = _loop()
-    asked = np.concatenate([np.linalg.eigvals(regulator), np.linalg.eigvals(observer)])
-    off = float(np.abs(np.poly(loop) - np.poly(asked)).max())
+    requested = np.concatenate([np.linalg.eigvals(regulator), np.linalg.eigvals(observer)])
+    off = float(np.abs(np.poly(loop) - np.poly(requested)).max())
     yield "it is that of the regulator and of the observer", off < 1e-12
     yield "A + BK, of order 2, has other dimensions than F C_a", observer.shape != (2, 2)
 

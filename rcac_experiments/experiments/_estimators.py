@@ -95,10 +95,12 @@ class JointFilter(Estimation):
         """Estimate with the record of one seed."""
         record = system.record(steps, seed)
         try:
-            found = estimated_record(self.settings, record.y, record.w)
+            record_of_estimates = estimated_record(self.settings, record.y, record.w)
         except (DivergedError, IllConditionedError) as error:
             return _nothing(record.truth, error)
-        return EstimatedRun(found.x[:, -1].copy(), record.truth, found.innovation)
+        return EstimatedRun(
+            record_of_estimates.x[:, -1].copy(), record.truth, record_of_estimates.innovation
+        )
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -154,12 +156,12 @@ class Refinement(Estimation):
         """Estimate with the record of one seed."""
         record = system.record(steps, seed)
         try:
-            found = refined_record(self.model, record.w, record.y)
+            refinement = refined_record(self.model, record.w, record.y)
         except DivergedError:
             none = np.full(steps, np.nan)
             return EstimatedRun(none, record.truth, none[:, None], outcome="diverged")
-        left = float(found.evidence.kept.max())
-        return EstimatedRun(self.offset + found.theta[:, 0], record.truth, found.z, left)
+        left = float(refinement.evidence.kept.max())
+        return EstimatedRun(self.offset + refinement.theta[:, 0], record.truth, refinement.z, left)
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,8 +122,10 @@ def observer_based_compensator(
     equals : str
         The transfer function that is claimed.
     """
-    made = exact.observer_based_compensator(system.plant, regulator, observer).transfer_function
-    pair = exact.TransferFunction(made.numerator * system.feedback, made.denominator)
+    compensator = exact.observer_based_compensator(
+        system.plant, regulator, observer
+    ).transfer_function
+    pair = exact.TransferFunction(compensator.numerator * system.feedback, compensator.denominator)
     return Found(_same_pair(pair, exact.transfer_function(equals)), f"G_c = {pair}")
 
 
@@ -158,13 +160,13 @@ def placement(
     decimals : int
         To how many decimals its coefficients are rounded; exact where it is left out.
     """
-    found = exact.place_poles(system.transfer_function, poles, n_c, feedback=system.feedback)
-    claimed, words = exact.transfer_function(compensator), f"G_c = {found.compensator}"
+    placement = exact.place_poles(system.transfer_function, poles, n_c, feedback=system.feedback)
+    claimed, words = exact.transfer_function(compensator), f"G_c = {placement.compensator}"
     if decimals < 0:
-        is_claimed = _same_pair(found.compensator, claimed)
+        is_claimed = _same_pair(placement.compensator, claimed)
     else:
-        is_claimed = _rounds_to(found.compensator, claimed, decimals)
-    if not found.is_unique:
+        is_claimed = _rounds_to(placement.compensator, claimed, decimals)
+    if not placement.is_unique:
         return Found(False, f"{words}, and others")
     return Found(is_claimed, f"{words}, unique")
 
@@ -181,15 +183,17 @@ def no_unique_placement(
     n_c, numerator_degree : int
         The order, and the largest degree of N_c.
     """
-    found = exact.place_poles(
+    placement = exact.place_poles(
         system.transfer_function,
         poles,
         n_c,
         feedback=system.feedback,
         numerator_degree=numerator_degree,
     )
-    count = len(found.homogeneous)
-    return Found(not found.is_unique, f"a family with {count} free parameter{'s'[: count != 1]}")
+    count = len(placement.homogeneous)
+    return Found(
+        not placement.is_unique, f"a family with {count} free parameter{'s'[: count != 1]}"
+    )
 
 
 def observer_based(
@@ -226,9 +230,9 @@ def placed_pair_is_observer_based(system: ExactSystem, poles: Entry, answer: boo
     answer : bool
         What is claimed.
     """
-    found = exact.place_poles(system.transfer_function, poles, feedback=system.feedback)
+    placement = exact.place_poles(system.transfer_function, poles, feedback=system.feedback)
     decision = exact.observers.pair_is_observer_based(
-        system.transfer_function, found.compensator, feedback=system.feedback
+        system.transfer_function, placement.compensator, feedback=system.feedback
     )
     is_claimed = None if decision.answer is None else decision.answer is answer
     return Found(is_claimed, f"{decision.answer}: {decision.reason}")
@@ -244,13 +248,13 @@ def _same_pair(a: exact.TransferFunction, b: exact.TransferFunction) -> bool:
 
 
 def _rounds_to(
-    found: exact.TransferFunction, claimed: exact.TransferFunction, decimals: int
+    computed: exact.TransferFunction, claimed: exact.TransferFunction, decimals: int
 ) -> bool:
     """Whether every coefficient, rounded to so many decimals, is the claimed one."""
     half = Fraction(1, 2) / 10**decimals
     pairs = [
-        (found.numerator, claimed.numerator),
-        (found.denominator, claimed.denominator),
+        (computed.numerator, claimed.numerator),
+        (computed.denominator, claimed.denominator),
     ]
     for exactly, rounded in pairs:
         if exactly.degree() != rounded.degree():
@@ -396,10 +400,10 @@ class ExactCheck(Value):
     def evaluate(self, results: Mapping[str, object] | None = None) -> ExactResult:
         """Decide it; nothing that ran has a part in it."""
         try:
-            found = STATEMENTS[self.statement](self.system, **self.arguments)
+            result = STATEMENTS[self.statement](self.system, **self.arguments)
         except CompensatorError as error:
             raise type(error)(f"the statement {self.statement!r}: ", *error.args) from None
-        return ExactResult(self, found.holds, found.words)
+        return ExactResult(self, result.holds, result.words)
 
 
 @dataclass(frozen=True, eq=False)

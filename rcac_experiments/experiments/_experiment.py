@@ -124,7 +124,7 @@ class RunSpecification(Value):
     def cases(self) -> list[SimulationCase]:
         """What is simulated: one case for each seed, or for each repetition."""
         rng = np.random.default_rng([self.seed, 1])
-        made = []
+        cases = []
         for number in range(self.seeds * self.repetitions):
             seed = self.seed + number if self.seeds > 1 else self.seed
             w = exogenous(self.signals, self.steps, seed)
@@ -136,16 +136,16 @@ class RunSpecification(Value):
                     for name, value in start.items()
                 }
             options = {"stride": self.stride, "saturation": self.saturation, **start}
-            made.append(SimulationCase(self.plant, self.settings, w, options))
-        return made
+            cases.append(SimulationCase(self.plant, self.settings, w, options))
+        return cases
 
     def _start(self, seed: int) -> dict[str, Array]:
         """The initial state, where it is not zero."""
         if self.x_0 is None and not self.x_0_deviation:
             return {}
-        given = np.zeros(self.plant.n) if self.x_0 is None else self.x_0
+        x_0 = np.zeros(self.plant.n) if self.x_0 is None else self.x_0
         drawn = np.random.default_rng([seed, 2]).standard_normal(self.plant.n)
-        return {"x_0": given + self.x_0_deviation * drawn}
+        return {"x_0": x_0 + self.x_0_deviation * drawn}
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,8 +266,8 @@ class Experiment(Value):
     def main_run(self) -> RunSpecification:
         """The run that is plotted and compared in detail: the first one."""
         if not self.runs:
-            what = "estimates: no controller of it" if self.studies else "is exact: nothing"
-            raise InputError(f"{self.id or self.title!r} {what} is run.")
+            subject = "estimates: no controller of it" if self.studies else "is exact: nothing"
+            raise InputError(f"{self.id or self.title!r} {subject} is run.")
         return next(iter(self.runs.values()))
 
     def reduced(self, seeds: int = 3, *, keep_shares: bool = True) -> Experiment:
@@ -331,15 +331,19 @@ class Experiment(Value):
 
     def only(self, claims: Iterable[Claim]) -> Experiment:
         """The same experiment with these of its claims, and the runs that they need."""
-        kept = tuple(claims)
-        needed = {run for claim in kept for check in claim.checks for run in check.runs}
-        needed |= {name for claim in kept for name in (*claim.over, claim.run, claim.control)}
-        needed |= {r for c in kept for n in c.over for k in c.moved(n) for r in k.runs}
-        if any(claim.control for claim in kept):
-            needed |= {r for c in kept if c.control for k in c.moved(c.control) for r in k.runs}
+        claims_of_result = tuple(claims)
+        needed = {run for claim in claims_of_result for check in claim.checks for run in check.runs}
+        needed |= {
+            name for claim in claims_of_result for name in (*claim.over, claim.run, claim.control)
+        }
+        needed |= {r for c in claims_of_result for n in c.over for k in c.moved(n) for r in k.runs}
+        if any(claim.control for claim in claims_of_result):
+            needed |= {
+                r for c in claims_of_result if c.control for k in c.moved(c.control) for r in k.runs
+            }
         runs = {name: run for name, run in self.runs.items() if name in needed}
         studies = {name: study for name, study in self.studies.items() if name in needed}
-        return replaced(self, claims=kept, runs=runs, studies=studies)
+        return replaced(self, claims=claims_of_result, runs=runs, studies=studies)
 
     def completed(self, names: Iterable[str] | None = None) -> Experiment:
         """The same experiment with its completions, or those of these names, among its runs."""
@@ -381,8 +385,8 @@ class Verification(Result):
     def main(self) -> RunResult:
         """The result of the experiment's main run."""
         if not self.results:
-            what = "estimates: no controller" if self.estimates else "is exact: nothing"
-            raise InputError(f"{self.experiment.id or 'this'} {what} ran, or is drawn.")
+            subject = "estimates: no controller" if self.estimates else "is exact: nothing"
+            raise InputError(f"{self.experiment.id or 'this'} {subject} ran, or is drawn.")
         return next(iter(self.results.values()))
 
     @property

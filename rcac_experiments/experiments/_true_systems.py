@@ -51,8 +51,8 @@ EXCITATION.register("harmonic", Harmonic)
 EXCITATION.register("white_noise", WhiteNoise)
 
 
-def _excitation(given: Signal | None) -> Signal:
-    return WhiteNoise() if given is None else given
+def _excitation(signal: Signal | None) -> Signal:
+    return WhiteNoise() if signal is None else signal
 
 
 @attrs.frozen(eq=False, slots=False)

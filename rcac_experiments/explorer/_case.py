@@ -48,7 +48,7 @@ def case_of(
     problem = _problem(plant)
     numerator, denominator = plant.scalar_map("zu")
     _require_order(numerator, denominator)
-    told, poles, H = _target(settings)
+    known_zeros, poles, H = _target(settings)
     sign = -1 if problem == "servo" else 1
     gain = H / Rational(numerator.LC())
     _require_dials(chosen, settings)
@@ -62,7 +62,7 @@ def case_of(
         "delay": 0,
         "problem": problem,
         "poles": poles,
-        "told": told,
+        "told": known_zeros,
         "d_zu": settings.target.relative_degree - (denominator.degree() - numerator.degree()),
         "gain": str(gain),
         "n_c": settings.structure.n_c,
@@ -81,11 +81,11 @@ def scenes() -> list[dict[str, Any]]:
     import tomllib
 
     folder = resources.files("rcac_experiments.explorer").joinpath("scenes")
-    found = []
+    scenes_of_page = []
     for name in SCENES:
         text = folder.joinpath(f"{name}.toml").read_text("utf-8")
-        found.append(case_of(tomllib.loads(text), f"{name}.toml"))
-    return found
+        scenes_of_page.append(case_of(tomllib.loads(text), f"{name}.toml"))
+    return scenes_of_page
 
 
 def draws(steps: int, seeds: set[int]) -> dict[str, str]:
@@ -162,25 +162,25 @@ def _target(settings: ControllerSettings) -> tuple[list[Any], list[Any], Rationa
             f"a target model of order {exact.denominator.degree()}",
             f"it takes orders up to {LARGEST_TARGET // 2}",
         )
-    told = [zero for zero in _roots(exact.numerator) if abs(complex(*zero)) > 0]
-    inside = [zero for zero in told if abs(complex(*zero)) < 1 - 10.0**-DIGITS]
+    known_zeros = [zero for zero in _roots(exact.numerator) if abs(complex(*zero)) > 0]
+    inside = [zero for zero in known_zeros if abs(complex(*zero)) < 1 - 10.0**-DIGITS]
     if inside:
         _refuse(
             f"a target model with the zero {inside[0][0]:.6g} inside the unit circle",
             'use model = "pole placement"',
         )
-    return told, _roots(exact.denominator), Rational(exact.numerator.LC())
+    return known_zeros, _roots(exact.denominator), Rational(exact.numerator.LC())
 
 
 def _roots(polynomial: Poly) -> list[list[float]]:
     """The roots on and above the real axis, with multiplicity."""
-    found: list[list[float]] = []
+    roots: list[list[float]] = []
     for factor, times in polynomial.sqf_list()[1]:
         for root in factor.nroots(n=30, maxsteps=500):
             re, im = (round(part, DIGITS) for part in (complex(root).real, complex(root).imag))
             if im >= 0:
-                found += [[re + 0.0, im + 0.0]] * int(times)
-    return sorted(found, reverse=True)
+                roots += [[re + 0.0, im + 0.0]] * int(times)
+    return sorted(roots, reverse=True)
 
 
 def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
@@ -192,23 +192,23 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
     if not isinstance(update.R_theta, float):
         _refuse("a matrix R_theta", "use a number")
     known = UD(update.R_theta, lambda_=update.lambda_)
-    given = attrs.asdict(update, recurse=False)
+    fields = attrs.asdict(update, recurse=False)
     for name, value in attrs.asdict(known, recurse=False).items():
-        if not _same(value, given[name]):
+        if not _same(value, fields[name]):
             _refuse(f"{name} of the update", "leave it out")
     n_c = settings.structure.n_c
     if settings.structure != iir(n_c):
         same = settings.structure.name == iir(n_c).name
-        what = "another k_c" if same else f"the structure {settings.structure.name!r}"
-        _refuse(what, 'it has structure = "iir" with k_c = 1')
+        subject = "another k_c" if same else f"the structure {settings.structure.name!r}"
+        _refuse(subject, 'it has structure = "iir" with k_c = 1')
     if n_c > LARGEST_N_C:
         _refuse(f"n_c = {n_c}", f"it takes orders up to {LARGEST_N_C}")
     plain = ControllerSettings(
         structure=iir(n_c), target=settings.target, update=known, k_w=settings.k_w
     )
-    given = attrs.asdict(settings, recurse=False)
+    fields = attrs.asdict(settings, recurse=False)
     for name, value in attrs.asdict(plain, recurse=False).items():
-        if not _same(value, given[name]):
+        if not _same(value, fields[name]):
             _refuse(name, "leave it out of [controller]")
     _bound(run.saturation)
     if run.x_0 is not None or run.x_0_deviation:

@@ -44,11 +44,11 @@ def modules(orders: Iterable[int]) -> dict[str, Any]:
 
     The same compiler gives the same bytes.
     """
-    made = {n_c: module(n_c) for n_c in sorted(set(orders))}
-    packed = zlib.compress(b"".join(made.values()), 9)
+    modules_by_order = {n_c: module(n_c) for n_c in sorted(set(orders))}
+    packed = zlib.compress(b"".join(modules_by_order.values()), 9)
     return {
-        "orders": list(made),
-        "lengths": [len(code) for code in made.values()],
+        "orders": list(modules_by_order),
+        "lengths": [len(code) for code in modules_by_order.values()],
         "deflated": base64.b64encode(packed).decode(),
     }
 

@@ -72,15 +72,15 @@ def plant_and_tables(path: str | Path) -> tuple[Plant, Raw]:
     table, file = read_file(path)
     try:
         FILE.require_known(table, Place(file))
-        found = read_plant(table.get("plant", {}), Place(file, "plant")).build()
+        plant = read_plant(table.get("plant", {}), Place(file, "plant")).build()
     except CompensatorError as error:
         raise named(error, file) from None
-    if isinstance(found, PlantSchedule):
+    if isinstance(plant, PlantSchedule):
         raise InputError(
             f"{file}: the plant changes while it runs; give the one plant that the controller "
             "is to be checked with, without [[plant.changes]]."
         )
-    return found, table
+    return plant, table
 
 
 def k_w_of(table: Raw) -> int | None:
@@ -92,8 +92,8 @@ def k_w_of(table: Raw) -> int | None:
     >>> k_w_of({"controller": {"k_w": 50}})
     50
     """
-    own = table.get("controller")
-    return own.get("k_w") if isinstance(own, dict) else None
+    table_of_controller = table.get("controller")
+    return table_of_controller.get("k_w") if isinstance(table_of_controller, dict) else None
 
 
 def read_structure(
@@ -101,25 +101,27 @@ def read_structure(
     widths: tuple[int, int],
 ) -> Structure | None:  # fmt: skip
     """The structure of the options, or else of [controller]; None where neither says any."""
-    given: Raw = {}
+    defaults: Raw = {}
     place = Place("--plant", "controller")
-    own = require_table(table.get("controller", {}), place)
-    CONTROLLER.table.require_known(own, place)
+    table_of_controller = require_table(table.get("controller", {}), place)
+    CONTROLLER.table.require_known(table_of_controller, place)
     if kind is None and n_c is None:
-        given = {key: value for key, value in own.items() if key in STRUCTURE.all_keys()}
-        if not given:
+        defaults = {
+            key: value for key, value in table_of_controller.items() if key in STRUCTURE.all_keys()
+        }
+        if not defaults:
             return None
     else:
-        given["structure"] = kind or "iir"
+        defaults["structure"] = kind or "iir"
         if n_c is not None:
-            given["n_c"] = n_c
+            defaults["n_c"] = n_c
     if k_c is not None:
-        given["k_c"] = k_c
+        defaults["k_c"] = k_c
     sizes: Any = plant if plant is not None else _Sizes(*widths)
     try:
-        part = STRUCTURE.read(given, Place("the options", "controller"))
-        made: Structure = part.of(sizes)
-        return made
+        part = STRUCTURE.read(defaults, Place("the options", "controller"))
+        structure: Structure = part.of(sizes)
+        return structure
     except MissingKeyError as error:
         if error.key == "n_c" and kind is not None:
             raise InputError(f"--structure {kind} needs its order n_c: give --n-c.") from None
@@ -141,5 +143,5 @@ def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel
     if plant is None or "target" not in table:
         return None
     part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
-    made: TargetModel = part.of(plant)
-    return made
+    target: TargetModel = part.of(plant)
+    return target

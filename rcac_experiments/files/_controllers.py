@@ -215,8 +215,8 @@ def read_controllers(
     shared_u: bool = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
     base = {key: value for key, value in common.items() if key not in shared}
     parts, errors = [], Errors()
-    for number, own in enumerate(several, 1):
-        joined = ONE_OF_SEVERAL.joined(base, own)
+    for number, entry in enumerate(several, 1):
+        joined = ONE_OF_SEVERAL.joined(base, entry)
         there = place("controllers")
         run = there.notes or here.notes or place("target").notes
         there = replace(there, notes=(f"no. {number}", *run))

@@ -197,8 +197,8 @@ def _structure_lines(structure: Structure) -> list[str]:
     taps = [[tap.signal, tap.component, tap.delay] for tap in structure.taps]
     derived = []
     for signal in structure.derived:
-        own = f"now = {list(signal.now)}, before = {list(signal.before)}, pole = {signal.pole!r}"
-        derived.append(own + (f", limit = {signal.limit!r}" if np.isfinite(signal.limit) else ""))
+        line = f"now = {list(signal.now)}, before = {list(signal.before)}, pole = {signal.pole!r}"
+        derived.append(line + (f", limit = {signal.limit!r}" if np.isfinite(signal.limit) else ""))
     return [
         'structure = "taps"', f"n_c = {n_c}", f"taps = {json.dumps(taps)}",
         f"derived = [{', '.join(f'{{ {one} }}' for one in derived)}]",
@@ -243,10 +243,10 @@ def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
         values = factor * signal.samples(min(steps, SHORT if known is None else known))
         return f"{{ recorded = {_numbers(Recorded(values).samples(len(values)))} }}"
     word, first = WORDS[type(signal)]
-    own = attrs.asdict(signal, recurse=False)  # type: ignore[arg-type]
+    fields = attrs.asdict(signal, recurse=False)  # type: ignore[arg-type]
     amplitude = "amplitude" if isinstance(signal, Harmonic) else first
-    own[amplitude] *= abs(factor) if isinstance(signal, WhiteNoise) else factor
-    keys = {word: own.pop(first), **own}
+    fields[amplitude] *= abs(factor) if isinstance(signal, WhiteNoise) else factor
+    keys = {word: fields.pop(first), **fields}
     return f"{{ {', '.join(f'{key} = {value!r}' for key, value in keys.items())} }}"
 
 
@@ -284,11 +284,11 @@ def design_arguments(path: str | Path) -> DesignArguments:
     table, file = read_file(path)
     try:
         FILE.require_known(table, Place(file))
-        asked = read_plant(table.get("plant", {}), Place(file, "plant"))
-        first = asked.arguments.get("first", asked)
+        plant_of_file = read_plant(table.get("plant", {}), Place(file, "plant"))
+        first = plant_of_file.arguments.get("first", plant_of_file)
         G, period = first.arguments.get("G"), first.arguments["sample_time"]
-        plant: Any = asked.build()
-        if first is asked and not (G is None or isinstance(G, list)):
+        plant: Any = plant_of_file.build()
+        if first is plant_of_file and not (G is None or isinstance(G, list)):
             plant = G
         signals = SIGNALS.read(table.get("signals", {}), Place(file, "signals")).arguments
         limits = None
@@ -297,8 +297,8 @@ def design_arguments(path: str | Path) -> DesignArguments:
     except CompensatorError as error:
         raise named(error, file) from None
     for name in "rdv":
-        own = list(signals.get(name, []))
-        if any(not equal(one, own[0]) for one in own[1:]):
+        blocks = list(signals.get(name, []))
+        if any(not equal(one, blocks[0]) for one in blocks[1:]):
             raise InputError(
                 f"{file}: the components of [signals] {name} differ, and design gives each the "
                 "same: write one of them, the largest."

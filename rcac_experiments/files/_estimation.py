@@ -230,5 +230,5 @@ def _require_budget(studies: Mapping[str, EstimationStudy], budget: ExperimentBu
 
 
 def _words(table: Raw) -> str:
-    kept = ("truth", "w", "bias", "deviation", "steps", "seeds")
-    return ", ".join(f"{key} = {table[key]}" for key in kept if key in table)
+    fields = ("truth", "w", "bias", "deviation", "steps", "seeds")
+    return ", ".join(f"{key} = {table[key]}" for key in fields if key in table)

@@ -151,8 +151,8 @@ def servo_of_matrices(
     performance: Performance = "measured",
 ) -> Plant:  # fmt: skip
     """The servo problem (2.16)-(2.20), with w = [r; d; v] and y = z = e_n."""
-    given = {name: m for name, m in (("D_1", D_1), ("D_0", D_0)) if m is not None}
-    return servo_plant(A=A, B=B, C=C, performance=performance, **given)
+    matrices = {name: m for name, m in (("D_1", D_1), ("D_0", D_0)) if m is not None}
+    return servo_plant(A=A, B=B, C=C, performance=performance, **matrices)
 
 
 # Plants with names.
@@ -346,20 +346,20 @@ def changing(
 def read_plant(value: object, place: Place) -> Part[Plant | PlantSchedule]:
     """What [plant] says; a change takes what it does not name from what is before it."""
     table = require_table(value, place)
-    own = {key: entry for key, entry in table.items() if key != "changes"}
-    first: Part[Plant | PlantSchedule] = PLANT.table.read(own, place)
+    entries = {key: entry for key, entry in table.items() if key != "changes"}
+    first: Part[Plant | PlantSchedule] = PLANT.table.read(entries, place)
     if "changes" not in table:
         return first
     changes, errors = [], Errors()
     read = ListOf(CHANGE).read(table["changes"], place.at("changes"))
     for number, (change, entry) in enumerate(zip(read, table["changes"], strict=True), 1):
-        given = {key: value for key, value in entry.items() if key in ENTRIES}
-        if "G" in given or ("G" in own and given):
-            own = {key: value for key, value in own.items() if key not in ENTRIES}
-        own = {**own, **given}
+        matrices = {key: value for key, value in entry.items() if key in ENTRIES}
+        if "G" in matrices or ("G" in entries and matrices):
+            entries = {key: value for key, value in entries.items() if key not in ENTRIES}
+        entries = {**entries, **matrices}
         here = place.at("changes").entry(f"no. {number}").inside()
         with errors:
-            changes.append((change, PLANT.table.read(own, here)))
+            changes.append((change, PLANT.table.read(entries, here)))
     errors.raise_any()
     return Part(changing, {"first": first, "changes": tuple(changes)})
 
@@ -382,8 +382,8 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
         raise InputError(f"gain = {gain!r} is not a real number.")
     problem = plant.problem
     scaled = {name: factor * getattr(problem, name) for name in ("B", "D_0", "E_2")}
-    made = from_problem(replace(problem, **scaled), plant.blocks)
-    return replaced(made, sample_time=plant.sample_time)
+    scaled_plant = from_problem(replace(problem, **scaled), plant.blocks)
+    return replaced(scaled_plant, sample_time=plant.sample_time)
 
 
 def _require_coprime(plant: exact.TransferFunction) -> None:

@@ -56,11 +56,11 @@ def kinds_table(selector: str, kinds: Kinds[Any]) -> str:
 
 def kind_keys_table(kinds: Kinds[Any]) -> str:
     """One row for each key that kinds read, described where it is described first."""
-    found: dict[str, list[Key]] = {}
+    keys: dict[str, list[Key]] = {}
     for table in kinds.tables():
         for key in table.keys:
-            found.setdefault(key.name, []).append(key)
-    return _rows([next((k for k in keys if k.doc), keys[0]) for keys in found.values()])
+            keys.setdefault(key.name, []).append(key)
+    return _rows([next((k for k in keys if k.doc), keys[0]) for keys in keys.values()])
 
 
 def by_key_table(what: ByKey[Any]) -> str:

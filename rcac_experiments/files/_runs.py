@@ -101,8 +101,8 @@ class RunTables(Value):
         """About how many multiplications it takes; raises where it takes too much memory."""
         of_run = self.course.argument
         repetitions = of_run("repetitions") * of_run("seeds")
-        asked = [part.arguments for part in self.controller.parts]
-        structures = [one["structure"].of(plant) for one in asked if "structure" in one]
+        arguments = [part.arguments for part in self.controller.parts]
+        structures = [one["structure"].of(plant) for one in arguments if "structure" in one]
         budget.require_memory(
             self.name,
             plant,
@@ -110,7 +110,9 @@ class RunTables(Value):
             steps=of_run("steps"),
             stride=of_run("stride"),
             repetitions=repetitions,
-            window=max((int(getattr(one.get("update"), "window", 0)) for one in asked), default=0),
+            window=max(
+                (int(getattr(one.get("update"), "window", 0)) for one in arguments), default=0
+            ),
         )
         return budget.operations_of(
             structures,
@@ -126,7 +128,7 @@ class RunTables(Value):
     ) -> RunSpecification:
         """The run, its plant being made already, and perhaps what its controller builds for it."""
         controller, target = built or self.controller.build(plant)
-        made = self.course.of(
+        run = self.course.of(
             plant,
             name=self.name,
             settings=controller,
@@ -135,8 +137,8 @@ class RunTables(Value):
             target=target,
             correction=self.correction,
         )
-        require_sense(made)
-        return made
+        require_sense(run)
+        return run
 
 
 def wrong_tables(table: Raw, file: str) -> frozenset[str]:
@@ -240,8 +242,8 @@ def read_run(
 def _require_agreement(part: Part[Any], arithmetic: str | None, place: Place) -> None:
     """[run] and the controller must agree on how the update is computed."""
     update = part.arguments.get("update")
-    wanted = {"reference": "ud"}.get(arithmetic or "", arithmetic)
-    if update is not None and arithmetic is not None and update.name != wanted:
+    expected = {"reference": "ud"}.get(arithmetic or "", arithmetic)
+    if update is not None and arithmetic is not None and update.name != expected:
         raise InputError(
             f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update.name!r} "
             "contradict each other; arithmetic is how the recursive update is computed."

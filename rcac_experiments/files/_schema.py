@@ -73,8 +73,10 @@ def strict_schema(table: Table[Any]) -> Schema:
     of other kinds must not be there.
     """
     schema = table.schema()
-    own = [key.name for key in table.keys if key.is_required and not isinstance(key.form, Kinds)]
-    own += [name for name, kinds in table.kinds.items() if kinds.default is None]
+    required = [
+        key.name for key in table.keys if key.is_required and not isinstance(key.form, Kinds)
+    ]
+    required += [name for name, kinds in table.kinds.items() if kinds.default is None]
     whole = [
         _named(selector, name)
         for selector, kinds in table.kinds.items()
@@ -82,10 +84,10 @@ def strict_schema(table: Table[Any]) -> Schema:
         if kind.is_whole
     ]
     conditions: list[Schema] = []
-    if own and whole:
-        conditions.append({"if": {"not": {"anyOf": whole}}, "then": {"required": own}})
-    elif own:
-        schema["required"] = own
+    if required and whole:
+        conditions.append({"if": {"not": {"anyOf": whole}}, "then": {"required": required}})
+    elif required:
+        schema["required"] = required
     for selector, kinds in table.kinds.items():
         for name, kind in kinds.kinds.items():
             chosen = _named(selector, name, is_default=name == kinds.default)
@@ -103,18 +105,18 @@ def _named(selector: str, name: str, is_default: bool = False) -> Schema:
 
 def _then(table: Table[Any], selector: str, kinds: Kinds[Any], kind: Kind[Any]) -> Schema:
     """What must and what must not stand beside the name of a kind."""
-    own = set().union(*(variant.names for variant in kind.variants))
+    names_of_kind = set().union(*(variant.names for variant in kind.variants))
     if kind.is_whole:
-        unread = set(table.all_keys()) - own - {selector}
+        unread = set(table.all_keys()) - names_of_kind - {selector}
     else:
         others = {name for other in kinds.tables() for name in other.all_keys()}
         elsewhere = {key.name for key in table.keys}.union(
             *(t.all_keys() for s, k in table.kinds.items() if s != selector for t in k.tables())
         )
-        unread = others - own - elsewhere
+        unread = others - names_of_kind - elsewhere
     variants = []
     for variant in kind.variants:
         needed = [key.name for key in variant.table.keys if key.is_required]
-        beside = dict.fromkeys(sorted(own - variant.names), False)
+        beside = dict.fromkeys(sorted(names_of_kind - variant.names), False)
         variants.append({"required": needed, "properties": beside})
     return {"properties": dict.fromkeys(sorted(unread), False), "anyOf": variants}

@@ -134,21 +134,21 @@ def channels(
     v: OfServo = None,
 ) -> tuple[Signal, ...]:
     """The signals of each block of the exogenous input, zero where the file does not name one."""
-    given = {"w": w, "r": r, "d": d, "v": v}
-    for name, parts in given.items():
+    blocks = {"w": w, "r": r, "d": d, "v": v}
+    for name, parts in blocks.items():
         if parts is not None and name not in plant.blocks:
             raise InputError(
                 f"[signals] sets {name!r}; this plant's exogenous input has "
                 f"{', '.join(plant.blocks)}."
             )
-    found: list[Signal] = []
+    signals: list[Signal] = []
     for name, width in plant.blocks.items():
-        parts = given.get(name)
+        parts = blocks.get(name)
         parts = [Step(0.0)] * width if parts is None else parts
         if len(parts) != width:
             raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
-        found += parts
-    return tuple(found)
+        signals += parts
+    return tuple(signals)
 
 
 SIGNALS = Table(channels, given=["plant"])

@@ -74,10 +74,12 @@ def own_taps(
     n_c: Annotated[int, "Order; the longest delay where it is left out."] = -1,
 ) -> Structure:
     """A table of taps of your own."""
-    own = [Tap(*tap) for tap in taps]
-    reads_r = any(t.signal == "r" for t in own) or any(len(s.now) > plant.l_y for s in derived)
+    table_of_taps = [Tap(*tap) for tap in taps]
+    reads_r = any(t.signal == "r" for t in table_of_taps) or any(
+        len(s.now) > plant.l_y for s in derived
+    )
     l_r = commands(plant, "taps") if reads_r else 0
-    return Structure(own, plant.l_u, plant.l_y, n_c, l_r=l_r, derived=derived)
+    return Structure(table_of_taps, plant.l_u, plant.l_y, n_c, l_r=l_r, derived=derived)
 
 
 STRUCTURES: Kinds[Structure] = Kinds(

@@ -67,13 +67,13 @@ def _model(
     make: Callable[..., TargetModel],
     words: str = "",
     *,
-    given: Sequence[str] = (),
+    known: Sequence[str] = (),
     needs: Sequence[str] = (),
     **makers: Callable[..., Any],
 ) -> Table[TargetModel]:
     """The table of a function that makes a target model, for the plant as it is at step 0."""
     whole = Composed(make, words, plant=_at_first, **makers)
-    return Table(whole, given=("plant", *given), needs=needs, forms=FORMS, names=NAMES, docs=DOCS)
+    return Table(whole, given=("plant", *known), needs=needs, forms=FORMS, names=NAMES, docs=DOCS)
 
 
 def _at_first(plant: Plant | PlantSchedule) -> Plant:
@@ -109,10 +109,10 @@ def fitting(plant: Plant, target: TargetModel) -> TargetModel:
     """The target itself, if its relative degree is that of a scalar G_zu."""
     if (plant.l_z, plant.l_u) != (1, 1):
         return target
-    if target.relative_degree != (wanted := _information(plant).d_zu):
+    if target.relative_degree != (d_zu := _information(plant).d_zu):
         raise InputError(
             f"the target model G_f has relative degree {target.relative_degree}, the plant's "
-            f"G_zu has {wanted}; the intercalated transfer function always has that of G_zu "
+            f"G_zu has {d_zu}; the intercalated transfer function always has that of G_zu "
             "(4.18). Multiply G_f by a power of q."
         )
     return target
@@ -194,7 +194,7 @@ TARGETS: Kinds[Any] = Kinds(
         "filter": Kind(
             Variant(
                 _model(
-                    fitting, "Any filter, by its coefficients.", given=["exact"], target=TargetModel
+                    fitting, "Any filter, by its coefficients.", known=["exact"], target=TargetModel
                 ),
                 "numerator",
             ),

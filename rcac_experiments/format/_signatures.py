@@ -28,19 +28,19 @@ def parameters_of(make: Callable[..., Any]) -> list[Parameter]:
     is_plain_class = isinstance(make, type) and not is_attrs_class(make)
     hints = get_type_hints(make.__init__ if is_plain_class else make, include_extras=True)
     described = parameters_in(make.__doc__ or "")
-    found = []
+    parameters = []
     for name, default in _defaults_of(make):
         hint: Any = Annotated[hints.get(name, Any), described.get(name, "")]
-        found.append(Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint))
-    return found
+        parameters.append(Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint))
+    return parameters
 
 
 def _defaults_of(make: Any) -> Iterator[tuple[str, Any]]:
     if is_attrs_class(make):
         for one in attrs.fields(make):
             if one.init:
-                is_made = isinstance(one.default, attrs.Factory)  # type: ignore[arg-type]
-                default = one.default.factory() if is_made else one.default
+                is_factory = isinstance(one.default, attrs.Factory)  # type: ignore[arg-type]
+                default = one.default.factory() if is_factory else one.default
                 yield one.name, Parameter.empty if default is attrs.NOTHING else default
         return
     for name, parameter in inspect.signature(make).parameters.items():
@@ -83,7 +83,7 @@ def parameters_in(doc: str) -> dict[str, str]:
     ... ''')
     {'a': 'Two numbers.', 'b': 'Two numbers.'}
     """
-    said: dict[str, str] = {}
+    descriptions: dict[str, str] = {}
     names: list[str] = []
     is_inside = False
     lines = inspect.cleandoc(doc).splitlines()
@@ -94,12 +94,12 @@ def parameters_in(doc: str) -> dict[str, str]:
             continue
         elif line.startswith(" "):
             for name in names:
-                said[name] = f"{said[name]} {line.strip()}".strip()
+                descriptions[name] = f"{descriptions[name]} {line.strip()}".strip()
         else:
             names = [name.strip() for name in line.partition(" : ")[0].split(",")]
             for name in names:  # a name may be described in two entries
-                said.setdefault(name, "")
-    return said
+                descriptions.setdefault(name, "")
+    return descriptions
 
 
 class Composed(Generic[T]):
@@ -139,11 +139,11 @@ class Composed(Generic[T]):
     @cached_property
     def parameters(self) -> list[Parameter]:
         """What it asks for."""
-        asked: dict[str, Parameter] = {}
+        parameters: dict[str, Parameter] = {}
         for one in parameters_of(self.make):
             for inner in self.parts[one.name].parameters if one.name in self.parts else [one]:
-                asked.setdefault(inner.name, inner)
-        return sorted(asked.values(), key=lambda one: one.default is not one.empty)
+                parameters.setdefault(inner.name, inner)
+        return sorted(parameters.values(), key=lambda one: one.default is not one.empty)
 
     @cached_property
     def __signature__(self) -> inspect.Signature:
@@ -157,11 +157,11 @@ class Composed(Generic[T]):
 
     def __call__(self, **values: Any) -> T:
         """Make it of what stands in the signature."""
-        asked, required = self._asked
-        if not required <= values.keys() <= asked:
+        names_of_part, required = self._asked
+        if not required <= values.keys() <= names_of_part:
             self.__signature__.bind(**values)  # says which is missing or unknown
-        given = {name: values[name] for name in self.names if name in values}
+        arguments = {name: values[name] for name in self.names if name in values}
         for name, part in self.parts.items():
             known = part._asked[0]
-            given[name] = part(**{key: value for key, value in values.items() if key in known})
-        return self.make(**given)
+            arguments[name] = part(**{key: value for key, value in values.items() if key in known})
+        return self.make(**arguments)

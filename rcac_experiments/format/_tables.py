@@ -259,8 +259,8 @@ class Table(Form, Generic[T]):
         if self.is_later:
             return Part(self.make, values)
         try:
-            made: Any = self.make(**values)
-            return made.made() if isinstance(made, Shorthand) else made
+            result: Any = self.make(**values)
+            return result.made() if isinstance(result, Shorthand) else result
         except CompensatorError as error:
             where = (f"{here.where}: ",) if here.table else ()
             raise type(error)(f"{here.file}: ", *where, *error.args).of(here.file) from None
@@ -279,13 +279,13 @@ class Table(Form, Generic[T]):
     def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], here: Place) -> None:
         """Refuse keys that other kinds than the chosen ones read."""
         errors = Errors()
-        known, own = self.all_keys(), {key.name for key in self.keys}
+        known, names_of_keys = self.all_keys(), {key.name for key in self.keys}
         beside = {} if self.elsewhere is None else self.elsewhere[0].all_keys()
-        allowed = own.union(*(kind.variant(table).names for kind in chosen.values()))
+        allowed = names_of_keys.union(*(kind.variant(table).names for kind in chosen.values()))
         for name in table:
             if name in beside and self.elsewhere is not None:
-                said = f"{here.where} sets {name!r}, which {self.elsewhere[1]}."
-                errors.add(here.error(said))
+                message = f"{here.where} sets {name!r}, which {self.elsewhere[1]}."
+                errors.add(here.error(message))
             elif name not in allowed and name in known:
                 selector = next(s for s, kinds in self.kinds.items() if kinds.has(name))
                 errors.add(chosen[selector].unread(name, selector, table, here))
@@ -332,29 +332,29 @@ class Kind(Generic[T]):
     def read_beside(self, table: Raw, here: Place, is_known: bool = True) -> Any:
         """The keys of this kind out of the table that it is spread over."""
         variant = self.variant(table)
-        own = {key: value for key, value in table.items() if key in variant.names}
+        entries = {key: value for key, value in table.items() if key in variant.names}
         if not is_known:  # a key that seems to be missing may be the one that is misspelt
             for key in variant.table.keys:
-                if key.is_required and key.name not in own:
+                if key.is_required and key.name not in entries:
                     return None
         required = [key.name for key in variant.table.keys if key.is_required]
         markers = [] if variant.marker else [one.marker for one in self.variants if one.marker]
-        if markers and required and not set(required) & set(own):
+        if markers and required and not set(required) & set(entries):
             raise here.error(
                 f"{here.where} needs the key {' or '.join(map(repr, markers))}, "
                 f"or instead {', '.join(required)}."
             )
-        return variant.table.read(own, here)
+        return variant.table.read(entries, here)
 
     def read_whole(self, selector: str, table: Raw, here: Place) -> Any:
         """The whole table, without the key that chose this kind."""
-        own = {key: value for key, value in table.items() if key != selector}
+        entries = {key: value for key, value in table.items() if key != selector}
         errors = Errors()
-        for name in own:
-            if name not in self.variant(own).names:
-                errors.add(self.unread(name, selector, own, here))
+        for name in entries:
+            if name not in self.variant(entries).names:
+                errors.add(self.unread(name, selector, entries, here))
         errors.raise_any()
-        return self.variant(own).table.read(own, here)
+        return self.variant(entries).table.read(entries, here)
 
     def unread(self, name: str, selector: str, table: Raw, here: Place) -> InputError:
         """That a key is not read by this kind, and which ones are."""
@@ -507,22 +507,25 @@ class Deferred(Form):
         Where `override` names another kind, keys that only the old kind reads are left out: they
         would mean nothing to the new one.
         """
-        kept = dict(base)
+        joined = dict(base)
         for selector, kinds in self.table.kinds.items():
             kind = kinds.kinds.get(str(override.get(selector)))
             if kind is None or override[selector] == base.get(selector, kinds.default):
                 if selector in override and self.is_replaced:
-                    kept = {}
+                    joined = {}
                 continue
             read = {name for variant in kind.variants for name in variant.names}
-            own = {key.name for key in self.table.keys}
-            kept = {
+            names_of_keys = {key.name for key in self.table.keys}
+            joined = {
                 name: value
-                for name, value in kept.items()
+                for name, value in joined.items()
                 if not self.is_replaced
-                and (name in read or not (kind.is_whole or (kinds.has(name) and name not in own)))
+                and (
+                    name in read
+                    or not (kind.is_whole or (kinds.has(name) and name not in names_of_keys))
+                )
             }
-        return merged(kept, override)
+        return merged(joined, override)
 
 
 def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, Any]:

@@ -260,14 +260,14 @@ class Verdict(Value):
         """A key of `VERDICTS`, of a claim of ours its outcome; computed, never typed in."""
         if not self.claim.quote:
             return self.outcome
-        found = set(self.outcomes.values())
-        if found == {HOLDS}:
+        verdicts = set(self.outcomes.values())
+        if verdicts == {HOLDS}:
             return MISPRINT if self.claim.misprint else REPRODUCED
-        if HOLDS in found:
+        if HOLDS in verdicts:
             return DEPENDS
         if self.control and outcome_of(self.control) != HOLDS:
             return UNDETERMINED  # checks that succeed nowhere show nothing
-        return NOT_REPRODUCED if found == {FAILS} else UNDETERMINED
+        return NOT_REPRODUCED if verdicts == {FAILS} else UNDETERMINED
 
     @property
     def words(self) -> str:
@@ -288,9 +288,9 @@ class Verdict(Value):
     @property
     def changed_completions(self) -> tuple[str, ...]:
         """The completions that gave another outcome than the one of record."""
-        found = self.outcomes
+        outcomes = self.outcomes
         return tuple(
-            name for name, outcome in self.claim.over.items() if found.get(name, "") != outcome
+            name for name, outcome in self.claim.over.items() if outcomes.get(name, "") != outcome
         )
 
     @property
@@ -321,8 +321,8 @@ def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str
     others = {name: tuple(answers(claim.moved(name))) for name in claim.over if name in results}
     control = tuple(answers(claim.moved(claim.control))) if claim.control else ()
     needed = {run for check in claim.checks for run in check.runs} | {claim.control, *others}
-    own = tuple(answers(claim.checks))
-    return Verdict(claim, own, others, control, is_reduced=bool(needed & reduced))
+    words = tuple(answers(claim.checks))
+    return Verdict(claim, words, others, control, is_reduced=bool(needed & reduced))
 
 
 CONFIDENCE = 0.95
@@ -422,7 +422,7 @@ class Check(Value):
         """Measure it."""
         result = results[self.run]
         values = result.values(self.measure, self.arguments, self.until)
-        silence = result.silence(self.measure)
+        reason = result.silence(self.measure)
         if self.relative_to:
             other = results[self.relative_to]
             divisors = other.values(self.measure, self.arguments, self.until)
@@ -430,10 +430,10 @@ class Check(Value):
                 values = tuple(
                     float(np.divide(a, b)) for a, b in zip(values, divisors, strict=True)
                 )
-            silence = silence or other.silence(self.measure)
-        if not silence and not result.may_end and np.isnan(values).all():
-            silence = "the run ended before there was anything to measure"
-        return CheckResult(self, values, result.over_seeds, silence)
+            reason = reason or other.silence(self.measure)
+        if not reason and not result.may_end and np.isnan(values).all():
+            reason = "the run ended before there was anything to measure"
+        return CheckResult(self, values, result.over_seeds, reason)
 
 
 @dataclass(frozen=True, eq=False)
@@ -478,8 +478,8 @@ class CheckResult(Value):
         """The interval of the share of draws that lie in it, at 95 %, Clopper and Pearson's."""
         from scipy.stats import binomtest  # a third of a second, paid only for many draws
 
-        found = binomtest(self.inside, len(self.values)).proportion_ci(CONFIDENCE)
-        return float(found.low), float(found.high)
+        interval = binomtest(self.inside, len(self.values)).proportion_ci(CONFIDENCE)
+        return float(interval.low), float(interval.high)
 
     def __str__(self) -> str:
         name = self.check.measure.replace("_", " ")
@@ -498,8 +498,8 @@ class CheckResult(Value):
             if self.over_seeds and self.check.statistic == "each":
                 low, high = self.proportion
                 value += f", a share between {low:.2f} and {high:.2f}"
-        silence = f" (no answer: {self.silence})" if self.silence else ""
-        return f"{name}{step}{ratio} ({self.check.run}): {value}{silence}"
+        reason = f" (no answer: {self.silence})" if self.silence else ""
+        return f"{name}{step}{ratio} ({self.check.run}): {value}{reason}"
 
     def _inside(self, value: float) -> bool:
         low, high = self.check.interval

@@ -164,12 +164,12 @@ def printed_plant_distance(r: LoopAnalysis, printed: str) -> float:
 def _from_latex(printed: str) -> str:
     """A fraction of LaTeX in the notation of files."""
     text = re.sub(r"\\mathbf\{([a-z])\}", "q", printed).replace(" ", "").replace("^", "**")
-    found = re.fullmatch(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", text)
-    if found is None:
+    match = re.fullmatch(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", text)
+    if match is None:
         raise InputError(f"printed = {printed!r} is no fraction of polynomials in q.")
     top, bottom = (
         re.sub(r"(?<=[\d)])(?=[q(])(?<!\*\*)", "*", part).replace("**2*(", "**2*(")
-        for part in found.groups()
+        for part in match.groups()
     )
     return f"({top})/({bottom})"
 
@@ -200,10 +200,10 @@ def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
 def _distance(run: Run, window: IdentifiedWindow) -> float:
     if window.zeros is None:
         return float("inf")
-    true, found = plant_zeros(plant_at(run.plant, window.start)), window.zeros.zeros
-    if len(true) != len(found):
+    true, identified = plant_zeros(plant_at(run.plant, window.start)), window.zeros.zeros
+    if len(true) != len(identified):
         return float("inf")
-    return float(np.abs(found[:, None] - true[None, :]).min(axis=1).max(initial=0.0))
+    return float(np.abs(identified[:, None] - true[None, :]).min(axis=1).max(initial=0.0))
 
 
 # What is so of a plant, whatever the controller does.
@@ -562,13 +562,13 @@ def stable_from(r: LoopAnalysis, start: int = 0) -> float:
     if run.outcome != "completed":
         return float("inf")
     first = -(-integer(start, "start") // run.stride)
-    found = float("inf")
+    step = float("inf")
     for row in reversed(range(first, len(run.theta))):
         k = row * run.stride
         if not frozen_loop(run.plant, run.settings.compensator_of(run.theta[row]), k).is_stable:
             break
-        found = float(k)
-    return found
+        step = float(k)
+    return step
 
 
 def _boundary(r: LoopAnalysis, kind: str) -> StabilityBoundary:

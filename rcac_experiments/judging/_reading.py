@@ -50,9 +50,9 @@ def claim_table(
     check: Table[Any], standards: Sequence[str] = (), *, runs: bool = True
 ) -> Table[Claim]:
     """The table of a claim, whose checks are of this table."""
-    given = () if standards else ("standard",)
+    standard_keys = () if standards else ("standard",)
     if not runs:
-        given = (*given, "run", "verdicts", "open", "over", "control")
+        standard_keys = (*standard_keys, "run", "verdicts", "open", "over", "control")
     verdict = Choice(RECORDS)
     forms: dict[str, Form] = {
         "checks": ListOf(check, 1),
@@ -63,7 +63,7 @@ def claim_table(
     }
     if standards:
         forms["standard"] = Choice(tuple(standards))
-    return Table(Claim, given=given, forms=forms, names={"recorded": "verdict"})
+    return Table(Claim, given=standard_keys, forms=forms, names={"recorded": "verdict"})
 
 
 def claims_of(
@@ -81,12 +81,12 @@ def claims_of(
         )
     for name in [read.run, read.control, *(read.verdicts or {})]:
         require_run(name, runs, "a claim")
-    made = []
+    claims = []
     pairs = {read.run: read.recorded} if read.verdicts is None else read.verdicts
     for run, recorded in pairs.items():
         of_run = run or (runs[0] if runs else "")
         is_of_one_run = read.open or read.over or read.control
-        made.append(
+        claims.append(
             attrs.evolve(
                 read,
                 text=text,
@@ -99,7 +99,7 @@ def claims_of(
                 standard="",
             )
         )
-    return made
+    return claims
 
 
 def _words_and_checks(
@@ -107,11 +107,11 @@ def _words_and_checks(
 ) -> tuple[str, Sequence[AnyCheck]]:
     """Its own, or those of the standard claim that it names."""
     text = read.text or read.quote
-    own = [name for name, has in (("text", read.text), ("checks", read.checks)) if has]
+    keys = [name for name, has in (("text", read.text), ("checks", read.checks)) if has]
     if read.standard:
-        if own:
+        if keys:
             raise InputError(
-                f"a claim is standard = {brief(read.standard)}, so that {' and '.join(own)} "
+                f"a claim is standard = {brief(read.standard)}, so that {' and '.join(keys)} "
                 "have no meaning; leave them out."
             )
         return standards[read.standard].text, standards[read.standard].checks
@@ -197,13 +197,13 @@ def completed_runs(
     claims: Iterable[Claim], items: Sequence[OpenItem]
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
     """The runs and the values of [[open]] that claims are judged over, each pair once."""
-    seen = set()
+    names = set()
     for claim in claims:
         runs = dict.fromkeys([claim.run, *(run for check in claim.checks for run in check.runs)])
         for values in combinations(claim.open, items) if claim.open else ():
             for run in runs:
-                if (run, values) not in seen:
-                    seen.add((run, values))
+                if (run, values) not in names:
+                    names.add((run, values))
                     yield run, values
 
 

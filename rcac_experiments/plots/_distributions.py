@@ -24,8 +24,8 @@ def draw_distribution(
     figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
 ) -> None:
     """A row for each run; what has no value is counted at its end."""
-    found = {name: _values(result, request) for name, result in results.items()}
-    draw_values(figure, found, request.measure)
+    values = {name: _values(result, request) for name, result in results.items()}
+    draw_values(figure, values, request.measure)
 
 
 def draw_study_distribution(
@@ -66,8 +66,8 @@ def draw_values(figure: Figure, found: Mapping[str, Array], measure: str) -> Non
 def _values(result: RunResult, request: FigureRequest) -> Array:
     measure = MEASURES[request.measure]
     known = inspect.signature(measure).parameters
-    given = {"noise": request.noise or None, "direct": request.direct}
-    arguments = {name: value for name, value in given.items() if name in known}
+    options = {"noise": request.noise or None, "direct": request.direct}
+    arguments = {name: value for name, value in options.items() if name in known}
     values = []
     for repetition in result.repetitions:
         try:

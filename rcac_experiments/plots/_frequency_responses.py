@@ -72,24 +72,24 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
     del request
     figure.set_figheight(max(figure.get_figheight(), 0.8 * figure.get_figwidth()))
     above, below = figure.subplots(2, 1, sharex=True)
-    wanted: list[IntercalatedMatch] = []
+    requested: list[IntercalatedMatch] = []
     words = []
     for index, (name, result) in enumerate(results.items()):
         try:
-            found = [repetition.match for repetition in _kept(result)]
+            matches = [repetition.match for repetition in _kept(result)]
         except CompensatorError as error:
             words.append(f"{name}: {label_words(shortened(str(error), 60))}")
             continue
-        match = found[0]
-        if not any(np.array_equal(match.wanted, other.wanted) for other in wanted):
-            label = "$G_f$" if not wanted else f"$G_f$ of {shortened(name, 40)}"
+        match = matches[0]
+        if not any(np.array_equal(match.wanted, other.wanted) for other in requested):
+            label = "$G_f$" if not requested else f"$G_f$ of {shortened(name, 40)}"
             above.semilogy(match.omega, _norm(match.wanted), color=WANTED, linewidth=4,
                            alpha=0.4, label=label,
-                           linestyle=DASHES[len(wanted) % len(DASHES)])  # fmt: skip
-            wanted.append(match)
+                           linestyle=DASHES[len(requested) % len(DASHES)])  # fmt: skip
+            requested.append(match)
         style = {"linewidth": 1.2, **line_style(index)}
-        _draw_band(above, match.omega, [_norm(m.reached) for m in found], name, style)
-        errors = [np.maximum(m.error, 1e-17) for m in found]
+        _draw_band(above, match.omega, [_norm(m.reached) for m in matches], name, style)
+        errors = [np.maximum(m.error, 1e-17) for m in matches]
         _draw_band(below, match.omega, errors, name, style)
     low, high = above.get_ylim()
     if 0 < low < high < 2 * low:

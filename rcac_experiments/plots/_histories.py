@@ -118,9 +118,9 @@ def _draw_band(
     last = specification.steps if request.last is None else request.last + 1
     edges = np.unique(np.linspace(request.first, last, BLOCKS + 1).astype(int))
     rows = [_largest(getattr(r.run, request.signal)[:, i], edges) for r in result.repetitions]
-    found = np.where(np.array(rows) == 0, np.nan, rows)
-    count = np.isfinite(found).sum(axis=0)
-    known = found[:, count > 0]  # beyond the last step that any of them has reached is nothing
+    band = np.where(np.array(rows) == 0, np.nan, rows)
+    count = np.isfinite(band).sum(axis=0)
+    known = band[:, count > 0]  # beyond the last step that any of them has reached is nothing
     k = run.first_step + edges[:-1][count > 0]
     kind = "seeds" if specification.seeds > 1 else "repetitions"
     words = f"{shortened(name, 40)}: median and range of {len(rows)} {kind}"

@@ -29,9 +29,9 @@ def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureReq
     for (plane, moduli), (name, run) in zip(rows, runs.items(), strict=True):
         last = run.steps - 1 if request.last is None else request.last
         steps = np.unique(np.linspace(request.first, last, FROZEN).round().astype(int))
-        found = [plant_zeros(plant_at(run.plant, int(k))) for k in steps]
-        draw_zeros(plane, found)
-        draw_moduli(moduli, steps, found, "step $k$")
+        zeros = [plant_zeros(plant_at(run.plant, int(k))) for k in steps]
+        draw_zeros(plane, zeros)
+        draw_moduli(moduli, steps, zeros, "step $k$")
         if len(runs) > 1:
             moduli.set_title(shortened(name, 45), fontsize=10)
 

@@ -74,8 +74,8 @@ class Picture(Value):
         return self._attribute("viewBox")
 
     def _attribute(self, name: str) -> str:
-        found = re.match(rf'<svg\b[^>]*\b{name}="([\w .-]+)"', self.svg)
-        return found[1] if found else ""
+        match = re.match(rf'<svg\b[^>]*\b{name}="([\w .-]+)"', self.svg)
+        return match[1] if match else ""
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,8 @@ class Case(Value):
     @property
     def chapter(self) -> str:
         """What stands before the first dot of its number; empty where it has none."""
-        found = re.match(r"([1-9]|[A-B])\.\d", self.id)
-        return found[1] if found else ""
+        match = re.match(r"([1-9]|[A-B])\.\d", self.id)
+        return match[1] if match else ""
 
     def to_record(self) -> dict[str, Any]:
         """As JSON can hold it."""

@@ -16,7 +16,7 @@ WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 
 
 def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
     """The response, the coefficients, the poles and zeros, and the intercalated match."""
-    found = {
+    figures = {
         "Performance z and control u": _response(repetition),
         "Controller coefficients": _coefficients(repetition),
         "Closed-loop poles and zeros": _pole_zero(repetition),
@@ -24,8 +24,8 @@ def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
     try:
         repetition.match  # noqa: B018 asked for before anything is drawn
     except CompensatorError:
-        return found
-    return {**found, "Target model and what was reached": _match(repetition)}
+        return figures
+    return {**figures, "Target model and what was reached": _match(repetition)}
 
 
 def page_figures(verification: Verification) -> dict[str, Figure]:

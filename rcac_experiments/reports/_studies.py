@@ -30,14 +30,14 @@ def sweep_sheet(overview: SweepOverview) -> Sheet:
 
 
 def _health(overview: SweepOverview) -> tuple[Text, ...]:
-    said: list[Text] = []
+    sentences: list[Text] = []
     results = len(overview.table)
     if overview.failed:
         words = f"{overview.failed} of {overview.total} runs failed"
         how = "and are in no number below; --retry-failed (retry_failed=True) runs them again."
-        said.append(Text(f"{words} {how}", "bad"))
+        sentences.append(Text(f"{words} {how}", "bad"))
     if overview.done < overview.total:
-        said.append(
+        sentences.append(
             Text(
                 f"{overview.done} of {overview.total} runs have been run; the numbers below are "
                 "of those.",
@@ -46,15 +46,15 @@ def _health(overview: SweepOverview) -> tuple[Text, ...]:
         )
     others = results - overview.outcomes.get("completed", 0)
     if others:
-        said.append(Text(f"{others} of {results} runs did not complete.", "warning"))
+        sentences.append(Text(f"{others} of {results} runs did not complete.", "warning"))
     elif results and not overview.failed:
-        said.append(Text(f"All {results} runs completed.", "good"))
+        sentences.append(Text(f"All {results} runs completed.", "good"))
     if noted := sum(overview.errors.values()):
-        said.append(Text(f"{noted} runs have an error recorded.", "bad"))
+        sentences.append(Text(f"{noted} runs have an error recorded.", "bad"))
     if overview.mixed:
         words = f"Not all runs were made with the same: {'; '.join(overview.mixed)}."
-        said.append(Text(words, "warning"))
-    return tuple(said)
+        sentences.append(Text(words, "warning"))
+    return tuple(sentences)
 
 
 def _study(overview: SweepOverview) -> Section:
@@ -168,15 +168,15 @@ def _value(value: Any) -> str:
 def replay_sheet(replayed: ReplayedRun) -> Sheet:
     """Whether every bit came out again, and what the run is."""
     run = replayed.analysed.run
-    said = [Text("Bit for bit the run that is stored.", "good")]
+    sentences = [Text("Bit for bit the run that is stored.", "good")]
     if not replayed.is_identical:
-        said = [Text(f"Not the run that is stored: {', '.join(replayed.differences)}.", "bad")]
-        said += [
+        sentences = [Text(f"Not the run that is stored: {', '.join(replayed.differences)}.", "bad")]
+        sentences += [
             Text(f"{name} was {then} and is {now}.", "warning")
             for name, (then, now) in replayed.differing_versions.items()
         ]
     health = loop_health(replayed.analysed)
-    said += health_lines(health)
+    sentences += health_lines(health)
     facts: list[Block] = [
         *(Fact(name, shortened(str(v), 80)) for name, v in replayed.coordinates.items()),
         Fact("repetition", str(replayed.repetition)),
@@ -205,7 +205,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
     }
     return Sheet(
         f"Run {replayed.number}",
-        health=tuple(said),
+        health=tuple(sentences),
         sections=(Section("", tuple(facts), record),),
     )
 
@@ -220,14 +220,17 @@ MOST_FAULTS = 20  # that a reader looks through
 def store_sheet(check: StoreCheck) -> Sheet:
     """Whether a store is whole, and what is wrong with it."""
     lost = sum(last - first + 1 for first, last in check.damaged)
-    said = [Text("Everything in it is what was stored.", "good")]
+    sentences = [Text("Everything in it is what was stored.", "good")]
     if not check.total:
-        said = [Text("No study was stored in it yet, and nothing is damaged. If a sweep into it "
+        sentences = [Text("No study was stored in it yet, and nothing is damaged. If a sweep "
+                          "into it "
                      "was killed at its beginning, give the same `rcac sweep` again.",
                      "warning")]  # fmt: skip
     if not check.is_whole:
-        said = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
-        said.append(Text("What is damaged is computed again by the same `rcac sweep`.", "warning"))
+        sentences = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
+        sentences.append(
+            Text("What is damaged is computed again by the same `rcac sweep`.", "warning")
+        )
     blocks: list[Block] = [
         Fact("runs stored and right", f"{check.done} of {check.total}"),
         Fact("of them failed", str(check.failed)),
@@ -244,4 +247,6 @@ def store_sheet(check: StoreCheck) -> Sheet:
         "damaged": [list(runs) for runs in check.damaged],
         "faults": list(check.faults),
     }
-    return Sheet(check.path, health=tuple(said), sections=(Section("", tuple(blocks), record),))
+    return Sheet(
+        check.path, health=tuple(sentences), sections=(Section("", tuple(blocks), record),)
+    )

@@ -30,7 +30,7 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
          "stable": list(one.beside.stable), "knobs": asdict(one.knobs) if one.knobs else None}
         for one in ranked
     ]  # fmt: skip
-    tried = Section(
+    candidates = Section(
         "What was tried",
         (SheetTable(head, rows), Text("On the plants at the corners of the uncertainty.")),
         {"candidates": record, "chosen": tuned.chosen.name},
@@ -38,16 +38,16 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
     verdict, *rest = sheet.health
     return replace(
         sheet, title="A tuned controller", health=(verdict, Text(words), *rest),
-        sections=(*sheet.sections, tried),
+        sections=(*sheet.sections, candidates),
     )  # fmt: skip
 
 
 def _candidate(one: Candidate) -> tuple[str, ...]:
     (k, n), knobs = one.beside.stable, one.knobs
-    found = (one.name, str(one.rounds), f"{one.beside.ratio:.3g}", f"{n - k} of {n}",
+    row = (one.name, str(one.rounds), f"{one.beside.ratio:.3g}", f"{n - k} of {n}",
              f"{one.Ms:.3g}")  # fmt: skip
     if knobs is None:
-        return *found, "", "", "", "", ""
+        return *row, "", "", "", "", ""
     samples = "as it is" if knobs.samples is None else f"{knobs.samples:.3g}"
-    return (*found, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
+    return (*row, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
             f"{knobs.forgetting:.6g}")  # fmt: skip

@@ -57,12 +57,12 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     if health is None:
         return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
     main = verification.main
-    said: list[Text] = []
+    sentences: list[Text] = []
     poles: tuple[Text, ...] = ()
     if main.diverged:
         words = ", as it is known to" if main.as_expected else ""
         last = main.first.run.steps - 1
-        said.append(
+        sentences.append(
             Text(
                 f"The loop diverged after step {last}{words}; the controller below is that of "
                 "that step.",
@@ -72,13 +72,13 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     elif not main.first.obstacle and not health.is_held:
         poles = missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
-    said += poles_and_health(poles, [first])
-    said += _changed(verification)
-    said += [
+    sentences += poles_and_health(poles, [first])
+    sentences += _changed(verification)
+    sentences += [
         Text(f"Run {name!r} did not end as it is known to.", "bad")
         for name in verification.surprising
     ]
-    return (*said, *rest)
+    return (*sentences, *rest)
 
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:
@@ -149,13 +149,15 @@ def _words_of(v: Verdict, beside_quotes: bool) -> list[Text]:
     claim = v.claim
     if claim.whose == OURS:
         return [Text(claim.text), *([Text("a question of ours", "quiet")] if beside_quotes else [])]
-    said = [Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")]
-    said.append(Text(claim.place, "quiet"))
+    sentences = [
+        Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")
+    ]
+    sentences.append(Text(claim.place, "quiet"))
     if claim.reading:
-        said.append(Text(f"read as: {claim.reading}", "quiet"))
+        sentences.append(Text(f"read as: {claim.reading}", "quiet"))
     if claim.text != claim.quote:
-        said.append(Text(f"checked: {claim.text}", "quiet"))
-    return said
+        sentences.append(Text(f"checked: {claim.text}", "quiet"))
+    return sentences
 
 
 def _open_words(item: OpenItem) -> str:
@@ -193,12 +195,12 @@ def map_lines(verdict: Verdict) -> list[str]:
     lines = []
     if len(outcomes) > 1:
         for outcome in dict.fromkeys(outcomes.values()):
-            names = [name for name, found in outcomes.items() if found == outcome]
-            told = "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} of them"
-            lines.append(f"{outcome}, of {len(outcomes)} completions: {told}")
+            names = [name for name, result in outcomes.items() if result == outcome]
+            text = "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} of them"
+            lines.append(f"{outcome}, of {len(outcomes)} completions: {text}")
     if verdict.control:
-        found = outcome_of(verdict.control)
-        lines.append(f"control, run {verdict.claim.control}: {found}")
+        control = outcome_of(verdict.control)
+        lines.append(f"control, run {verdict.claim.control}: {control}")
     return lines
 
 
@@ -261,14 +263,14 @@ def estimation_health(verification: Verification) -> tuple[Text, ...]:
     """Whether every estimate came from data that determine it."""
     results = verification.estimates
     undetermined = [name for name, result in results.items() if _left(result) > 0.5]
-    said = [
+    sentences = [
         Text(f"Run {name!r}: the data do not determine the parameter.", "warning")
         for name in undetermined
     ]
-    if not said:
-        said = [Text("Estimates of a parameter whose true value is known.")]
-    said += _changed(verification)
-    return tuple(said)
+    if not sentences:
+        sentences = [Text("Estimates of a parameter whose true value is known.")]
+    sentences += _changed(verification)
+    return tuple(sentences)
 
 
 def estimation_section(verification: Verification) -> Section:

@@ -70,9 +70,9 @@ def exact_agreement(
     coefficients, poles = 0.0, 0.0
     for solution, factor in ((regulator, exact.regulator), (estimator, exact.estimator)):
         centre = factor.enclosure.centre
-        wanted = np.array([float(c) for c in centre.all_coeffs()])
+        target = np.array([float(c) for c in centre.all_coeffs()])
         reached = _characteristic_polynomial(solution)
-        gap = np.abs(reached - wanted).max() / np.abs(wanted).max()
+        gap = np.abs(reached - target).max() / np.abs(target).max()
         coefficients = max(coefficients, float(gap))
         poles = max(poles, _pole_distance(centre, solution.poles))
     return ExactAgreement(exact, "", coefficients, poles)

@@ -49,14 +49,14 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
             "and delay have no single margin. Change the gain of the loop a little, or ask "
             "compensator_theory.stability_margins, whose is_all_pass says so."
         )
-    found = _frequencies(excess, omega)
+    frequencies = _frequencies(excess, omega)
 
     def gap(z: ComplexArray) -> tuple[Array, Array]:
         L = loop.at(z)
         # log abs(L) and its slope along the circle, whatever the size of L nearby
         return np.log(np.abs(L)), np.real(loop.slope(z) / L * 1j * z)
 
-    return _crossovers(loop, found, gap, lambda L: np.log(np.abs(L)))
+    return _crossovers(loop, frequencies, gap, lambda L: np.log(np.abs(L)))
 
 
 def phase_crossovers(loop: OpenedLoop) -> Array:
@@ -125,11 +125,13 @@ def _crossovers(loop: OpenedLoop, roots: Array, gap: Gap, value_of: ValueOf) -> 
     roots = roots[_rounding(loop, roots) < 1e-6]  # where it is more, only changes of sign count
     changes = _changes_of_sign(loop, value_of)
     tolerance = np.clip(_rounding(loop, changes), REACHED, REACHED_AT_WORST)
-    found = np.sort(
+    crossings = np.sort(
         np.concatenate([_polished(roots, gap, REACHED), _polished(changes, gap, tolerance)])
     )
-    is_new = np.diff(found, prepend=-1.0) > 1e-12 + 1e-9 * np.minimum(found, np.pi - found)
-    return np.asarray(found[is_new])
+    is_new = np.diff(crossings, prepend=-1.0) > 1e-12 + 1e-9 * np.minimum(
+        crossings, np.pi - crossings
+    )
+    return np.asarray(crossings[is_new])
 
 
 def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
@@ -145,8 +147,8 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     omega = np.unique(points[(points > 0) & (points < np.pi)])
     with np.errstate(all="ignore"):
         value = value_of(loop.at(np.exp(1j * omega)))
-        told = _told_from_rounding(omega, value, lambda points: _rounding(loop, points))
-        omega, value = omega[told], value[told]
+        decided = _told_from_rounding(omega, value, lambda points: _rounding(loop, points))
+        omega, value = omega[decided], value[decided]
         changes = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
         low, high, below = omega[changes], omega[changes + 1], np.sign(value[changes])
         for _ in range(24 if len(changes) else 0):
@@ -164,20 +166,20 @@ def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], 
     edges = [0, *(1 + np.flatnonzero(np.sign(value[1:]) != np.sign(value[:-1]))), len(value)]
     runs = [np.arange(low, high) for low, high in pairwise(edges) if high > low]
     waiting = [ends for run in runs for ends in (run, run[::-1])]
-    found = []
+    unresolved = []
     for width in (1, 8, len(value)):
         if not waiting:
             break
-        tried = np.unique(np.concatenate([run[:width] for run in waiting]))
-        told = tried[np.abs(value[tried]) > rounding(omega[tried])]
-        firsts = [run[:width][np.isin(run[:width], told)] for run in waiting]
-        found += [first[0] for first in firsts if len(first)]
+        indices = np.unique(np.concatenate([run[:width] for run in waiting]))
+        resolved = indices[np.abs(value[indices]) > rounding(omega[indices])]
+        firsts = [run[:width][np.isin(run[:width], resolved)] for run in waiting]
+        unresolved += [first[0] for first in firsts if len(first)]
         waiting = [
             run[width:]
             for run, first in zip(waiting, firsts, strict=True)
             if not len(first) and len(run) > width
         ]
-    return np.unique(np.array(found, dtype=np.intp))
+    return np.unique(np.array(unresolved, dtype=np.intp))
 
 
 def _polished(omega: Array, gap: Gap, tolerance: Array | float) -> Array:
@@ -291,12 +293,12 @@ def gain_boundary(loop: OpenedLoop, crossovers: Array, *, up: bool) -> Stability
         following = pairs[i + 1][0] if i + 1 < len(pairs) else (2 * k if up else k / 2)
         beside = (k - 1) * BESIDE
         after = k + (beside if abs(beside) < abs(following - k) / 2 else (following - k) / 2)
-        found = StabilityBoundary(
+        boundary = StabilityBoundary(
             k, omega, loop.radius(k - beside), loop.radius(k), loop.radius(after)
         )
-        touches = abs(found.radius_at - 1) <= 1e-9
-        if found.radius_after >= 1 or touches:
-            return found
+        touches = abs(boundary.radius_at - 1) <= 1e-9
+        if boundary.radius_after >= 1 or touches:
+            return boundary
         previous = k  # a crossing that rounding made up
     end = previous * FAR if up else 0.0
     if loop.radius(end) > 1 if up else np.abs(_open_poles(loop)[0]).max(initial=0.0) > 1 + 1e-10:
@@ -399,9 +401,9 @@ def delay_boundary(loop: OpenedLoop, crossovers: Array) -> StabilityBoundary:
     delays = (lag_at(loop, moving)[:, None] + turns) / moving[:, None]
     in_that_step = np.argwhere((delays > steps - 1) & (delays <= steps))
     for delay, omega in sorted((delays[i, j], moving[i]) for i, j in in_that_step):
-        found = _crossing(loop, float(delay), float(omega))
-        if found.radius_before < 1:
-            return found
+        crossing = _crossing(loop, float(delay), float(omega))
+        if crossing.radius_before < 1:
+            return crossing
     poles = loop.delayed(steps).closed_poles()
     omega = abs(float(np.angle(poles[np.argmax(np.abs(poles))])))
     return StabilityBoundary(float(steps), omega, before, radius, radius, jumps=True)

@@ -86,9 +86,13 @@ class Margins(Result):
     @property
     def worst_gap(self) -> float:
         """Largest distance from 1 of the pole radius at a margin: how well they are verified."""
-        found = (self.gain_up, self.gain_down, self.phase, self.delay)
+        margins = (self.gain_up, self.gain_down, self.phase, self.delay)
         return max(
-            (abs(b.radius_at - 1) for b in found if b is not None and b.is_reached and not b.jumps),
+            (
+                abs(b.radius_at - 1)
+                for b in margins
+                if b is not None and b.is_reached and not b.jumps
+            ),
             default=0.0,
         )
 

@@ -116,7 +116,7 @@ class ClosedLoop(Value):
         if plant.l_z != 1:
             raise InputError(f"zeros to one z at a time; the plant has l_z = {plant.l_z}.")
         A, B, C, D = self.matrices
-        found, order = {}, len(A)
+        zeros, order = {}, len(A)
         left = np.zeros((order + 1, order + 1))
         left[:order, :order] = np.eye(order)
         for index, name in enumerate(plant.channels):
@@ -125,8 +125,8 @@ class ClosedLoop(Value):
             pencil = np.block([[A, B[:, [index]]], [C[:1], D[:1, [index]]]])
             values = eigvals(pencil, left)
             finite = np.isfinite(values) & (np.abs(values) < 1e6)  # the rest is at infinity
-            found[name] = np.asarray(values[finite], dtype=np.complex128)
-        return found
+            zeros[name] = np.asarray(values[finite], dtype=np.complex128)
+        return zeros
 
     @property
     def spectral_radius(self) -> float:

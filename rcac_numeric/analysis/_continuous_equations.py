@@ -135,9 +135,9 @@ def _require_regular(R: Array, factor: tuple[Array, Array] | None) -> None:
         raise InputError(f"R is singular: {advice}")
 
 
-def _until_good(found: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolution]:
+def _until_good(candidates: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolution]:
     """The candidates up to the first one whose residual is that of rounding."""
-    for one in found:
+    for one in candidates:
         yield one
         if one.margin > 0 and one.residual < (GOOD if len(one.A) <= MANY_STATES else GOOD_OF_MANY):
             return
@@ -201,12 +201,12 @@ def _refined(
     for _ in range(5):
         try:
             better = P + _lyapunov((A + B @ K).T, -left)
-            found = better, *_evaluated(A, B, weights, better)
+            refined = better, *_evaluated(A, B, weights, better)
         except (np.linalg.LinAlgError, ValueError):
             break
-        if not norm(found[2]) / (found[3] or 1.0) < norm(left) / (size or 1.0):
+        if not norm(refined[2]) / (refined[3] or 1.0) < norm(left) / (size or 1.0):
             break
-        P, K, left, size = found
+        P, K, left, size = refined
     S = None if factor is None else triangle(square_root_columns(P).T)
     return _answer(A, B, weights, P, K, norm(left) / size if size else 0.0, S)
 
@@ -226,18 +226,18 @@ def _in_square_roots(
 ) -> Iterator[ContinuousSolution]:
     """The solution of the discrete-time equation, at the best of some h that are tried."""
     h = 0.7 / (norm(A) or 1.0)
-    found = None
+    candidate = None
     for _ in range(5):  # h between the fastest and the slowest pole of the loop that is looked for
         try:
             better = _by_sampling(A, B, weights, factor, h)
         except (CompensatorError, np.linalg.LinAlgError):  # about the discrete-time equation
             break
-        if found is not None and not better.residual < 0.5 * found.residual:
+        if candidate is not None and not better.residual < 0.5 * candidate.residual:
             break
-        found, sizes = better, np.abs(better.poles)
+        candidate, sizes = better, np.abs(better.poles)
         h = float(np.exp(-np.mean(np.log(np.maximum(sizes, 1e-8 * sizes.max())))))
-    if found is not None:
-        yield found
+    if candidate is not None:
+        yield candidate
 
 
 def _by_sampling(
@@ -250,11 +250,11 @@ def _by_sampling(
         E_2 + h * E_1 @ inverse @ B,
     )  # fmt: skip
     squares = moved[2].T @ moved[2], moved[2].T @ moved[3], moved[3].T @ moved[3]
-    found = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
-    S = triangle(E_1) if found.P_root is None else found.P_root
-    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.K.T).T
-    P, closed, seen = found.P, A + B @ K, E_1 + E_2 @ K
-    terms = closed.T @ P, P @ closed, seen.T @ seen
+    sampled = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
+    S = triangle(E_1) if sampled.P_root is None else sampled.P_root
+    K = 2 / root * np.linalg.solve((np.eye(n) + sampled.closed_loop).T, sampled.K.T).T
+    P, closed, performance = sampled.P, A + B @ K, E_1 + E_2 @ K
+    terms = closed.T @ P, P @ closed, performance.T @ performance
     residual = norm(sum(terms[1:], terms[0])) / (sum(map(norm, terms)) or 1.0)
     return _answer(A, B, weights, P, np.asarray(K), residual, S)
 
@@ -302,8 +302,8 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
             pencil = np.vstack([inner - at * np.eye(len(A)), shown])
             least = float(np.linalg.svd(pencil, compute_uv=False)[-1])
             # Beside a fast mode a slow one is as small as rounding; its own row tells them apart.
-            own = float(np.linalg.svd(balanced_pencil(pencil), compute_uv=False)[-1])
-            if least <= 100 * len(A) * EPS * size and own <= 100 * len(A) * EPS:
+            smallest = float(np.linalg.svd(balanced_pencil(pencil), compute_uv=False)[-1])
+            if least <= 100 * len(A) * EPS * size and smallest <= 100 * len(A) * EPS:
                 raise UnitCircleError(
                     "[A - sI, B; E_1, E_2], with E_1 and E_2 the factors of the weights, has a "
                     f"zero on the imaginary axis at {words(at)} (a mode of A there that has no "
@@ -313,17 +313,17 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
                 )
 
 
-def _require_no_pole_on_axis(found: ContinuousSolution, weights: Weights) -> None:
+def _require_no_pole_on_axis(solution: ContinuousSolution, weights: Weights) -> None:
     """Refuse an eigenvalue of the Hamiltonian matrix that rounding alone moved off the axis."""
-    (Q, N, R), A, B = weights, found.A, found.B
+    (Q, N, R), A, B = weights, solution.A, solution.B
     n = len(A)
     closing = np.linalg.solve(R, np.hstack([N.T, B.T]))
     inner = A - B @ closing[:, :n]
     H = np.block([[inner, -B @ closing[:, n:]], [N @ closing[:, :n] - Q, -inner.T]])
     size = norm(H)
-    pole = found.poles[np.argmax(found.poles.real)]
+    pole = solution.poles[np.argmax(solution.poles.real)]
     # A double eigenvalue on the axis is moved off it by the root of the rounding error.
-    if found.margin <= 100 * np.sqrt(EPS) * size:
+    if solution.margin <= 100 * np.sqrt(EPS) * size:
         at = 1j * float(pole.imag)
         least = float(np.linalg.svd(H - at * np.eye(2 * n), compute_uv=False)[-1])
         if least <= 100 * n * EPS * size:

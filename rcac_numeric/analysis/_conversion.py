@@ -120,18 +120,20 @@ def converted(
 
 
 def _best(
-    parts: StateSpace, points: ComplexArray, wanted: tuple[ComplexArray, Array]
+    parts: StateSpace, points: ComplexArray, response: tuple[ComplexArray, Array]
 ) -> tuple[Compensator, ConversionCertificate] | None:
     best = None
     with np.errstate(all="ignore"):  # what overflows has no residual that is good enough
-        for (P, Q), kept in _candidates(parts):
+        for (P, Q), basis in _candidates(parts):
             if not (np.isfinite(P).all() and np.isfinite(Q).all()):
                 continue
-            residuals = _residuals((P, Q), kept.T @ parts[0] @ kept, points, wanted)
-            found = ConversionCertificate(points, *residuals, len(parts[0]) - kept.shape[1])
-            if best is None or _rank(found, P, Q) < _rank(best[1], best[0].past_u, best[0].past_y):
-                best = Compensator(P, Q), found
-            if len(parts[2]) == 1 and found.worst <= GOOD:
+            residuals = _residuals((P, Q), basis.T @ parts[0] @ basis, points, response)
+            certificate = ConversionCertificate(points, *residuals, len(parts[0]) - basis.shape[1])
+            if best is None or _rank(certificate, P, Q) < _rank(
+                best[1], best[0].past_u, best[0].past_y
+            ):
+                best = Compensator(P, Q), certificate
+            if len(parts[2]) == 1 and certificate.worst <= GOOD:
                 break  # the exact characteristic polynomial: there is no better one
     return best
 
@@ -174,10 +176,10 @@ def _response(parts: StateSpace, points: ComplexArray) -> tuple[ComplexArray, li
     pencils = points[:, None, None] * np.eye(len(A)) - A
     states = np.linalg.solve(pencils, np.broadcast_to(B, (len(points), *B.shape)))
     response = np.asarray(C @ states + D, dtype=np.complex128)
-    own = np.linalg.norm(response, axis=(1, 2))
+    scale = np.linalg.norm(response, axis=(1, 2))
     terms = np.linalg.norm(C) * np.linalg.norm(states, axis=(1, 2)) + np.linalg.norm(D)
-    scales = [np.maximum(own, 1e-6 * own.max())]
-    if own.max() <= 1e-12 * terms.max():
+    scales = [np.maximum(scale, 1e-6 * scale.max())]
+    if scale.max() <= 1e-12 * terms.max():
         scales.append(terms)
     return response, [np.where(scale > 0, scale, 1.0) for scale in scales]
 
@@ -195,8 +197,8 @@ def _residuals(
         gap = np.linalg.norm(np.linalg.solve(left, right) - response, axis=(1, 2)) / scale
     except np.linalg.LinAlgError:  # a pole where A has none
         return np.inf, np.inf
-    own = np.linalg.det(np.eye(len(A)) - A / points[:, None, None])
-    poles = np.abs(np.linalg.det(left) / own - 1)
+    determinants = np.linalg.det(np.eye(len(A)) - A / points[:, None, None])
+    poles = np.abs(np.linalg.det(left) / determinants - 1)
     if not (np.isfinite(gap).all() and np.isfinite(poles).all()):
         return np.inf, np.inf
     return float(gap.max()), float(poles.max())
@@ -241,17 +243,22 @@ def difference_equations(
     """
     for W in _readings(C):
         for tolerance in TOLERANCES:
-            F, kept, steps = deadbeat_gain(A, W.T @ C, tolerance)
+            F, basis, steps = deadbeat_gain(A, W.T @ C, tolerance)
             if not steps:
                 continue
-            own, inputs, outputs, gain = kept.T @ A @ kept, kept.T @ B, C @ kept, kept.T @ F @ W.T
+            A_kept, inputs, outputs, gain = (
+                basis.T @ A @ basis,
+                basis.T @ B,
+                C @ basis,
+                basis.T @ F @ W.T,
+            )
             row, P, Q = outputs, [], [D]
-            nilpotent = own - gain @ outputs
+            nilpotent = A_kept - gain @ outputs
             for _ in range(steps):
                 P.append(row @ gain)
                 Q.append(row @ (inputs - gain @ D))
                 row = row @ nilpotent
-            yield (np.array(P), np.array(Q)), kept
+            yield (np.array(P), np.array(Q)), basis
 
 
 def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, int]:

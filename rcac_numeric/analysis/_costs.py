@@ -178,10 +178,10 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
 
 
 def _enclosed(plant: Plant, compensator: StateSpace, inputs: NoiseInputs, radius: float) -> H2Cost:
-    found = enclosed_cost(plant, compensator, inputs)
-    if found is None:
+    cost = enclosed_cost(plant, compensator, inputs)
+    if cost is None:
         return _infinite(inputs, radius)
-    each, terms, sensitivity = found
+    each, terms, sensitivity = cost
     return _result(
         inputs, each, terms, radius,
         error_bound=NARROW, sensitivity=sensitivity, evidence="ball arithmetic",
@@ -217,10 +217,10 @@ def loop_matrices(
     K_w = np.asarray(np.linalg.solve(direct, D_c @ inputs.D_2), dtype=np.float64)
     y_x = np.hstack([plant.C, np.zeros((plant.l_y, n_c))]) + plant.D_0 @ K_x
     y_w = inputs.D_2 + plant.D_0 @ K_w
-    own = np.vstack(
+    dynamics = np.vstack(
         [np.hstack([plant.A, np.zeros((n, n_c))]), np.hstack([np.zeros((n_c, n)), A_c])]
     )
-    A = own + np.vstack([plant.B @ K_x, B_c @ y_x])
+    A = dynamics + np.vstack([plant.B @ K_x, B_c @ y_x])
     B = np.vstack([inputs.D_1 + plant.B @ K_w, B_c @ y_w]).reshape(n + n_c, l_noise)
     return A, B, (np.hstack([plant.E_1, np.zeros((plant.l_z, n_c))]), inputs.E_0), (K_x, K_w)
 
@@ -353,8 +353,8 @@ def exact_loop(
     K_w = inverse * (D_c * D_2)
     y_x = _beside(p["C"], fmpq_mat(plant.l_y, n_c)) + p["D_0"] * K_x
     y_w = D_2 + p["D_0"] * K_w
-    own = _above(_beside(p["A"], fmpq_mat(n, n_c)), _beside(fmpq_mat(n_c, n), A_c))
-    A = own + _above(p["B"] * K_x, B_c * y_x)
+    dynamics = _above(_beside(p["A"], fmpq_mat(n, n_c)), _beside(fmpq_mat(n_c, n), A_c))
+    A = dynamics + _above(p["B"] * K_x, B_c * y_x)
     B = _above(D_1 + p["B"] * K_w, B_c * y_w)
     return A, B, (
         _beside(p["E_1"], fmpq_mat(plant.l_z, n_c)), E_0, p["E_2"] * K_x, p["E_2"] * K_w

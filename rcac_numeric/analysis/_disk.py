@@ -46,11 +46,11 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
 
     def tried(at: float) -> float:
         nonlocal best, where
-        found, scaling = best_scaling(response_of(system, at))
+        peak, scaling = best_scaling(response_of(system, at))
         scalings.append(scaling)
-        if found > best:
-            best, where = found, at
-        return found
+        if peak > best:
+            best, where = peak, at
+        return peak
 
     values = [tried(float(at)) for at in omega]
     if best == 0 or not len(A):
@@ -90,11 +90,11 @@ def best_scaling(M: ComplexArray) -> tuple[float, Array]:
     best = (_largest(M, logs), logs)
     if len(M) > 1:
         for exponent in EXPONENTS:
-            found = minimize(
+            optimum = minimize(
                 _schatten(M, exponent), logs[1:], jac=True, method="BFGS",
                 options={"gtol": 1e-10, "maxiter": 100},
             )  # fmt: skip
-            logs = np.concatenate([[0.0], found.x])
+            logs = np.concatenate([[0.0], optimum.x])
             best = min(best, (_largest(M, logs), logs), key=lambda pair: pair[0])
     return best
 

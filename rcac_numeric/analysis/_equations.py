@@ -47,7 +47,7 @@ def stabilising_solution(
         if factor is not None:  # look all around the circle for the reason
             around = np.exp(1j * np.linspace(0, np.pi, 64))
             require_no_zero_on_circle(A, B, *factor, near=around, role=role)
-        found = "none" if best is None else repr(best)
+        residual = "none" if best is None else repr(best)
         advice = (
             "The full weight is not positive semidefinite, so that there may be none."
             if factor is None
@@ -56,7 +56,7 @@ def stabilising_solution(
         )
         raise NoSolutionError(
             f"no stabilising solution of the Riccati equation of {role.map} was found in float64 "
-            f"(the best: {found}). {advice}"
+            f"(the best: {residual}). {advice}"
         )
     if factor is not None and best.margin < CLOSE:
         close = best.poles[np.abs(np.abs(best.poles) - 1) < CLOSE]
@@ -70,16 +70,16 @@ def _best(A: Array, B: Array, weights: tuple[Array, Array, Array]) -> Stabilisin
     Where P is zero or nearly, as for a square G_zu whose zeros are all inside the unit circle,
     SciPy holds rounding noise against itself and refuses. P + cI is not small.
     """
-    found = []
+    candidates = []
     for balanced, shifted in ((True, False), (False, False), (True, True), (False, True)):
         try:
             P = _from_scipy(A, B, weights, balanced=balanced, shifted=shifted)
-            found.append(_refined(_evaluated(A, B, weights, P)))
+            candidates.append(_refined(_evaluated(A, B, weights, P)))
         except (np.linalg.LinAlgError, ValueError):
             continue
-        if found[-1].margin > 0 and found[-1].residual < 1e-13:
+        if candidates[-1].margin > 0 and candidates[-1].residual < 1e-13:
             break
-    return min(found, key=lambda s: (not s.margin > 0, s.residual), default=None)
+    return min(candidates, key=lambda s: (not s.margin > 0, s.residual), default=None)
 
 
 def _in_square_roots(
@@ -96,11 +96,11 @@ def _in_square_roots(
     for K in starts:
         try:
             gain, S = kleinman(A, B, *factor, K)
-            found = _with_gain(A, B, weights, S.T @ S, gain, S)
+            solution = _with_gain(A, B, weights, S.T @ S, gain, S)
             # The factor is a product of tens of orthogonal matrices; P can be better than S'S.
-            P = found.P + stein_solution(found.closed_loop.T, _left_over(found)[0])
+            P = solution.P + stein_solution(solution.closed_loop.T, _left_over(solution)[0])
             refined = _with_gain(A, B, weights, P, gain, S)
-            return refined if refined.residual < found.residual else found
+            return refined if refined.residual < solution.residual else solution
         except (np.linalg.LinAlgError, ValueError):
             continue
     return best

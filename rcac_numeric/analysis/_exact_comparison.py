@@ -111,7 +111,9 @@ class ExactComparison(Result):
         is G_f; where no exact prediction is known, also the poles of G_f with the loop's own
         others, those next to 0 at 0. A simple pole at p that is off by d makes d/(1 - abs(p)).
         """
-        return min(_relative_change(own, wanted) for own, wanted in self._candidates())
+        return min(
+            _relative_change(reached, requested) for reached, requested in self._candidates()
+        )
 
     @property
     def is_reached(self) -> bool:
@@ -158,14 +160,14 @@ class ExactComparison(Result):
             return None
         roots = exact.certified_roots(polynomial)
         largest = max(abs(float(c)) for c in polynomial.monic().all_coeffs())
-        found = []
+        sensitivities = []
         for root in roots:
             p, m = root.value, root.multiplicity
             rest = [(p - other.value) ** other.multiplicity for other in roots if other is not root]
             size = np.sum(np.abs(p) ** np.arange(polynomial.degree()))
             moved = (change * largest * size / abs(np.prod(rest))) ** (1 / m)
-            found.append((p, m, float(moved)))
-        multiple = [one for one in found if one[1] > 1]
+            sensitivities.append((p, m, float(moved)))
+        multiple = [one for one in sensitivities if one[1] > 1]
         return max(multiple, key=lambda one: one[2], default=None)
 
     def _candidates(self) -> Iterator[tuple[ComplexArray, ComplexArray]]:
@@ -177,20 +179,20 @@ class ExactComparison(Result):
         def values(roots: ComplexArray) -> ComplexArray:
             return np.asarray(np.prod(q[:, None] - roots[None, :], axis=1))
 
-        own = values(self.poles)
+        reached = values(self.poles)
         if self.asked is not None:
-            yield own, values(self.asked_poles)
+            yield reached, values(self.asked_poles)
         else:
             others = sorted(self.unassigned, key=abs)
             for count in range(len(others) + 1):
-                kept = np.array(others[count:], dtype=np.complex128)
-                yield own, values(self.target_poles) * values(kept) * q**count
+                assigned = np.array(others[count:], dtype=np.complex128)
+                yield reached, values(self.target_poles) * values(assigned) * q**count
         N_zu, leading = self.plant.problem.numerator("zu"), float(self.reached.LC())
         N = np.polyval(np.array(N_zu.all_coeffs(), dtype=np.float64), q) * q**self.compensator.n_c
         N_f, D_f = (np.polyval(side.ravel(), q) for side in (
             self.target.numerator, self.target.denominator
         ))  # fmt: skip
-        yield leading * own * N_f, N * D_f  # the intercalated transfer function, and G_f
+        yield leading * reached * N_f, N * D_f  # the intercalated transfer function, and G_f
 
     @property
     def spectrum_distance(self) -> float:
@@ -211,8 +213,8 @@ class ExactComparison(Result):
         if self.compensators is None:
             return float("nan")
         one, directions = self._placing(self.compensators)
-        own = np.concatenate([self.compensator.denominator, self.compensator.numerator])
-        return _distance(own - one, directions)
+        coefficients = np.concatenate([self.compensator.denominator, self.compensator.numerator])
+        return _distance(coefficients - one, directions)
 
     def can_be_placed_by(self, structure: Structure) -> bool | None:
         """Whether coefficients of this structure place `asked`; None for one not from y to u alone.
@@ -227,15 +229,15 @@ class ExactComparison(Result):
         one, directions = self._placing(self.compensators)
 
         def vector(theta: Array) -> Array:
-            made = structure.compensator(theta)
-            return np.concatenate([made.denominator, made.numerator])
+            compensator = structure.compensator(theta)
+            return np.concatenate([compensator.denominator, compensator.numerator])
 
         rest = vector(np.zeros(structure.l_theta))
         free = np.array([vector(row) - rest for row in np.eye(structure.l_theta)]).T
         gap = _distance(rest - one, np.hstack([directions, free]))
         return bool(gap <= SAME * (np.linalg.norm(rest) + np.linalg.norm(one)))
 
-    def _placing(self, found: exact.results.PolePlacement) -> tuple[Array, Array]:
+    def _placing(self, placement: exact.results.PolePlacement) -> tuple[Array, Array]:
         """(D_c, N_c) of one compensator that places `asked`, and what may be added to it."""
         length = self.compensator.n_c + 1
 
@@ -246,9 +248,9 @@ class ExactComparison(Result):
             ]
             return np.concatenate(parts)
 
-        directions = [vector(dD, dN) for dN, dD in found.homogeneous]
+        directions = [vector(dD, dN) for dN, dD in placement.homogeneous]
         shape = (len(directions), 2 * length)
-        return vector(found.denominator, found.numerator), np.reshape(directions, shape).T
+        return vector(placement.denominator, placement.numerator), np.reshape(directions, shape).T
 
 
 SAME = 1e-9
@@ -258,10 +260,10 @@ POINTS = 1000  # frequencies of the backward error, and those of the poles
 REACHED, NEAR = 0.05, 0.01
 
 
-def _relative_change(own: ComplexArray, wanted: ComplexArray) -> float:
+def _relative_change(reached: ComplexArray, requested: ComplexArray) -> float:
     with np.errstate(all="ignore"):  # a pole on the circle makes no statement there
-        change = np.abs(own - wanted) / np.maximum(np.abs(own), np.abs(wanted))
-    change[(own == 0) & (wanted == 0)] = 0.0
+        change = np.abs(reached - requested) / np.maximum(np.abs(reached), np.abs(requested))
+    change[(reached == 0) & (requested == 0)] = 0.0
     return float(change.max()) if not np.isnan(change).any() else float("inf")
 
 
@@ -284,7 +286,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
     problem = plant.problem
     N_c, D_c = exact_polynomials(compensator)
     reached = exact.closed_loop_polynomial(problem, N_c, D_c)
-    asked, placed, obstacle = None, None, ""
+    requested, placed, obstacle = None, None, ""
     try:
         if not isinstance(target.exact, exact.TransferFunction):
             raise InputError(
@@ -293,11 +295,13 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )
-        asked = exact.loops.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        requested = exact.loops.target_characteristic_polynomial(
+            problem, compensator.n_c, target.exact
+        )
         strictness = _strictness(compensator)
         placed = exact.place_poles(
             problem.transfer_function("yu"),
-            asked,
+            requested,
             compensator.n_c,
             feedback=+1,
             numerator_degree=compensator.n_c - strictness,
@@ -314,7 +318,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
         compensator=compensator,
         target=target,
         reached=reached,
-        asked=asked,
+        asked=requested,
         obstacle=obstacle,
         compensators=placed,
         poles=_roots(reached),

@@ -29,9 +29,9 @@ def stein_solution(A: Array, Q: Array) -> Array:
     """
     A, Q = np.asarray(A, dtype=np.float64), np.asarray(Q, dtype=np.float64)
     with np.errstate(all="ignore"):  # what leaves float64 ends in the residual
-        found = _doubled(A, Q)
-        if found is not None and stein_residual(A, Q, found) <= _rounding(A):
-            return found
+        solution = _doubled(A, Q)
+        if solution is not None and stein_residual(A, Q, solution) <= _rounding(A):
+            return solution
         is_finite = bool(np.isfinite(A).all() and np.isfinite(Q).all())
         radius = float(np.abs(np.linalg.eigvals(A)).max()) if is_finite else np.inf
         enclosed = _from_balls(A, Q) if radius < 1 else None
@@ -81,10 +81,13 @@ def _from_balls(A: Array, Q: Array) -> Array | None:
         return None
     state, source = rational(A), rational(Q)
     for precision in PRECISIONS:
-        found = enclosed_gramians(state, source, fmpq_mat(len(A), len(A)), precision)
-        if found is None:
+        gramians = enclosed_gramians(state, source, fmpq_mat(len(A), len(A)), precision)
+        if gramians is None:
             continue
-        entries, largest = found[0].entries(), max(float(e.abs_upper()) for e in found[0].entries())
+        entries, largest = (
+            gramians[0].entries(),
+            max(float(e.abs_upper()) for e in gramians[0].entries()),
+        )
         if all(float(entry.rad()) <= 1e-17 * largest for entry in entries):
             return np.array([float(entry.mid()) for entry in entries]).reshape(A.shape)
     return None

@@ -114,8 +114,8 @@ class LoopAnalysis(Value):
             run.compensator_at(k)  # raises where theta(k) was not kept
             row = length // run.stride
             signals = {name: getattr(run, name)[:length] for name in SIGNALS}
-            kept = {"theta": run.theta[:row], "theta_final": run.theta[row]}
-            cut = replace(run, **signals, **kept, outcome="completed", state=None, D_f=None)
+            rows = {"theta": run.theta[:row], "theta_final": run.theta[row]}
+            cut = replace(run, **signals, **rows, outcome="completed", state=None, D_f=None)
             self._earlier[k] = LoopAnalysis(cut, self.target)
         return self._earlier[k]
 
@@ -152,13 +152,13 @@ class LoopAnalysis(Value):
             if isinstance(settings, ControllerSettings):
                 scheduled = settings.target_changes.items()
                 later = [model for k, model in scheduled if k <= self.last_step]
-                made = [
+                comparisons = [
                     one.change.target
                     for one in self.run.changes
                     if one.change.target is not None and one.k <= self.last_step
                 ]
                 first = [settings.target] if settings.learning is None else []
-                targets += [*first, *later, *made][-1:]
+                targets += [*first, *later, *comparisons][-1:]
         if not targets:
             raise InputError("nothing adapts in this run, so it has no target model of its own")
         if any(other != targets[0] for other in targets[1:]):
@@ -215,8 +215,8 @@ class LoopAnalysis(Value):
     @cached_property
     def zeros(self) -> dict[str, ComplexArray]:
         """Closed-loop zeros from each channel of w to z; exact where the comparison is."""
-        found, _ = attempted(lambda: self.comparison.zeros)
-        return dict(self.loop.zeros() if found is None else found)
+        zeros, _ = attempted(lambda: self.comparison.zeros)
+        return dict(self.loop.zeros() if zeros is None else zeros)
 
     @cached_property
     def match(self) -> IntercalatedMatch:

@@ -75,13 +75,13 @@ class LQG(Value):
             Where no difference equation with float64 coefficients has its response, or where the
             loop with `compensator` is not stable though that with `state_space` is.
         """
-        found = self._converted[0]
-        if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, found).is_stable:
+        conversion = self._converted[0]
+        if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, conversion).is_stable:
             raise IllConditionedError(
                 "the difference equation of this LQG controller, rounded to float64, makes the "
                 "loop unstable, its state space a stable one. Use state_space or to_control()."
             )
-        return found
+        return conversion
 
     @property
     def certificate(self) -> ConversionCertificate:

@@ -214,7 +214,7 @@ def split_residual(
             f"{plant.l_z} x {plant.l_u}."
         )
     u_tilde = u - pseudo_control(compensator, u, y)
-    wanted = filtered(target, u_tilde)
+    reference = filtered(target, u_tilde)
     loop = ClosedLoop(plant, compensator)
     still = np.zeros_like
     with np.errstate(over="ignore", invalid="ignore"):
@@ -222,8 +222,8 @@ def split_residual(
         disturbed = loop.simulate(w, still(u))
     return ResidualSplit(
         u_tilde=u_tilde,
-        residual=z - wanted,
-        matching_error=matched - wanted,
+        residual=z - reference,
+        matching_error=matched - reference,
         disturbance_response=disturbed,
     )
 

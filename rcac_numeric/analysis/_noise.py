@@ -48,14 +48,14 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
     places = _places(plant)
     names: list[str] = []
     columns: list[Array] = []
-    taken: set[int] = set()
+    channels: set[int] = set()
     for name, intensity in noise.items():
         if name not in places:
             raise InputError(f"w has no block or channel {name!r}; it has {', '.join(places)}.")
         where = places[name]
-        if taken & set(where):
+        if channels & set(where):
             raise InputError(f"the noise {name!r} is given twice, as a block and as a channel.")
-        taken |= set(where)
+        channels |= set(where)
         root = square_root_columns(
             constant_weight(intensity, f"the intensity of {name}", len(where), definite=False)
         )
@@ -145,8 +145,8 @@ def _with_model(plant: Plant, channel: str, S: Array, drive: Array, name: str) -
     """The plant whose channel also carries the first state of s(k+1) = S s(k) + drive noise."""
     at, n, m = plant.channels.index(channel), plant.n, len(S)
 
-    def beside(own: Array, from_channel: Array) -> Array:
-        return np.hstack([own, from_channel, np.zeros((len(own), m - 1))])
+    def beside(block: Array, from_channel: Array) -> Array:
+        return np.hstack([block, from_channel, np.zeros((len(block), m - 1))])
 
     none = np.zeros
     return Plant(

@@ -147,18 +147,19 @@ class NumericObserverForms(Result):
         NoSolutionError
             If there is no form.
         """
-        wanted_K, wanted_F = np.asarray(K, float), np.asarray(F, float)
-        if self.F is None or (wanted_K.shape, wanted_F.shape) != (
+        requested_K, requested_F = np.asarray(K, float), np.asarray(F, float)
+        if self.F is None or (requested_K.shape, requested_F.shape) != (
             self.K.shape[1:],
             self.F.shape[1:],
         ):
             raise InputError(
-                f"K and F have shapes {wanted_K.shape} and {wanted_F.shape}; full-order forms have "
+                f"K and F have shapes {requested_K.shape} and {requested_F.shape}; full-order "
+                "forms have "
                 f"{self.K.shape[1:]} and {None if self.F is None else self.F.shape[1:]}"
             )
         off = [
             ((mine - theirs) ** 2).sum(axis=(1, 2))
-            for mine, theirs in ((self.K, wanted_K), (self.F, wanted_F))
+            for mine, theirs in ((self.K, requested_K), (self.F, requested_F))
         ]
         return self._least(off[0] + off[1])
 
@@ -351,14 +352,14 @@ Choice = list[tuple[list[int], list[int]]]
 
 def rounded_roots(Dtilde: Any) -> list[tuple[complex, int]]:
     """Return real roots and those of the upper half plane, correctly rounded, with multiplicity."""
-    found = []
+    roots = []
     with ball_precision(128):
         for ball, multiplicity in root_balls(Dtilde, 128):
             if ball.imag == 0:
-                found.append((complex(float(ball.real.mid()), 0.0), multiplicity))
+                roots.append((complex(float(ball.real.mid()), 0.0), multiplicity))
             elif ball.imag > 0:
-                found.append((complex(ball.real.mid(), ball.imag.mid()), multiplicity))
-    return found
+                roots.append((complex(ball.real.mid(), ball.imag.mid()), multiplicity))
+    return roots
 
 
 def kernel_bases(
@@ -397,12 +398,12 @@ def selections(
     for choice in choices:
         grown: dict[int, list[tuple[Any, Any]]] = {}
         for degree, (inner, outer) in tables.items():
-            for taken, left in choice:
-                if degree + len(taken) <= n:
+            for chosen, left in choice:
+                if degree + len(chosen) <= n:
                     rows = len(inner)
-                    grown.setdefault(degree + len(taken), []).append(
+                    grown.setdefault(degree + len(chosen), []).append(
                         (
-                            np.hstack([inner, np.tile(np.array(taken, np.intp), (rows, 1))]),
+                            np.hstack([inner, np.tile(np.array(chosen, np.intp), (rows, 1))]),
                             np.hstack([outer, np.tile(np.array(left, np.intp), (rows, 1))]),
                         )
                     )
@@ -422,13 +423,13 @@ def solved(matrices: Array, right: Array) -> Array:
     try:
         return np.asarray(np.linalg.solve(matrices, right))
     except np.linalg.LinAlgError:
-        found = np.full(right.shape, np.nan)
+        solution = np.full(right.shape, np.nan)
         for i, (matrix, column) in enumerate(zip(matrices, right, strict=True)):
             try:
-                found[i] = np.linalg.solve(matrix, column)
+                solution[i] = np.linalg.solve(matrix, column)
             except np.linalg.LinAlgError:
                 continue
-        return found
+        return solution
 
 
 def least_sines(blocks: Array) -> Array:

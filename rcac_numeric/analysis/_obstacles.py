@@ -166,11 +166,11 @@ def _suspects(modes: NDArray[Any], size: float) -> list[complex]:
     A multiple eigenvalue is computed as a cluster, off by a root of the rounding error; its centre
     is not.
     """
-    found = []
+    suspects = []
     for mode in modes:
         cluster = modes[np.abs(modes - mode) < 1e-4 * size]
-        found += [value for value in (mode, cluster.mean()) if abs(value) >= 1 - 1e-12]
-    return found
+        suspects += [value for value in (mode, cluster.mean()) if abs(value) >= 1 - 1e-12]
+    return suspects
 
 
 def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[np.complex128]:

@@ -73,18 +73,18 @@ class OpenedLoop(Value):
         """
         steps, inner = self.undelayed
         if steps:
-            size, found = inner.nearness(z)
-            return size + steps, np.maximum(found, 1.0)
+            size, distances = inner.nearness(z)
+            return size + steps, np.maximum(distances, 1.0)
         if len(self.A) >= MANY_STATES:
             H = self._by_hessenberg[0]
             with np.errstate(all="ignore"):
                 return 1 + float(np.linalg.norm(H, 1)), inverse_norms(H, np.asarray(z))
         pencils = np.asarray(z)[:, None, None] * np.eye(len(self.A)) - self.A
         try:
-            found = np.linalg.norm(np.linalg.inv(pencils), 1, axis=(1, 2))
+            distances = np.linalg.norm(np.linalg.inv(pencils), 1, axis=(1, 2))
         except np.linalg.LinAlgError:  # a pole among the points
-            found = np.array([1 / max(np.linalg.svd(p)[1][-1], 1e-300) for p in pencils])
-        return 1 + float(np.linalg.norm(self.A, 1)), found
+            distances = np.array([1 / max(np.linalg.svd(p)[1][-1], 1e-300) for p in pencils])
+        return 1 + float(np.linalg.norm(self.A, 1)), distances
 
     @cached_property
     def _by_hessenberg(self) -> tuple[Array, Array, Array]:
@@ -95,8 +95,8 @@ class OpenedLoop(Value):
         if not len(self.A):
             return np.full(len(z), direct, dtype=np.complex128)
         if len(self.A) >= MANY_STATES:
-            found = responses(*self._by_hessenberg, np.asarray(z), slopes=power == 2)
-            return np.asarray(found[:, 0, 0] + direct)
+            resolvents = responses(*self._by_hessenberg, np.asarray(z), slopes=power == 2)
+            return np.asarray(resolvents[:, 0, 0] + direct)
         pencils = np.asarray(z)[:, None, None] * np.eye(len(self.A)) - self.A
         try:
             states = self._states(pencils, power)

@@ -120,10 +120,10 @@ def _refined(
 
     width = 1e-4
     low, high = sides or (max(where - width, 0.0), min(where + width, np.pi))
-    found = minimize_scalar(
+    peak = minimize_scalar(
         lambda w: -value(w),
         bounds=(low, high),
         method="bounded",
         options={"xatol": 1e-12},
     )
-    return (-float(found.fun), float(found.x)) if -found.fun > best else (best, where)
+    return (-float(peak.fun), float(peak.x)) if -peak.fun > best else (best, where)

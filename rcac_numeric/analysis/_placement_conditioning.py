@@ -122,14 +122,14 @@ def placement_conditioning(
     condition number 4.0e+00; the float64 solve keeps 16.0 digits and its closed loop is stable
     (largest real part -1, largest modulus 2)
     """
-    found = compared_solves(place_poles(plant, target, n_c, feedback=feedback))
-    if (found.target_is_stable and not found.float64_is_stable) or found.digits < 3:
+    solves = compared_solves(place_poles(plant, target, n_c, feedback=feedback))
+    if (solves.target_is_stable and not solves.float64_is_stable) or solves.digits < 3:
         warnings.warn(
-            f"{found}. Use the exact answer, which to_control() rounds once",
+            f"{solves}. Use the exact answer, which to_control() rounds once",
             RoundingWarning,
             stacklevel=2,
         )
-    return found
+    return solves
 
 
 def compared_solves(exact: PolePlacement) -> PlacementConditioning:

@@ -88,7 +88,7 @@ def inverse_norms(H: Array, z: ComplexArray) -> Array:
 
     Source: N. J. Higham, ACM Transactions on Mathematical Software 14 (1988) 381-396.
     """
-    n, found = len(H), [np.zeros(0)]
+    n, norms = len(H), [np.zeros(0)]
     ends = (-1.0) ** np.arange(n) * (1 + np.arange(n) / max(n - 1, 1))
     for part in in_parts(H, z):
         x = np.full((n, part.points), 1.0 / n, dtype=np.complex128)
@@ -103,15 +103,15 @@ def inverse_norms(H: Array, z: ComplexArray) -> Array:
             x[largest, np.arange(part.points)] = 1.0
         sizes = np.abs(part.solve(np.repeat(ends[:, None], part.points, axis=1))).sum(axis=0)
         best = np.maximum(best, 2 * sizes / (3 * n))
-        found.append(np.where(np.isfinite(best), best, np.inf))
-    return np.concatenate(found)
+        norms.append(np.where(np.isfinite(best), best, np.inf))
+    return np.concatenate(norms)
 
 
 def responses(
     H: Array, B: Array, C: Array, z: ComplexArray, *, slopes: bool = False
 ) -> ComplexArray:
     """C (zI - H)^{-1} B, or its slopes over z, shape (points, outputs, inputs); inf at a pole."""
-    found = [np.zeros((0, len(C), B.shape[1]), np.complex128)]
+    values = [np.zeros((0, len(C), B.shape[1]), np.complex128)]
     with np.errstate(all="ignore"):  # a pole among the points
         for part in in_parts(H, z):
             columns = []
@@ -120,7 +120,7 @@ def responses(
                 states = -part.solve(states) if slopes else states
                 # no product of BLAS, whose threads would be waited for at each of many small ones
                 columns.append([(row[:, None] * states).sum(axis=0) for row in C])
-            found.append(np.array(columns).T)
-    result = np.concatenate(found)
+            values.append(np.array(columns).T)
+    result = np.concatenate(values)
     result[~np.isfinite(result)] = np.inf
     return result

@@ -33,8 +33,8 @@ def triangle(rows: Array) -> Array:
     # Householder's method is accurate row by row where the large rows come first.
     order = np.argsort(-np.abs(rows).max(axis=1, initial=0.0), kind="stable")
     S = np.zeros((n, n))
-    made = linalg.qr(rows[order], mode="r", check_finite=False)[0][:n]
-    S[: len(made)] = made
+    triangular = linalg.qr(rows[order], mode="r", check_finite=False)[0][:n]
+    S[: len(triangular)] = triangular
     return S
 
 
@@ -107,8 +107,10 @@ def kleinman(A: Array, B: Array, E_1: Array, E_2: Array, K: Array) -> tuple[Arra
         # The gain changes by something of which z sees so much, relative to what it sees at all.
         change = np.vstack([E_2, S @ B]) @ (new - K)
         whole = np.vstack([E_1 + E_2 @ K, S @ (A + B @ K)])
-        seen = np.linalg.norm(change, axis=0) / np.maximum(np.linalg.norm(whole, axis=0), 1e-300)
-        moved = float(seen.max(initial=0.0))
+        relative_change = np.linalg.norm(change, axis=0) / np.maximum(
+            np.linalg.norm(whole, axis=0), 1e-300
+        )
+        moved = float(relative_change.max(initial=0.0))
         if best is not None and moved >= 0.5 * best[0] and best[0] < 1e-8:
             break  # rounding is all that is left
         if best is None or moved < best[0]:
@@ -127,9 +129,9 @@ def starting_gains(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array
     size = max(np.abs(E_1).max(initial=0.0), np.abs(E_2).max(initial=0.0)) or 1.0
     for share in (1e-6, 1e-3, 1.0):
         more = share * size * np.eye(B.shape[1])
-        seen = np.vstack([E_1, np.zeros((len(more), len(A))), 1e-3 * share * size * np.eye(len(A))])
+        rows = np.vstack([E_1, np.zeros((len(more), len(A))), 1e-3 * share * size * np.eye(len(A))])
         weighed = np.vstack([E_2, more, np.zeros((len(A), B.shape[1]))])
-        yield from _attempt(A, B, seen, weighed)
+        yield from _attempt(A, B, rows, weighed)
 
 
 def _attempt(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array]:

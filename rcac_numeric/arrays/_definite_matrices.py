@@ -87,5 +87,5 @@ def square_root_columns(weight: Array) -> Array:
         columns = np.diag(np.sqrt(diagonal))
         return np.ascontiguousarray(columns[:, diagonal > 0])
     values, vectors = np.linalg.eigh(weight)
-    kept = values > len(values) * np.finfo(float).eps * values.max(initial=0.0)
-    return np.ascontiguousarray(vectors[:, kept] * np.sqrt(values[kept]))
+    positive = values > len(values) * np.finfo(float).eps * values.max(initial=0.0)
+    return np.ascontiguousarray(vectors[:, positive] * np.sqrt(values[positive]))

@@ -38,12 +38,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
         if target.exists() and not target.is_file():
             yield target
             return
-        kept = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
+        mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
         _remove_abandoned(target)
-        handle, name = _locked(target, 0o666 if kept is None else 0o600)
+        handle, name = _locked(target, 0o666 if mode is None else 0o600)
         try:
             yield Path(name)
-            _settle(name, kept)
+            _settle(name, mode)
             os.replace(name, target)
         finally:
             with suppress(OSError):

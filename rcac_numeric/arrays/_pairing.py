@@ -7,15 +7,17 @@ import numpy as np
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 
 
-def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
+def pairing(targets: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
     """Assign to each wanted pole one available pole with the least total distance."""
-    distances = np.abs(wanted[:, None] - available[None, :])
-    rows, columns = np.arange(len(wanted)), _nearest(distances)
+    distances = np.abs(targets[:, None] - available[None, :])
+    rows, columns = np.arange(len(targets)), _nearest(distances)
     if columns is None:
         from scipy.optimize import linear_sum_assignment  # a sixth of a second
 
         rows, columns = linear_sum_assignment(distances)
-    return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
+    return [
+        (complex(targets[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)
+    ]
 
 
 def _nearest(distances: Array) -> np.ndarray | None:

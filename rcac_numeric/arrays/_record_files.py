@@ -79,7 +79,7 @@ def is_record(path: str | Path) -> bool:
 
 
 def read_record(
-    path: str | Path, kind: str, records: Records, given: Mapping[str, Any]
+    path: str | Path, kind: str, records: Records, expected: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The parts that `write_record` wrote; those in `given` stand for what was left out."""
     try:
@@ -95,10 +95,10 @@ def read_record(
             raise _of(path, " is damaged: its checksum is not that of its contents.")
         whole = parsed_json(text)
         if (whole["kind"], whole["version"]) != (kind, VERSION):
-            held = f"{whole['kind']!r:.60}, version {whole['version']!r:.20}"
-            raise _of(path, f" holds {held}; a {kind}, version {VERSION}, is needed.")
+            header = f"{whole['kind']!r:.60}, version {whole['version']!r:.20}"
+            raise _of(path, f" holds {header}; a {kind}, version {VERSION}, is needed.")
         parts: dict[str, Any] = {
-            name: _part(path, name, tree, records, arrays, given)
+            name: _part(path, name, tree, records, arrays, expected)
             for name, tree in whole["parts"].items()
         }
     except InputError as error:
@@ -119,22 +119,22 @@ def _part(
     tree: Mapping[str, Any],
     records: Records,
     arrays: Mapping[str, Array],
-    given: Mapping[str, Any],
+    expected: Mapping[str, Any],
 ) -> Any:
     if set(tree) == {"is"}:
         return records.value(tree["is"], arrays)
     if set(tree) != {"left out", "words"}:
         raise ValueError(f"its {name!r:.60} is nothing that can be read")
-    if given.get(name) is None:
+    if expected.get(name) is None:
         words = f"{tree['words']!s:.200}"
         give_it = Advice("load_run", ((name, ""),), f"Give it with {name}=")
         raise _of(
             path, f": its {name} is made of functions, which a file cannot hold: {words}. ",
             give_it, "."
         )  # fmt: skip
-    if fingerprint(given[name]) != tree["left out"]:
+    if fingerprint(expected[name]) != tree["left out"]:
         raise _of(path, f" was saved with another {name} than the one given.")
-    return given[name]
+    return expected[name]
 
 
 def _of(path: str | Path, *parts: str | Advice) -> InputError:

@@ -39,10 +39,10 @@ class Records:
 
     def tree(self, value: Any, arrays: dict[str, Array]) -> Any:
         """The data as a tree; arrays are put into `arrays`."""
-        made = self._tree(value, arrays)
-        if not equal(self.value(made, arrays), value):
+        tree = self._tree(value, arrays)
+        if not equal(self.value(tree, arrays), value):
             raise InputError(f"{type(value).__name__} cannot be written exactly.")
-        return made
+        return tree
 
     def _tree(self, value: Any, arrays: dict[str, Array]) -> Any:
         if type(value) in PLAIN:
@@ -110,17 +110,17 @@ class Records:
             return _exact()[name](**parts)
         if name not in self._classes:
             raise ValueError(f"a {name[:60]!r} is nothing that belongs here")
-        made = self._classes[name](**parts)
-        require_declared(made)
-        return made
+        record = self._classes[name](**parts)
+        require_declared(record)
+        return record
 
 
-def require_declared(made: Any) -> None:
+def require_declared(record: Any) -> None:
     """Raise TypeError where a field of a dataclass is not of the type that the class declares."""
-    for name, hint in _declared(made.__class__).items():
-        if not _is_of(getattr(made, name), hint):
-            kind = type(getattr(made, name)).__name__
-            raise TypeError(f"{name} of a {type(made).__name__} is of type {kind}")
+    for name, hint in _declared(record.__class__).items():
+        if not _is_of(getattr(record, name), hint):
+            kind = type(getattr(record, name)).__name__
+            raise TypeError(f"{name} of a {type(record).__name__} is of type {kind}")
 
 
 @cache

@@ -53,7 +53,7 @@ class ReadingLimit:
 def read_npz(file: Path) -> dict[str, np.ndarray]:
     """The arrays of numbers and texts in an archive, by name."""
     require_readable(file)
-    limit, found = ReadingLimit(file), {}
+    limit, arrays = ReadingLimit(file), {}
     with file.open("rb") as opened:
         try:
             listing = _Listing(opened)
@@ -63,19 +63,19 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
                     name = member.filename.removesuffix(".npy")
                     if name == member.filename:
                         continue
-                    if name in found:
+                    if name in arrays:
                         raise ValueError(f"it holds {shortened(name, 60)!r} twice")
                     if member.compress_type not in _PACKED:
                         raise ValueError(f"{shortened(name, 60)!r} is packed by no usual method")
                     with archive.open(member) as stream:
                         _require_room(stream, limit)
                     with archive.open(member) as stream:
-                        found[name] = _array(stream)
+                        arrays[name] = _array(stream)
         except InputError:
             raise
         except Exception as error:  # zipfile, its decompressors and NumPy each have their own
             raise _unreadable(file, "an .npz file of numbers", error) from None
-    return found
+    return arrays
 
 
 def names_in(file: Path) -> list[str]:
@@ -138,9 +138,9 @@ class _Listing:
         return getattr(self._file, name)
 
 
-def _unreadable(file: Path, what: str, error: Exception) -> InputError:
+def _unreadable(file: Path, subject: str, error: Exception) -> InputError:
     words = str(error) or type(error).__name__
-    return InputError(f"{file} is not {what}: {shortened(words, 200)}.")
+    return InputError(f"{file} is not {subject}: {shortened(words, 200)}.")
 
 
 def _require_room(stream: IO[bytes], limit: ReadingLimit) -> None:

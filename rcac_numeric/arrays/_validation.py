@@ -90,10 +90,10 @@ def float_array(value: ArrayLike, name: str) -> Array:
     try:
         if has_mask(value):
             raise TypeError("some of its entries are masked")
-        given = np.asarray(value)
-        if given.dtype.kind not in "iuf" and not _all_real(given):
-            raise TypeError(f"its entries are of type {given.dtype}")
-        return np.array(given, dtype=np.float64, order="C")
+        array = np.asarray(value)
+        if array.dtype.kind not in "iuf" and not _all_real(array):
+            raise TypeError(f"its entries are of type {array.dtype}")
+        return np.array(array, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{name} must be an array of real numbers, not {_shown(value)}: {error}."
@@ -159,8 +159,8 @@ def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) ->
         want in (None, have) for want, have in zip(shape, array.shape, strict=True)
     )
     if not fits:
-        wanted = " x ".join("any" if size is None else str(size) for size in shape)
-        raise InputError(f"{name} has shape {array.shape}; a matrix of size {wanted} is needed.")
+        expected = " x ".join("any" if size is None else str(size) for size in shape)
+        raise InputError(f"{name} has shape {array.shape}; a matrix of size {expected} is needed.")
     return array
 
 
@@ -256,10 +256,10 @@ def complex_number(value: object, name: str) -> complex:
     read = exact.exact_number(value)
     if not read.is_number:
         raise InputError(f"{name} = {value} contains symbols; give a number.")
-    found = complex(read)
-    if not cmath.isfinite(found):
+    number = complex(read)
+    if not cmath.isfinite(number):
         raise InputError(f"{name} = {value} is too large for float64.")
-    return found
+    return number
 
 
 def one_of(value: str, name: str, choices: Sequence[str]) -> str:
@@ -271,11 +271,11 @@ def one_of(value: str, name: str, choices: Sequence[str]) -> str:
     return value
 
 
-def require_dense(order: int, what: str) -> int:
+def require_dense(order: int, subject: str) -> int:
     """The order of a realisation, if it is one that full matrices are filled for."""
     if order > MOST_STATES:
         raise BudgetError(
-            f"{what} has {order} states; poles, margins and responses are computed for at most "
+            f"{subject} has {order} states; poles, margins and responses are computed for at most "
             f"{MOST_STATES}, from full matrices. Take a smaller n_c, or reduce the plant."
         )
     return order

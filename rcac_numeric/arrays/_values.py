@@ -117,8 +117,8 @@ def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False
 def replaced(value: T, **changes: Any) -> T:
     """The same with some fields changed, checked like any other."""
     if attrs.has(type(value)):
-        made: T = attrs.evolve(value, **changes)  # type: ignore[misc]
-        return made
+        copy: T = attrs.evolve(value, **changes)  # type: ignore[misc]
+        return copy
     return dataclass_replace(value, **changes)  # type: ignore[type-var]
 
 
@@ -144,8 +144,8 @@ def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def _rows(value: Any, depth: int) -> list[tuple[str, str]]:
-    held = ((name, getattr(value, name)) for name in field_names(type(value)))
-    rows = [(name, _shown(part, depth)) for name, part in held if not name.startswith("_")]
+    fields = ((name, getattr(value, name)) for name in field_names(type(value)))
+    rows = [(name, _shown(part, depth)) for name, part in fields if not name.startswith("_")]
     return [(name, text) for name, text in rows if text]
 
 

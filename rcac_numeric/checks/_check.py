@@ -276,13 +276,13 @@ def check_controller(
     is_fixed = isinstance(u.settings, FixedController) if isinstance(u, Run) else False
     is_fixed |= compensator is not None
     if isinstance(u, Run):
-        own = arguments_of_run(u)
-        u = own["log"]
-        plant = own.get("plant") if plant is None else plant
-        target = own.get("target") if target is None else target
+        arguments = arguments_of_run(u)
+        u = arguments["log"]
+        plant = arguments.get("plant") if plant is None else plant
+        target = arguments.get("target") if target is None else target
         if structure is None and compensator is None:
-            structure, compensator = own.get("structure"), own.get("compensator")
-            k_w = own.get("k_w") if k_w is None else k_w
+            structure, compensator = arguments.get("structure"), arguments.get("compensator")
+            k_w = arguments.get("k_w") if k_w is None else k_w
     log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
@@ -438,9 +438,10 @@ def fixed_compensator(
         return structure.compensator(log.theta_final)
     if log.D_c is not None and log.N_c is not None:
         return _from_polynomials(log)
-    what = "theta needs the structure it belongs to" if log.theta is not None else "no theta"
+    subject = "theta needs the structure it belongs to" if log.theta is not None else "no theta"
     raise InputError(
-        f"{log.source}: {what}; give theta with a structure such as iir(n_c=4), D_c and N_c, or a "
+        f"{log.source}: {subject}; give theta with a structure such as iir(n_c=4), D_c and N_c, "
+        "or a "
         "Compensator."
     )
 

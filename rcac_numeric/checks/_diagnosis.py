@@ -79,8 +79,8 @@ def loop_health(
     )
 
 
-def _of_run(found: LoopAnalysis) -> LoopHealth:
-    run = found.run
+def _of_run(analysis: LoopAnalysis) -> LoopHealth:
+    run = analysis.run
     k_w = 0
     if not isinstance(run.settings, StepwiseController):
         k_w = min(one.k_w for one in controllers_of(run.settings))
@@ -101,11 +101,11 @@ def _of_run(found: LoopAnalysis) -> LoopHealth:
         excitation=excitation_of(run),
         supervision=run.supervision,
         next_disturbance=next_disturbance(run),
-        missed_by=missed_poles(found),
-        cost_ratio=cost_over_lqg(found),
-        **_of_loop(lambda: found.loop),
+        missed_by=missed_poles(analysis),
+        cost_ratio=cost_over_lqg(analysis),
+        **_of_loop(lambda: analysis.loop),
     )
-    return replace(health, warnings=warnings_of_run(health, found))
+    return replace(health, warnings=warnings_of_run(health, analysis))
 
 
 def _of_controller(controller: Controller) -> LoopHealth:

@@ -65,14 +65,16 @@ class SignalHealth:
     late: SignalSize | None
 
     def __str__(self) -> str:
-        said = []
+        sentences = []
         if self.before is not None and self.before.peak:
-            said.append(f"peak {self.before.peak:.3g}, rms {self.before.rms:.3g} before control")
+            sentences.append(
+                f"peak {self.before.peak:.3g}, rms {self.before.rms:.3g} before control"
+            )
         if self.after is not None:
-            said.append(f"peak {self.after.peak:.3g}, rms {self.after.rms:.3g} under control")
+            sentences.append(f"peak {self.after.peak:.3g}, rms {self.after.rms:.3g} under control")
         if self.late is not None:
-            said.append(f"rms {self.late.rms:.3g} at the end")
-        return "; ".join(said) or "no step"
+            sentences.append(f"rms {self.late.rms:.3g} at the end")
+        return "; ".join(sentences) or "no step"
 
 
 def signal_health(values: Array, start: int) -> SignalHealth:
@@ -144,10 +146,10 @@ def excitation_of(run: Run) -> Excitation | None:
     R_theta, R_z = getattr(settings.update, "R_theta", None), settings.R_z
     structure, target = settings.structure, settings.target
     if settings.learning is not None:
-        told = [one.change.target for one in run.changes if one.change.target is not None]
-        if not told:
+        targets = [one.change.target for one in run.changes if one.change.target is not None]
+        if not targets:
             return None
-        target = told[-1]
+        target = targets[-1]
     if R_theta is None or not isinstance(R_z, np.ndarray) or not has_common_filter(target):
         return None
     if settings.fixed is not None:

@@ -115,11 +115,11 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     others = [key for key in order if key[0] != best[0]]
     decided = all(_differ(errors[best], errors[key], floor) for key in others)
     # Of the same problem the delay that was given stands where no other is clearly better.
-    given = (best[0], 0)
-    if given in rms and not _differ(errors[best], errors[given], floor):
-        best = given
-    found_best = next(one for one in hypotheses if (one.problem, one.delay) == best)
-    return Decision(hypotheses, found_best if decided else None, stays)
+    decided_problem = (best[0], 0)
+    if decided_problem in rms and not _differ(errors[best], errors[decided_problem], floor):
+        best = decided_problem
+    best_hypothesis = next(one for one in hypotheses if (one.problem, one.delay) == best)
+    return Decision(hypotheses, best_hypothesis if decided else None, stays)
 
 
 def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:

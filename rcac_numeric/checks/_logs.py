@@ -208,26 +208,26 @@ def read_log(
     (300, (300, 8))
     """
     variables = read_variables(path)
-    wanted = dict(names or {})
-    for role in wanted:
+    roles = dict(names or {})
+    for role in roles:
         if role not in ROLES:
             raise InputError(f"names: {role!r} is not known; rename {', '.join(ROLES)}.")
-    found = {}
+    signals = {}
     for role in ROLES:
-        name = wanted.get(role, role)
+        name = roles.get(role, role)
         if name in variables:
-            found[role] = variables[name].T if transpose else variables[name]
-        elif role in wanted or role in ("u", "y"):
-            raise InputError(_missing(str(path), role, name, variables, wanted))
-    return ControllerLog(**found, source=str(path))
+            signals[role] = variables[name].T if transpose else variables[name]
+        elif role in roles or role in ("u", "y"):
+            raise InputError(_missing(str(path), role, name, variables, roles))
+    return ControllerLog(**signals, source=str(path))
 
 
 def _missing(
-    path: str, role: str, name: str, variables: Mapping[str, Array], wanted: Mapping[str, str]
+    path: str, role: str, name: str, variables: Mapping[str, Array], roles: Mapping[str, str]
 ) -> str:
     """What is said where a file lacks a signal: what it has, and what of it may be meant."""
     has = shortened(", ".join(variables)) or "nothing"
-    free = [v for v in [*variables][:COMPARED] if v not in wanted.values()]
+    free = [v for v in [*variables][:COMPARED] if v not in roles.values()]
     close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)
     signals = close or [v for v in free if v not in ROLES and v.lower() not in TIMES]
     hint = f" Did you mean {close[0]!r}?" if close else ""

@@ -162,12 +162,12 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     T, M = predictor(plant, B, D)
     gain = float(np.sqrt(1 + np.sum(M**2, axis=0).max()))
     terms = max(np.abs(M).sum(axis=0).max(), 1.0) * max(np.abs(T).sum(axis=1).max(), 1.0)
-    found = PlantResidual(
+    residual = PlantResidual(
         float(rms), float(change), fitted, offset=offset, noise_gain=gain,
         rounding=float(ROUNDING * terms * size), is_known=is_known,
     )  # fmt: skip
-    if not found.is_doubtful and found.relative <= UNEXPLAINED:
-        return found
+    if not residual.is_doubtful and residual.relative <= UNEXPLAINED:
+        return residual
     others = {
         "the sign of u or y: with -u this plant fits": -u,
         "the rows of u: one step later this plant fits": np.vstack([u[:1] * 0, u[:-1]]),
@@ -176,10 +176,10 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     for words, other in others.items():
         if (
             TIMES_WORSE * size_of(one_step_errors(plant, B, D, np.hstack([other, known]), y)) * size
-            < found.rms
+            < residual.rms
         ):
-            return replace(found, remedy=words)
-    return found
+            return replace(residual, remedy=words)
+    return residual
 
 
 def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:

@@ -128,7 +128,7 @@ def replay(
         return errors.held(phi @ Theta, terms, bound, start, floor=STILL)
     shape = (log.steps, taps, structure.l_u)
     Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
-    found = []
+    candidates = []
     for shift in (0, 1):
         rows, rows_off = (v[: log.steps - shift] for v in (Theta, moved))
         u, terms, bound = (np.zeros_like(log.u) for _ in range(3))
@@ -137,8 +137,8 @@ def replay(
         terms[shift:] = _row_by_row(np.abs(past), np.abs(rows))
         bound[shift:] = _row_by_row(np.abs(past), rows_off)
         bound[shift:] += _row_by_row(past_off, np.abs(rows) + rows_off)
-        found.append(errors.held(u, terms, bound, max(first, shift), shift=shift))
-    return min(found, key=lambda each: (each.worst, each.shift))
+        candidates.append(errors.held(u, terms, bound, max(first, shift), shift=shift))
+    return min(candidates, key=lambda each: (each.worst, each.shift))
 
 
 def replay_compensator(
@@ -151,19 +151,19 @@ def replay_compensator(
     """The same for a compensator that did not change since k_w, by default over the last tenth."""
     errors = LogErrors(log, tolerance)
     reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
-    made, terms, bound = (np.zeros_like(log.u) for _ in range(3))
+    outputs, terms, bound = (np.zeros_like(log.u) for _ in range(3))
     for name, coefficients, first in (("u", compensator.past_u, 1), ("y", compensator.past_y, 0)):
         names = ("y", "r") if name == "y" and reads_r else (name,)
         signal = np.hstack([getattr(log, each) for each in names])
         off = np.hstack([error for each in names if (error := errors.signals[each]) is not None])
         for lag, matrix in enumerate(coefficients, first):
             past = slice(0, max(log.steps - lag, 0))
-            made[lag:] += signal[past] @ matrix.T
+            outputs[lag:] += signal[past] @ matrix.T
             terms[lag:] += np.abs(signal[past]) @ np.abs(matrix).T
             bound[lag:] += off[past] @ np.abs(matrix).T
     since = log.steps - max(log.steps // 10, 1) if k_w is None else k_w
     start = max(len(compensator.past_u), since)
-    return errors.held(made, terms, bound, start, of="the compensator", floor=STILL)
+    return errors.held(outputs, terms, bound, start, of="the compensator", floor=STILL)
 
 
 class LogErrors:
@@ -184,9 +184,9 @@ class LogErrors:
     @property
     def theta(self) -> Array:
         """The bound for theta."""
-        found = self.signals["theta"]
-        assert found is not None
-        return found
+        error = self.signals["theta"]
+        assert error is not None
+        return error
 
     def held(
         self,

@@ -46,20 +46,20 @@ SLOW = 0.5  # time constant of the slowest mode over the length of the run
 T = TypeVar("T")
 
 
-def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarning, ...]:
+def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthWarning, ...]:
     """Every warning of a run, the grave ones first."""
-    run = found.run
-    errors = _of_target(target_errors, found)
-    learnt, directed = learning_warnings(run), _of_target(direction_errors, found)
+    run = analysis.run
+    errors = _of_target(target_errors, analysis)
+    learnt, directed = learning_warnings(run), _of_target(direction_errors, analysis)
     remedies = [*dict.fromkeys(one.next_step for one in (*learnt, *errors, *directed))]
     rules = (
         _ended_badly(run),
         _unstable(health),
         _transients(health, run),
-        _control(health, run, found),
+        _control(health, run, analysis),
         _worse(health, run),
         _wound_up(health),
-        _missed(health, found),
+        _missed(health, analysis),
         _costly(health),
         _arithmetic(health, run),
         _margins(health),
@@ -67,7 +67,7 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
         _learning(health, run),
         _slow(health),
     )
-    zeros = _of_target(sampling_zero_remedies, found)
+    zeros = _of_target(sampling_zero_remedies, analysis)
     is_fixed = isinstance(run.settings, FixedController)
     warnings = [
         warning_of(finding, remedies, zeros, is_fixed=is_fixed)
@@ -78,7 +78,7 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
     if warnings:  # a loop that does well with another G_f than the plant's needs no remedy
         warnings += errors
     warnings += directed  # what hides from z is said in any case
-    return _by_gravity(_with_road(warnings, found))
+    return _by_gravity(_with_road(warnings, analysis))
 
 
 def _by_gravity(warnings: list[HealthWarning]) -> tuple[HealthWarning, ...]:
@@ -100,14 +100,16 @@ def _of_target(
 DAMPED, SOON = 0.2, 3  # damping of a pole, and steps until z feels u, below which FIR is a fair try
 
 
-def _with_road(warnings: list[HealthWarning], found: LoopAnalysis) -> list[HealthWarning]:
+def _with_road(
+    warnings: list[HealthWarning], warnings_of_health: LoopAnalysis
+) -> list[HealthWarning]:
     """The same; the first that settings can be blamed for names `design`."""
     blamed = [w for w in warnings if RULES[w.code].by_settings]
-    settings = found.run.settings
+    settings = warnings_of_health.run.settings
     if not blamed or not isinstance(settings, ControllerSettings) or settings.theta_0.any():
         return warnings
     try:
-        plant = plant_at(found.run.plant, 0)
+        plant = plant_at(warnings_of_health.run.plant, 0)
     except CompensatorError:
         return warnings
     is_read = plant.l_u == plant.l_y and np.array_equal(plant.E_1, plant.C)
@@ -140,12 +142,12 @@ def what_to_expect(plant: Plant, target: TargetModel) -> str:
 
 def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[HealthWarning, ...]:
     """Every warning of a logged controller, the grave ones first."""
-    found = [*_unstable(health), *_margins(health), *_slow(health)]
+    warnings = [*_unstable(health), *_margins(health), *_slow(health)]
     if not check.is_consistent:
-        found.append(("inconsistent log", {}))
+        warnings.append(("inconsistent log", {}))
     if check.drift is not None and check.drift.relative > UNSETTLED:
-        found.append(("unsettled", {"moved": check.drift.relative}))
-    return _by_gravity([warning_of(one, is_fixed=check.is_fixed) for one in found])
+        warnings.append(("unsettled", {"moved": check.drift.relative}))
+    return _by_gravity([warning_of(one, is_fixed=check.is_fixed) for one in warnings])
 
 
 def _ended_badly(run: Run) -> Iterator[Finding]:
@@ -188,14 +190,14 @@ def _largest(health: LoopHealth) -> float:
     return 0.0 if after is None else after.peak
 
 
-def _control(health: LoopHealth, run: Run, found: LoopAnalysis) -> Iterator[Finding]:
+def _control(health: LoopHealth, run: Run, analysis: LoopAnalysis) -> Iterator[Finding]:
     u = health.signals["u"].after
-    first = _first_gain(found)
+    first = _first_gain(analysis)
     if u is None or run.saturation is not None or not first:
         return
     z = health.signals["z"]
-    seen = [size.peak for size in (z.before, z.late, health.free) if size is not None]
-    scale = max(_peak(run.w), _peak(run.x_0), *seen) * max(1.0, 1 / first)
+    peaks = [size.peak for size in (z.before, z.late, health.free) if size is not None]
+    scale = max(_peak(run.w), _peak(run.x_0), *peaks) * max(1.0, 1 / first)
     if scale and u.peak > LARGE_U * scale:
         is_grave = u.peak > GRAVE * scale or not _ends_well(health)
         yield "large control", {"peak": u.peak, "scale": scale, "is_grave": is_grave}
@@ -228,15 +230,15 @@ def _wound_up(health: LoopHealth) -> Iterator[Finding]:
         yield key, {**numbers, "is_grave": is_grave}
 
 
-def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[Finding]:
+def _missed(health: LoopHealth, analysis: LoopAnalysis) -> Iterator[Finding]:
     missed = health.missed_by
     if missed is None or health.outcome != "completed" or health.is_held:
         return
-    comparison = found.comparison
+    comparison = analysis.comparison
     if comparison.is_reached:
         return
     numbers: dict[str, Any] = {"missed": missed, "error": comparison.backward_error}
-    structure, cure = found.structure, what_places_them(found)
+    structure, cure = analysis.structure, what_places_them(analysis)
     if structure is not None and comparison.can_be_placed_by(structure) is False:
         cure = (
             f"another structure or target, where these poles matter: no theta of {structure.name} "
@@ -255,29 +257,29 @@ def warnings_of_controller(
     health: LoopHealth, record: SupervisionRecord
 ) -> tuple[HealthWarning, ...]:
     """Every warning of a controller that is driven step by step, the grave ones first."""
-    found = [*_wound_up(health)]
+    warnings = [*_wound_up(health)]
     if count := record.troubles.get("overflow"):
-        found.append(("overflow", {"count": count.steps, "last": count.last}))
+        warnings.append(("overflow", {"count": count.steps, "last": count.last}))
     if (count := record.troubles.get("missed sample")) and (
         count.steps > MISSED_SAMPLES * max(health.steps, 1)
     ):
-        found.append(("missed samples", {"count": count.steps, "steps": health.steps}))
+        warnings.append(("missed samples", {"count": count.steps, "steps": health.steps}))
     if count := record.troubles.get("saturated"):
-        found.append(("saturated: on end", {"steps": count.worst}))
+        warnings.append(("saturated: on end", {"steps": count.worst}))
     if record.in_fallback or record.is_frozen:
         how = "the fallback makes u" if record.in_fallback else "theta is held"
-        found.append(("stopped", {"how": how}))
+        warnings.append(("stopped", {"how": how}))
     if health.guard_count:
-        found.append(("rounding: of a live controller", {"count": health.guard_count}))
-    return _by_gravity([warning_of(one) for one in found])
+        warnings.append(("rounding: of a live controller", {"count": health.guard_count}))
+    return _by_gravity([warning_of(one) for one in warnings])
 
 
 def _arithmetic(health: LoopHealth, run: Run) -> Iterator[Finding]:
     if run.guard_count:
         yield "rounding", {"count": run.guard_count, "first": run.guard_first_step}
-    found = health.excitation
-    if found is not None and found.drift > DRIFT:
-        yield "rounding: drift", {"drift": found.drift}
+    excitation = health.excitation
+    if excitation is not None and excitation.drift > DRIFT:
+        yield "rounding: drift", {"drift": excitation.drift}
 
 
 def _margins(health: LoopHealth) -> Iterator[Finding]:
@@ -336,9 +338,9 @@ def _slow(health: LoopHealth) -> Iterator[Finding]:
             yield "slow", {"decay": decay, "steps": health.steps}
 
 
-def _first_gain(found: LoopAnalysis) -> float:
+def _first_gain(analysis: LoopAnalysis) -> float:
     """The largest entry of the first Markov parameter of G_zu that is not zero; 0 if unknown."""
-    plant = found.run.plant
+    plant = analysis.run.plant
     if type(plant) is not Plant or plant.n > MOST_STATES:
         return 0.0
     state, parameter = plant.B, plant.E_2
@@ -443,7 +445,7 @@ def _unstable_start(run: Run, learning: DataDriven) -> Iterator[Finding]:
 def _looks(run: Run, learning: DataDriven) -> list[_Look]:
     """After the start, and at the end of what is looked at."""
     model = RecursiveARX(learning.order, R_theta=learning.R_theta, lambda_=learning.lambda_)
-    found: list[_Look] = []
+    looks: list[_Look] = []
     steps = min(run.steps, LONGEST)
     for first, last in ((0, learning.start), (learning.start, steps)):
         try:
@@ -455,8 +457,8 @@ def _looks(run: Run, learning: DataDriven) -> list[_Look]:
             continue
         size = _rms(run.z[:last])
         visible = np.sqrt(model.variance) > VISIBLE * size
-        found.append(_Look(last, online.whiteness, model.excitation(), bool(visible)))
-    return found
+        looks.append(_Look(last, online.whiteness, model.excitation(), bool(visible)))
+    return looks
 
 
 def _rms(values: Array) -> float:
@@ -482,8 +484,8 @@ def sampling_zero_remedies(plant: Plant, target: TargetModel) -> tuple[str, ...]
     real = zeros.real[np.abs(zeros.imag) < TURNED]
     near = np.sort(real[(real >= -1 - TURNED) & (real <= -RINGING)])
     modelled = np.roots(target.numerator[target.relative_degree :, 0, 0])
-    told = int((np.abs(modelled + 1) <= 1 - RINGING + TURNED).sum())
-    left = [f"{zero:.4g}" for zero in near[told:]]
+    modelled_count = int((np.abs(modelled + 1) <= 1 - RINGING + TURNED).sum())
+    left = [f"{zero:.4g}" for zero in near[modelled_count:]]
     if not left:
         return ()
     words, on_circle = ", ".join(left), ", ".join(["-1"] * len(left))

@@ -23,7 +23,7 @@ def target_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...
     require_dense(plant.n, "the plant")
     require_dense(target.n_f, "the target model")
     response = _impulse_response(plant)
-    found: list[Finding] = []
+    errors: list[Finding] = []
     d_zu = _first(response)
     if d_zu is None:
         return ()
@@ -31,15 +31,15 @@ def target_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...
     zeros = zeros_of(plant)
     zeros = zeros[np.abs(zeros) > 1 + TURNED]
     if d_f == d_zu and lead * response[d_zu] < 0:
-        found.append(("wrong sign", {"lead": lead, "delay": d_zu, "plant": response[d_zu]}))
+        errors.append(("wrong sign", {"lead": lead, "delay": d_zu, "plant": response[d_zu]}))
     elif d_f != d_zu:
-        found.append(("wrong d_zu", {"delay": d_f, "d_zu": d_zu}))
+        errors.append(("wrong d_zu", {"delay": d_f, "d_zu": d_zu}))
     modelled = np.roots(target.numerator[d_f:, 0, 0])
     missing = [z for z in zeros if not (np.abs(modelled - z) <= NEAR * np.abs(z)).any()]
     if missing:
         words = ", ".join(f"{z.real:.4g}" if abs(z.imag) < TURNED else f"{z:.4g}" for z in missing)
-        found.append(("unmodelled zero", {"zeros": words}))
-    return tuple(map(warning_of, found))
+        errors.append(("unmodelled zero", {"zeros": words}))
+    return tuple(map(warning_of, errors))
 
 
 def _impulse_response(plant: Plant) -> Array:

@@ -70,11 +70,11 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
     sizes = np.where(sizes > ROUNDING * peaks, sizes, peaks)
     if not sizes.any():
         return None
-    held = FixedController(run.compensator)
+    frozen = FixedController(run.compensator)
     plant = plant_at(run.plant, run.first_step + run.steps - 1)
     rest = np.broadcast_to(run.w[-1], (KICKED, len(sizes)))
     rng = np.random.default_rng(0)
-    tried = []
+    trials = []
     with np.errstate(all="ignore"):
         try:
             plain = simulate(
@@ -90,30 +90,30 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
                 added = _peak(kicked.z[:steps] - plain.z[:steps])
                 if kicked.outcome != "completed":
                     added = np.inf
-                tried.append(NextDisturbance(added, _peak(simulate(plant, held, kick).z)))
+                trials.append(NextDisturbance(added, _peak(simulate(plant, frozen, kick).z)))
         except CompensatorError:
             return None
-    tried = [one for one in tried if np.isfinite(one.frozen)]
-    return max(tried, key=lambda one: one.ratio, default=None)
+    trials = [one for one in trials if np.isfinite(one.frozen)]
+    return max(trials, key=lambda one: one.ratio, default=None)
 
 
-def missed_poles(found: LoopAnalysis) -> float | None:
+def missed_poles(analysis: LoopAnalysis) -> float | None:
     """The largest distance of a pole of G_f from the closed-loop pole assigned to it.
 
     None where nothing was asked for: an FIR target places what it does at 0, in its own time.
     """
     try:
-        target = found.compared_with
-        if not target.denominator[1:].any() or found.obstacle:
+        target = analysis.compared_with
+        if not target.denominator[1:].any() or analysis.obstacle:
             return None
-        return float(found.comparison.worst_distance)
+        return float(analysis.comparison.worst_distance)
     except (CompensatorError, np.linalg.LinAlgError):
         return None
 
 
-def what_places_them(found: LoopAnalysis) -> str | None:
+def what_places_them(analysis: LoopAnalysis) -> str | None:
     """The change of the settings that places the poles, tried out; None where none of them does."""
-    run, settings = found.run, found.run.settings
+    run, settings = analysis.run, analysis.run.settings
     if (
         not isinstance(settings, ControllerSettings)
         or not isinstance(settings.update, RecursiveLeastSquares)
@@ -145,7 +145,7 @@ def what_places_them(found: LoopAnalysis) -> str | None:
                 )  # fmt: skip
             if other.outcome != "completed":
                 continue
-            comparison = LoopAnalysis(other, found.target).comparison
+            comparison = LoopAnalysis(other, analysis.target).comparison
         except (CompensatorError, np.linalg.LinAlgError):
             continue
         if comparison.is_reached:
@@ -154,17 +154,17 @@ def what_places_them(found: LoopAnalysis) -> str | None:
     return None
 
 
-def cost_over_lqg(found: LoopAnalysis) -> float | None:
+def cost_over_lqg(analysis: LoopAnalysis) -> float | None:
     """The H2 cost of the final controller over LQG's, for the noise that the run had.
 
     A channel of w is noise where the second half of the run has neither the same value twice in a
     row nor a correlation above 0.2 from step to step; None where no channel is.
     """
-    run = found.run
+    run = analysis.run
     if type(run.plant) not in (Plant, PlantSchedule) or run.steps < SHORTEST:
         return None
     try:
-        plant = found.plant
+        plant = analysis.plant
         if plant.n > LARGEST:
             return None
         late = run.w[run.steps // 2 :]
@@ -173,7 +173,7 @@ def cost_over_lqg(found: LoopAnalysis) -> float | None:
             for name, column in zip(plant.channels, late.T, strict=True)
             if _is_white(column)
         }
-        loop: ClosedLoop = found.loop
+        loop: ClosedLoop = analysis.loop
         if not noise or not loop.is_stable:
             return None
         with np.errstate(all="ignore"):

@@ -290,29 +290,30 @@ def penalty_rows(R: Array) -> Array:
 
 def _additions(settings: ControllerSettings) -> dict[str, Any]:
     """What published settings have beside the text's; nothing where there is none."""
-    found: dict[str, Any] = {}
+    additions: dict[str, Any] = {}
     if settings.R_u_unfiltered.any():
-        found["penalty"] = penalty_rows(settings.R_u_unfiltered)
+        additions["penalty"] = penalty_rows(settings.R_u_unfiltered)
     if (f := settings.z_normalization) is not None:
-        found["normalization"] = (1 + FUNCTIONS.index(f.function), f.limit, f.slope)
+        additions["normalization"] = (1 + FUNCTIONS.index(f.function), f.limit, f.slope)
     if (bounds := settings.bounds) is not None:
         low, high = bounds.box(settings.structure)
-        found["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
+        additions["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
     if (fixed := settings.fixed) is not None:
-        found["fixed"] = (fixed.past_u, fixed.past_y)
-    return found
+        additions["fixed"] = (fixed.past_u, fixed.past_y)
+    return additions
 
 
-def _supervision(given: Supervision | None, l_u: int, l_e: int) -> tuple[Any, ...] | None:
-    if given is None:
+def _supervision(supervision: Supervision | None, l_u: int, l_e: int) -> tuple[Any, ...] | None:
+    if supervision is None:
         return None
-    require_kind(given, "supervision", (Supervision,))
-    given.require_widths(l_u, l_e)
-    fallback = given.fallback
+    require_kind(supervision, "supervision", (Supervision,))
+    supervision.require_widths(l_u, l_e)
+    fallback = supervision.fallback
     past_u, past_y = (np.zeros(0),) * 2 if fallback is None else (fallback.past_u, fallback.past_y)
     return (
-        POLICIES.index(given.policy), given.growth, given.limit, given.jump or 0.0, given.patience,
-        given.fade, past_u, past_y, given.missed == "fallback",
+        POLICIES.index(supervision.policy), supervision.growth, supervision.limit,
+        supervision.jump or 0.0, supervision.patience, supervision.fade,
+        past_u, past_y, supervision.missed == "fallback",
     )  # fmt: skip
 
 

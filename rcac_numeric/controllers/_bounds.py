@@ -57,8 +57,8 @@ def _range(name: object, pair: Range) -> Range:
 
 
 def _gains(value: object, name: str) -> dict[str, Range]:
-    given = instance_of({} if value is None else value, name, Mapping)
-    return {str(key): _range(key, pair) for key, pair in given.items()}
+    gains = instance_of({} if value is None else value, name, Mapping)
+    return {str(key): _range(key, pair) for key, pair in gains.items()}
 
 
 def _bound_like(value: ArrayLike | None) -> float | Array | None:

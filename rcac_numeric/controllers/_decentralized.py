@@ -113,8 +113,8 @@ def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Com
     for structure, theta in zip(structures, coefficients, strict=True):
         for tap, column in zip(structure.taps, theta.reshape(-1, first.l_u), strict=True):
             shift = len(derived) if tap.signal == "derived" else 0
-            own = replace(tap, component=tap.component + shift)
-            columns[own] = columns.get(own, 0.0) + column
+            shifted = replace(tap, component=tap.component + shift)
+            columns[shifted] = columns.get(shifted, 0.0) + column
         nothing = (0.0,) * (l_r - structure.l_r)
         derived += [
             replace(signal, now=signal.now + nothing, before=signal.before + nothing)

@@ -236,17 +236,17 @@ class ScheduledSteps(Standing, Truth):
             Where a size does not fit or an entry is not finite; nothing has moved.
         """
         schedule = self.schedule
-        given = {"y": vector(y, "y", schedule.l_y), "r": vector(r, "r", schedule.l_r)}
+        inputs = {"y": vector(y, "y", schedule.l_y), "r": vector(r, "r", schedule.l_r)}
         if u_applied is not None:
             applied = vector(u_applied, "u_applied", schedule.l_u)
             self._u[:1] = applied
-        self._value = float(given[schedule.variable][schedule.component])
+        self._value = float(inputs[schedule.variable][schedule.component])
         places = np.arange(len(schedule.values))
         low = float(np.interp(self._value, schedule.values, places))
         j = min(int(low), len(places) - 2)
         share = low - j
         self._y[1:] = self._y[:-1].copy()
-        self._y[0] = np.concatenate([given["y"], given["r"]])
+        self._y[0] = np.concatenate([inputs["y"], inputs["r"]])
         u = np.zeros(schedule.l_u)
         for weight, i in ((1 - share, j), (share, j + 1)):
             u += weight * np.einsum("ijk,ik->j", self._P[i], self._u)
@@ -274,9 +274,9 @@ class ScheduledSteps(Standing, Truth):
 
 
 def _rebuilt(schedule: GainSchedule, values: Array) -> ScheduledSteps:
-    made = ScheduledSteps(schedule)
-    made.take_up(values)
-    return made
+    steps = ScheduledSteps(schedule)
+    steps.take_up(values)
+    return steps
 
 
 def _padded(one: Compensator, order: int) -> tuple[Array, Array]:

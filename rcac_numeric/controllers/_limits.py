@@ -55,12 +55,12 @@ class ControlLimits(Value):
 
     def bounds(self, l_u: int) -> tuple[Array, Array, Array, Array]:
         """(low, high, rise, fall) for every input, infinite where there is no bound."""
-        made = []
+        bounds = []
         limits = {"low": (self.low, -np.inf), "high": (self.high, np.inf)}
         limits |= {"rise": (self.rise, np.inf), "fall": (self.fall, np.inf)}
         for name, (value, default) in limits.items():
             if value is not None and value.size not in (1, l_u):
                 raise InputError(f"{name} has {value.size} entries; l_u = {l_u}.")
             full = np.full(l_u, default) if value is None else np.broadcast_to(value, l_u).copy()
-            made.append(full)
-        return made[0], made[1], made[2], made[3]
+            bounds.append(full)
+        return bounds[0], bounds[1], bounds[2], bounds[3]

@@ -95,8 +95,8 @@ class PriorSamples(Value):
     def __attrs_post_init__(self) -> None:
         if not self.is_record:
             return
-        given = {"u": self.u, "r": self.r}
-        for name, signal in given.items():
+        sizes = {"u": self.u, "r": self.r}
+        for name, signal in sizes.items():
             if signal is None and name == "r":
                 continue
             if signal is None or len(signal) != len(self.y) or signal.ndim != 2:

@@ -422,11 +422,11 @@ def require_bounds(
 
 def require_fixed(fixed: Compensator, structure: Structure) -> None:
     """Raise where a compensator in parallel does not have the controller's inputs and outputs."""
-    widths, wanted = (fixed.l_u, fixed.l_y), (structure.l_u, structure.l_y + structure.l_r)
-    if widths != wanted:
+    widths, expected = (fixed.l_u, fixed.l_y), (structure.l_u, structure.l_y + structure.l_r)
+    if widths != expected:
         raise InputError(
             f"fixed has {widths[1]} inputs and {widths[0]} outputs; beside this structure it reads "
-            f"[y; r] with {wanted[1]} components and adds to u with {wanted[0]}."
+            f"[y; r] with {expected[1]} components and adds to u with {expected[0]}."
         )
 
 
@@ -465,9 +465,9 @@ def mean_information(
     """The mean of Phi_f' Phi_f over a record, with a floor of 1e-4 of its own diagonal."""
     phi = regressor_of(structure, {"u": u, "y": y, "r": r}, np.asarray)
     Phi_f = filtered_regressor(phi, target).reshape(-1, structure.l_theta)
-    found = Phi_f.T @ Phi_f / len(phi)
-    found = (found + found.T) / 2
-    return found + FLOOR * np.diag(np.diag(found))
+    information = Phi_f.T @ Phi_f / len(phi)
+    information = (information + information.T) / 2
+    return information + FLOOR * np.diag(np.diag(information))
 
 
 def _of_sizes(prior: PriorSamples, structure: Structure, target: TargetModel) -> Array:
@@ -489,12 +489,12 @@ def _of_sizes(prior: PriorSamples, structure: Structure, target: TargetModel) ->
         if tap.signal != "derived":
             reads[first[tap.signal] + tap.component, i] = late
             continue
-        own = structure.derived[tap.component]
-        lag = late / (1 - np.clip(own.pole, -SLOWEST, SLOWEST) * past)
-        for j, (now, before) in enumerate(zip(own.now, own.before, strict=True)):
+        derived = structure.derived[tap.component]
+        lag = late / (1 - np.clip(derived.pole, -SLOWEST, SLOWEST) * past)
+        for j, (now, before) in enumerate(zip(derived.now, derived.before, strict=True)):
             reads[structure.l_u + j, i] = (now + before * past) * lag
     reads *= sizes[:, None, None]
-    found = np.einsum("csw,ctw,wij->sitj", reads.conj(), reads, spectrum, optimize=True).real
-    found = found.reshape(structure.l_theta, structure.l_theta)
-    found = (found + found.T) / 2
-    return np.asarray(found + FLOOR * np.diag(np.diag(found)))
+    information = np.einsum("csw,ctw,wij->sitj", reads.conj(), reads, spectrum, optimize=True).real
+    information = information.reshape(structure.l_theta, structure.l_theta)
+    information = (information + information.T) / 2
+    return np.asarray(information + FLOOR * np.diag(np.diag(information)))

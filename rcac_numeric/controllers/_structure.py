@@ -231,9 +231,9 @@ class Structure:
         Q = np.zeros((order + 1, self.l_u, inputs))
         P[: len(common)] -= np.multiply.outer(common, np.eye(self.l_u))
         for tap, column in zip(self.taps, values.reshape(-1, self.l_u), strict=True):
-            here = slice(tap.delay, tap.delay + len(common))
+            rows = slice(tap.delay, tap.delay + len(common))
             if tap.signal == "u":
-                P[here, :, tap.component] += np.outer(common, column)
+                P[rows, :, tap.component] += np.outer(common, column)
             elif tap.signal == "derived":
                 signal = self.derived[tap.component]
                 rest = polynomial_with([pole for pole in poles if pole != signal.pole])
@@ -244,7 +244,7 @@ class Structure:
                             rest, np.outer(column, row)
                         )
             else:
-                Q[here, :, tap.component + (self.l_y if tap.signal == "r" else 0)] += np.outer(
+                Q[rows, :, tap.component + (self.l_y if tap.signal == "r" else 0)] += np.outer(
                     common, column
                 )
         used_lags = np.flatnonzero(P[1:].any(axis=(1, 2)) | Q[1:].any(axis=(1, 2)))

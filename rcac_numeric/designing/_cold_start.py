@@ -88,8 +88,8 @@ def cold_start(
             "nmp_zeros), or DirectionInformation(H, zeros) of several signals; of a plant or a log "
             "design makes more."
         )
-    own = [u if tap.signal == "u" else y for tap in structure.taps]
-    R_theta = weight * np.diag(np.repeat(np.square(own), structure.l_u))
+    sizes = [u if tap.signal == "u" else y for tap in structure.taps]
+    R_theta = weight * np.diag(np.repeat(np.square(sizes), structure.l_u))
     filled = max(structure.n_c, target.n_f)
     k_w = max(WAITS * filled, LEAST_WAIT) if stable else filled
     return ControllerSettings(

@@ -464,42 +464,47 @@ def _basis_of(
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
-    ladder = Ladder(model, expected, u_range, cases, around.saturation)
-    own = around.structure
-    if own is not None and model.m > 1:
-        raise InputError(f"structure = {own.name} is for one input and output; leave it out.")
-    if own is not None and 0.0 in ladder.blocked and any(one.pole == 1 for one in own.derived):
+    grid = Ladder(model, expected, u_range, cases, around.saturation)
+    structure = around.structure
+    if structure is not None and model.m > 1:
+        raise InputError(f"structure = {structure.name} is for one input and output; leave it out.")
+    if (
+        structure is not None
+        and 0.0 in grid.blocked
+        and any(one.pole == 1 for one in structure.derived)
+    ):
         raise NoSolutionError(
-            f"structure = {own.name} integrates, and the plant has a zero at rest, z = 1 (s = 0), "
+            f"structure = {structure.name} integrates, and the plant has a zero at rest, z = 1 "
+            "(s = 0), "
             "that cancels the integrator: a mode that nothing moves. Take one without, such as "
             "pid('P') or fir(20)."
         )
-    reference = _reference_of(ladder, own)
+    reference = _reference_of(grid, structure)
     if around.feedforward:
         reference = with_feedforward(model, reference, expected)
     return _Basis(
-        model, uncertain, expected, assumed, cases, reference, logged, blocked=ladder.blocked
+        model, uncertain, expected, assumed, cases, reference, logged, blocked=grid.blocked
     )
 
 
-def _reference_of(ladder: Ladder, own: Structure | None) -> Reference:
+def _reference_of(grid: Ladder, structure: Structure | None) -> Reference:
     """The reference: that without limits, where its runs do not reach them; else one for them."""
 
     def best(one: Ladder) -> Reference:
-        return one.best() if own is None else reduced_reference(one, own)
+        return one.best() if structure is None else reduced_reference(one, structure)
 
-    if ladder.saturation is None:
-        return best(ladder)
+    if grid.saturation is None:
+        return best(grid)
     try:
-        free = best(ladder.without_limits())
+        free = best(grid.without_limits())
     except NoSolutionError:
-        return best(ladder)
-    return best(ladder) if ladder.reaches_limits(free.compensator) else free
+        return best(grid)
+    return best(grid) if grid.reaches_limits(free.compensator) else free
 
 
 def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
     """What was left out of a plant of many states; the fixed controller's loop with all of it."""
-    order, taken = len(model.whole.A), len(model.plant.A)
+    order, plant_order = len(model.whole.A), len(model.plant.A)
     gain = model.small_gain(reference.compensator)
     if gain < 1:
         Ms = f"at most {reference.peak / (1 - gain):.3g}"
@@ -507,13 +512,14 @@ def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
         loop = reference.loop(model.whole)
         if not loop.is_stable:
             raise NoSolutionError(
-                f"the controller for the plant's truncation to {taken} of its {order} states does "
+                f"the controller for the plant's truncation to {plant_order} of its {order} "
+                "states does "
                 "not stabilise the whole plant: give a model of lower order that is right where "
                 "the loop is to act."
             )
         Ms = f"{sensitivity_peak(loop):.3g}"
     return (
-        f"{taken} of its {order} states, and {model.plant.delay} steps of dead time",
+        f"{plant_order} of its {order} states, and {model.plant.delay} steps of dead time",
         f"balanced truncation, off by at most {100 * model.error:.2g} % of the peak of its "
         f"response; with the whole plant the fixed controller's loop is stable, Ms {Ms}",
     )
@@ -531,8 +537,8 @@ def _basis_of_log(
     first: NoSolutionError | None = None
     while True:
         try:
-            found = _basis_of(logged.plant, logged.uncertainty, around, logged)
-            return found if first is None else replace(found, obstacle=str(first))
+            basis = _basis_of(logged.plant, logged.uncertainty, around, logged)
+            return basis if first is None else replace(basis, obstacle=str(first))
         except NoSolutionError as error:
             if first is None:
                 why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
@@ -552,11 +558,15 @@ def _expected(
     """As `read_expected`; what was not given is read from the log, if there is one."""
     if logged is None:
         return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
-    is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
-    size = logged.disturbance if is_unsaid else disturbance
+    is_unspecified = isinstance(disturbance, str) and disturbance == UNKNOWN
+    size = logged.disturbance if is_unspecified else disturbance
     sensor = logged.noise if noise is None else noise
     expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain)
-    return expected, (*assumed, *(["size"] if is_unsaid else []), *(["noise"] * (noise is None)))
+    return expected, (
+        *assumed,
+        *(["size"] if is_unspecified else []),
+        *(["noise"] * (noise is None)),
+    )
 
 
 def _limits(u_limits: Any) -> Saturation | None:
@@ -582,11 +592,11 @@ def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Rec
     1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
     plant are alike. Of `trials` the controllers are run on the nominal plant beside u = 0.
     """
-    found = compared(evidence, RCAC)
+    comparison = compared(evidence, RCAC)
     nominal = next(t for t in evidence if t.controller == RCAC)
-    use, why = _choice(nominal, found)
+    use, why = _choice(nominal, comparison)
     over = None if trials is None else _over_none(trials, use)
-    return Recommendation(use, why, found, float(np.median(nominal.Ms)), over)
+    return Recommendation(use, why, comparison, float(np.median(nominal.Ms)), over)
 
 
 def _over_none(trials: Trials, name: str) -> float | None:
@@ -633,29 +643,30 @@ def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comp
     )  # fmt: skip
 
 
-def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
+def _choice(nominal: Trial, comparison: Comparison) -> tuple[str, str]:
     """Which controller, and why, in words."""
     brings = (
-        f"RCAC {'lowers' if found.ratio < 1 else 'raises'} the rms error by "
-        f"{100 * abs(found.ratio - 1):.0f} %"
+        f"RCAC {'lowers' if comparison.ratio < 1 else 'raises'} the rms error by "
+        f"{100 * abs(comparison.ratio - 1):.0f} %"
     )
     if not all(nominal.stable):
         return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
-    if found.losses > found.wins:
+    if comparison.losses > comparison.wins:
         return FIXED, (
-            f"of {found.stable[1]} held-out runs RCAC alone loses {found.losses}, and it alone "
-            f"{found.wins}; where both are stable {brings}."
+            f"of {comparison.stable[1]} held-out runs RCAC alone loses {comparison.losses}, and "
+            "it alone "
+            f"{comparison.wins}; where both are stable {brings}."
         )
-    if found.peak > PEAK:
-        return FIXED, f"{brings}, but its peaks are {found.peak:.2g} times as large."
-    if found.interval[1] < WORTH:
+    if comparison.peak > PEAK:
+        return FIXED, f"{brings}, but its peaks are {comparison.peak:.2g} times as large."
+    if comparison.interval[1] < WORTH:
         return RCAC, f"{brings} over the uncertainty."
-    saved = f"RCAC saves {found.wins} of {found.stable[1]} held-out runs that it loses"
-    if found.wins > found.losses and found.interval[1] < 1 / WORTH:
+    saved = f"RCAC saves {comparison.wins} of {comparison.stable[1]} held-out runs that it loses"
+    if comparison.wins > comparison.losses and comparison.interval[1] < 1 / WORTH:
         return RCAC, f"{saved}, and {brings}."
-    if found.wins > found.losses:
+    if comparison.wins > comparison.losses:
         return FIXED, f"{saved}, but {brings}, with confidence in neither direction."
-    if found.interval[0] > 1 / WORTH:
+    if comparison.interval[0] > 1 / WORTH:
         return FIXED, f"{brings} over the uncertainty."
     return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
 
@@ -678,8 +689,8 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
     w = np.zeros((RESPONSE, 3 * model.m))
     w[0, model.m : 2 * model.m] = 1.0
     e = np.linalg.norm(simulate(model.servo(), fixed, w).z, axis=1)
-    answered = e[e > np.finfo(float).eps * e.max()]
-    return float(answered[0] / e.max()) if len(answered) else 1.0
+    significant = e[e > np.finfo(float).eps * e.max()]
+    return float(significant[0] / e.max()) if len(significant) else 1.0
 
 
 def _questions(
@@ -692,14 +703,14 @@ def _questions(
     by_entry = "" if model.longest == model.delay else f" to {model.longest} by entry"
     least = max(late - uncertainty.delay, 0)
     most = model.longest + model.fraction + uncertainty.delay
-    found = []
+    questions = []
     if logged is not None:
-        found.append((
+        questions.append((
             "plant", f"the model of the log, {logged.model}", logged.evidence(fixed.compensator)
         ))  # fmt: skip
     if basis.truncation:
-        found.append(("plant", *basis.truncation))
-    found += [
+        questions.append(("plant", *basis.truncation))
+    questions += [
         ("plant", "gain 0 at rest", "a constant u does not move y in the end")
         if 0.0 in basis.blocked else
         ("plant", f"sign {model.sign}",
@@ -712,46 +723,50 @@ def _questions(
     ]  # fmt: skip
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
-        found.append((
+        questions.append((
             "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
             "a known step, sinusoid or spectrum is worth more than all tuning",
         ))  # fmt: skip
     for omega in basis.blocked:
-        at, what = "at rest, z = 1 (s = 0)", "a constant"
+        at, signal = "at rest, z = 1 (s = 0)", "a constant"
         model_of = "an integrator"
         if omega:
-            at, what = f"at {omega:.4g} rad/step", "this sinusoid"
+            at, signal = f"at {omega:.4g} rad/step", "this sinusoid"
             model_of = "an oscillator"
-        found.append((
+        questions.append((
             "disturbance", f"kept from y by the plant's zero {at}",
-            f"{what} of u leaves nothing in y, so that the controller is designed without "
+            f"{signal} of u leaves nothing in y, so that the controller is designed without "
             f"{model_of}, which the zero would cancel; no controller holds a command there",
         ))  # fmt: skip
     if "noise" in assumed:
         words = "standard deviation of the sensor"
-        found.append(("noise", f"{expected.noise:.3g}, in units of y", words))
+        questions.append(("noise", f"{expected.noise:.3g}, in units of y", words))
     if saturation is None:
-        seen = "" if logged is None else f"; in the log u is {logged.u[0]:.3g} to {logged.u[1]:.3g}"
-        found.append(("u_limits", "none", f"an actuator that saturates is simulated so{seen}"))
+        range_of_u = (
+            "" if logged is None else f"; in the log u is {logged.u[0]:.3g} to {logged.u[1]:.3g}"
+        )
+        questions.append(
+            ("u_limits", "none", f"an actuator that saturates is simulated so{range_of_u}")
+        )
     if (first := _first_response(model, fixed)) < FAST:
-        found.append((
+        questions.append((
             "sample_time", "kept",
             f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
         ))  # fmt: skip
     if basis.obstacle:
-        found.append((
+        questions.append((
             "plant", "a model of lower order than the log supports",
             f"the best one has no controller: {basis.obstacle}",
         ))  # fmt: skip
     if logged is not None and logged.integrates:
-        found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
+        questions.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
     if not model.is_stable and (logged is None or not logged.is_closed):
-        found.append((
+        questions.append((
             "plant", "unstable or integrating, and known as well as said",
             "confirm it on a log of a stabilised loop before RCAC runs alone",
         ))  # fmt: skip
-    return tuple(Question(*one) for one in found)
+    return tuple(Question(*one) for one in questions)
 
 
 def _no_room(limits: Saturation | None, model: DesignPlant, expected: Expected, w: Array) -> str:
@@ -781,15 +796,15 @@ def _control_at_rest(model: DesignPlant, last: Array, is_known: bool) -> float:
     """What the means of r and of a known d ask of u in the end, both scalar."""
     r, d = last[:, :2].mean(axis=0)
     with np.errstate(divide="ignore"):
-        asked = float(np.divide(r, model.gain_at_rest)) if r else 0.0
-    return asked - float(d) * is_known
+        u_at_rest = float(np.divide(r, model.gain_at_rest)) if r else 0.0
+    return u_at_rest - float(d) * is_known
 
 
 def _what_is_left(
     model: DesignPlant, expected: Expected, run: Run, verdict: Recommendation
 ) -> tuple[Question, ...]:
     """Where control cannot do its work: by the actuator, or at all."""
-    found, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
+    remainders, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
     limits = run.saturation
     if (
         limits is not None
@@ -800,7 +815,7 @@ def _what_is_left(
         at_rest = _control_at_rest(model, run.w[last], is_known=True)
         low, high = (float(np.ravel(np.asarray(one))[0]) for one in (limits.low, limits.high))
         if not low < at_rest < high:
-            found.append(Question(
+            remainders.append(Question(
                 "u_limits", f"{low:g} to {high:g}, with u = 0 at the working point",
                 f"what lasts of r and d asks for u = {at_rest:.3g} at rest, which the actuator "
                 "cannot give: the error stays. Count u from the working point",
@@ -811,15 +826,15 @@ def _what_is_left(
         left = tail_rms(run) / (tail_rms(free) or 1.0)
         if left > LEFT:
             words = f"the fixed controller leaves {left:.2g} of the error that is there without"
-            found.append(Question(
+            remainders.append(Question(
                 "disturbance", "as given", f"{words} control: there is little that it can do",
             ))  # fmt: skip
-    return tuple(found)
+    return tuple(remainders)
 
 
 def reasons_of(
     model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
-    knobs: Knobs,
+    parameters: Knobs,
 ) -> tuple[Reason, ...]:  # fmt: skip
     """Each setting, and why it is what it is."""
     n_c, structure = reference.compensator.n_c, settings.structure
@@ -834,8 +849,8 @@ def reasons_of(
     modelled = f"; with {parts} for the disturbance" if parts else ""
     chosen = f"{weights}: the least u within a tenth of the least error"
     fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
-    more = f" and {knobs.spare} more" if knobs.spare else ": more costs robustness"
-    order = f"iir(n_c={n_c + knobs.spare})", f"the order of the fixed controller{more}"
+    more = f" and {parameters.spare} more" if parameters.spare else ": more costs robustness"
+    order = f"iir(n_c={n_c + parameters.spare})", f"the order of the fixed controller{more}"
     if reference.commands:
         words = "past u, e and r under one denominator; r adds to the loop and leaves it as it is"
         order = f"feedforward(n_c={structure.n_c})", words
@@ -843,7 +858,7 @@ def reasons_of(
         words = f"fitted to LQG loops where it matters to the error{robust}"
         fixed = f"{structure.name} of {structure.l_theta} coefficients", words
         order = structure.name, "as it was asked for"
-    forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"
+    forgets = "" if parameters.forgetting == 1 else f"; lambda = {parameters.forgetting:.6g}"
     return (
         Reason("fixed", f"{fixed[0]}, Ms = {reference.peak:.3g}", fixed[1]),
         Reason("structure", *order),
@@ -851,15 +866,16 @@ def reasons_of(
                "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
         Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "
                "is weak"),
-        Reason("R_theta", f"{knobs.worth(expected):.3g} samples",
+        Reason("R_theta", f"{parameters.worth(expected):.3g} samples",
                "N_0 mean(Phi_f' Phi_f) in the fixed controller's loop: the prior is worth N_0 "
                f"samples{forgets}"),
         Reason("k_w", "0 steps", "theta_0 is a controller already: to wait with u = 0 while y "
                "moves gives it a past that it never had"),
         Reason("k_update", f"{settings.k_update} steps",
                "max(n_c, n_f), where regressor and filter are full"),
-        Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {knobs.nu:.3g} over the size of z",
+        Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {parameters.nu:.3g} over the size of z",
                "a step with a large z weighs less"),
-        Reason("bounds", f"theta_0 +- {knobs.width:.3g} of its rms", "an actuator or a delay that "
+        Reason("bounds", f"theta_0 +- {parameters.width:.3g} of its rms", "an actuator or a "
+               "delay that "
                "is not as expected moves theta no further"),
     )  # fmt: skip

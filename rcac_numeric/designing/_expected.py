@@ -111,10 +111,10 @@ class Expected(Value):
         """Frequency in rad/sample and amplitude of each sinusoid that is known."""
         if self.disturbance is None:
             return ()
-        found = ((f, one) for f, one in parts_of(self.disturbance))
+        sinusoids = ((f, one) for f, one in parts_of(self.disturbance))
         return tuple(
             (float(one.omega), abs(f * one.amplitude))
-            for f, one in found if isinstance(one, Harmonic) and one.amplitude
+            for f, one in sinusoids if isinstance(one, Harmonic) and one.amplitude
         )  # fmt: skip
 
     def signals(self, seed: int, noise: float = 1.0) -> tuple[Signal, ...]:
@@ -157,8 +157,8 @@ class Expected(Value):
 
 def _coloured(steps: int, rng: np.random.Generator) -> Array:
     """Noise of unit variance with the spectrum of a lag at `COLOUR`."""
-    made = lfilter([np.sqrt(1 - COLOUR**2)], [1.0, -COLOUR], rng.standard_normal(steps))
-    return np.asarray(made, dtype=np.float64)
+    coloured = lfilter([np.sqrt(1 - COLOUR**2)], [1.0, -COLOUR], rng.standard_normal(steps))
+    return np.asarray(coloured, dtype=np.float64)
 
 
 def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
@@ -211,7 +211,7 @@ def read_expected(
     else:
         assumed.append("disturbance")
         size = float(disturbance)
-    told = size
+    known_size = size
     if command is not None:
         size = max(size, _size(1.0, command) / gain)
     if not size:
@@ -223,7 +223,7 @@ def read_expected(
     if noise is None:
         assumed.append("noise")
         noise = QUIET * gain * size
-    return Expected(signal, size, float(noise), command, m, told), tuple(assumed)
+    return Expected(signal, size, float(noise), command, m, known_size), tuple(assumed)
 
 
 def _assumed_size(

@@ -94,9 +94,9 @@ class LoggedPlant(Result):
     def uncertainty(self) -> Uncertainty:
         """The usual one, with a gain as uncertain as the parts disagree."""
         usual = Uncertainty()
-        found = [one for one in self.gains if one > 0] or [1.0]
+        gains = [one for one in self.gains if one > 0] or [1.0]
         low, high = usual.gain
-        return Uncertainty(gain=(min(low, *found), max(high, *found)))
+        return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
 
     def held(self, compensator: Compensator) -> int:
         """On how many parts the loop with a controller is stable with Ms < 4."""
@@ -112,21 +112,21 @@ class LoggedPlant(Result):
         gains = self.gains
         same = sum(one > 0 for one in gains)
         spread = f", their gains {min(gains):.3g} to {max(gains):.3g} times" if gains else ""
-        found = [
+        evidence = [
             f"{same} of {PARTS} parts of the log have this sign{spread}",
             f"the fixed controller holds {self.held(compensator)} of them with Ms < {ROBUST:g}",
         ]
         if self.held_out is not None:
-            found.append(
+            evidence.append(
                 f"with a pole at 1 the error on the last third is {np.sqrt(self.held_out):.3g} "
                 "times that with a free one"
             )
         if isinstance(self.model, PredictionErrorModel):
-            found.append(
+            evidence.append(
                 "its prediction errors are correlated with what moved u by "
                 f"{self.model.correlation:.2g} standard errors at most"
             )
-        return "; ".join(found)
+        return "; ".join(evidence)
 
 
 def plant_from_log(
@@ -156,11 +156,11 @@ def plant_from_log(
     is_closed = (log.r is not None and np.ptp(log.r) > 0) or answers(log.u, log.y)
     identify = identify_in_closed_loop if is_closed else identify_output_error
     model: LogModel = identify(log.u, log.y, integrators=(0, 1), **known)
-    held_out = None
+    verification = None
     if model.integrators:
-        held_out, is_worse = _held_out(log, model)
+        verification, is_worse = _held_out(log, model)
         if is_worse:
-            model, held_out = identify(log.u, log.y, **known), None
+            model, verification = identify(log.u, log.y, **known), None
     if isinstance(model, PredictionErrorModel) and model.correlation > ACCIDENT:
         raise InputError(
             f"u answers to y in {log.source}, and no model tells the plant from the loop: the "
@@ -180,7 +180,7 @@ def plant_from_log(
     rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
     size = max(rest, noise) / plant.low_gain
     limits = float(log.u.min()), float(log.u.max())
-    return LoggedPlant(plant, model, tuple(parts), noise, size, limits, held_out)
+    return LoggedPlant(plant, model, tuple(parts), noise, size, limits, verification)
 
 
 def _again(
@@ -203,11 +203,11 @@ def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
     squares = []
     for poles in (1, 0):
         try:
-            found = _again(model, log.u[:cut], log.y[:cut], poles)
+            refitted = _again(model, log.u[:cut], log.y[:cut], poles)
         except InputError:  # the rest shows nothing, either way
             return np.inf, True
         try:
-            e = found.errors(log.u[cut:], log.y[cut:])
+            e = refitted.errors(log.u[cut:], log.y[cut:])
         except InputError as error:
             raise InputError(
                 f"the last third of {log.source}, {len(log.u) - cut} of its {len(log.u)} steps, by "
@@ -229,7 +229,7 @@ def _plant_of(model: LogModel, sample_time: float | None) -> DesignPlant:
     size = float(np.abs(model.numerator).max()) or 1.0  # SciPy takes 1e-14 for nothing
     A, B, C, _ = tf2ss(model.numerator / size, model.denominator)
     A, B, C = balanced(A, B, C * size)
-    made = DesignPlant(A, B, C, model.delay, sample_time=sample_time)
-    if not made.low_gain > 0:
+    plant = DesignPlant(A, B, C, model.delay, sample_time=sample_time)
+    if not plant.low_gain > 0:
         raise InputError("the model of the log has no gain: y does not answer to u.")
-    return made
+    return plant

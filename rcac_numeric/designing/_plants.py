@@ -153,18 +153,18 @@ class DesignPlant(Value):
 
         The disturbance d enters with u, before the dead time.
         """
-        here = Variation() if changed is None else changed
-        A, B = self._sampled(here.time)
+        change = Variation() if changed is None else changed
+        A, B = self._sampled(change.time)
         n, m = B.shape
-        late = m * (self.longest + here.delay)
+        late = m * (self.longest + change.delay)
         chain = np.eye(n + late, k=m)
         chain[:n] = 0.0
         chain[:n, :n] = A
         enters = np.zeros((n + late, m))
         if late:
             enters[-m:] = np.eye(m)
-        for steps, part in self._parts_of(B * np.asarray(here.gain)):
-            past = m * (steps + here.delay)
+        for steps, part in self._parts_of(B * np.asarray(change.gain)):
+            past = m * (steps + change.delay)
             if past:
                 chain[:n, n + late - past : n + late - past + m] += part
             else:
@@ -228,14 +228,14 @@ class DesignPlant(Value):
         """A and B with all time constants so many times as long."""
         if time == 1:
             return self.A, self.B
-        found = continuous_of(self)
-        if found is None:
+        continuous = continuous_of(self)
+        if continuous is None:
             raise NoSolutionError(
                 "the plant has a pole at 0 or on the negative axis that no plant in continuous "
                 "time has, so that its time constants cannot be varied; give it in s with "
                 "sample_time, or its dead time apart."
             )
-        return _held(found[0] / time, found[1] / time, self.fraction)
+        return _held(continuous[0] / time, continuous[1] / time, self.fraction)
 
 
 def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
@@ -246,16 +246,16 @@ def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
     poles = np.linalg.eigvals(plant.A)
     if ((np.abs(poles.imag) < 1e-9) & (poles.real < 1e-6)).any():
         return None
-    held = np.block([[plant.A, plant.B], [np.zeros((plant.m, n)), np.eye(plant.m)]])
+    augmented = np.block([[plant.A, plant.B], [np.zeros((plant.m, n)), np.eye(plant.m)]])
     try:
-        found = np.asarray(logm(held))
+        logarithm = np.asarray(logm(augmented))
     except ValueError:  # it leaves float64
         return None
-    if not np.linalg.norm(expm(found) - held) <= LOGARITHM * np.linalg.norm(held):
+    if not np.linalg.norm(expm(logarithm) - augmented) <= LOGARITHM * np.linalg.norm(augmented):
         return None
-    if np.abs(found.imag).max(initial=0.0) > 1e-9 * np.abs(found).max(initial=1.0):
+    if np.abs(logarithm.imag).max(initial=0.0) > 1e-9 * np.abs(logarithm).max(initial=1.0):
         return None
-    return found.real[:n, :n], found.real[:n, n:]
+    return logarithm.real[:n, :n], logarithm.real[:n, n:]
 
 
 def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
@@ -325,9 +325,9 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
     whole = int(np.floor(late / h + ROUNDING))
     fraction = max(late / h - whole, 0.0)
     fraction = fraction if fraction > 2 * ROUNDING else 0.0
-    held_A, held_B = _held(A, B, fraction)
-    held_C = np.hstack([C, np.zeros((len(C), len(held_A) - len(A)))])
-    made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
+    hold_A, hold_B = _held(A, B, fraction)
+    hold_C = np.hstack([C, np.zeros((len(C), len(hold_A) - len(A)))])
+    made = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
     return _checked(made)
 
 
@@ -395,14 +395,14 @@ def _period(sample_time: float | None) -> float:
 def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
     """A, B and C of a plant in continuous time; None where its time is discrete."""
     if isinstance(plant, ContinuousPlant):
-        found = plant.A, plant.B, plant.C
-        return tuple(np.atleast_2d(np.asarray(m, dtype=np.float64)) for m in found)  # type: ignore[return-value]
-    made = _realised(plant)
-    if made is None or str(made.variable) != "s":
+        matrices = plant.A, plant.B, plant.C
+        return tuple(np.atleast_2d(np.asarray(m, dtype=np.float64)) for m in matrices)  # type: ignore[return-value]
+    plant_in_q = _realised(plant)
+    if plant_in_q is None or str(plant_in_q.variable) != "s":
         return None
-    if any(entry != 0 for entry in made.D):
+    if any(entry != 0 for entry in plant_in_q.D):
         raise ImproperError(IMPROPER)
-    A, B, C, _ = rounded_once(made)
+    A, B, C, _ = rounded_once(plant_in_q)
     _require_square(B.shape[1], len(C))
     return A, B, C
 
@@ -431,8 +431,8 @@ def _of_plant(plant: Plant) -> DesignPlant:
         )
     m = plant.l_u
     sign = -1.0 if dict(plant.blocks) == {"r": m, "d": m, "v": m} else 1.0
-    made = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
-    return _checked(made)
+    design_plant = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
+    return _checked(design_plant)
 
 
 def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
@@ -506,20 +506,20 @@ def _require_square(l_u: int, l_y: int) -> None:
 def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation, ...]:
     """The plant itself, and what it may be instead: one thing changed at a time."""
     low, high = uncertainty.gain
-    found = [Variation()]
-    found += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]
+    changes = [Variation()]
+    changes += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]
     for i in range(plant.m if plant.m > 1 and low < high else 0):
         gains = tuple(low if i == j else high for j in range(plant.m))
-        found.append(Variation(f"input {i + 1} x {low:g}, others x {high:g}", gain=gains))
+        changes.append(Variation(f"input {i + 1} x {low:g}, others x {high:g}", gain=gains))
     if uncertainty.delay:
         more = uncertainty.delay
-        found.append(Variation(f"delay + {more}", delay=more))
+        changes.append(Variation(f"delay + {more}", delay=more))
         if less := min(more, plant.delay):
-            found.append(Variation(f"delay - {less}", delay=-less))
+            changes.append(Variation(f"delay - {less}", delay=-less))
     if uncertainty.time != 1 and continuous_of(plant) is not None:
         slow = uncertainty.time
-        found.append(Variation(f"time constants x {slow:.3g}", time=slow))
-        found.append(Variation(f"time constants / {slow:.3g}", time=1 / slow))
+        changes.append(Variation(f"time constants x {slow:.3g}", time=slow))
+        changes.append(Variation(f"time constants / {slow:.3g}", time=1 / slow))
     if uncertainty.noise != 1:
-        found.append(Variation(f"noise x {uncertainty.noise:g}", noise=uncertainty.noise))
-    return tuple(found)
+        changes.append(Variation(f"noise x {uncertainty.noise:g}", noise=uncertainty.noise))
+    return tuple(changes)

@@ -43,7 +43,7 @@ def require_reducible(structure: Structure) -> None:
         )
 
 
-def reduced_reference(ladder: Ladder, structure: Structure) -> Reference:
+def reduced_reference(grid: Ladder, structure: Structure) -> Reference:
     """The controller of a structure that is nearest to the LQG loops of a ladder, and improved.
 
     Of each LQG controller C on the ladder the coefficients are fitted that minimise
@@ -56,39 +56,39 @@ def reduced_reference(ladder: Ladder, structure: Structure) -> Reference:
     """
     require_reducible(structure)
     taps = _responses(structure)
-    G = ladder.response(OMEGA)
-    spectrum = np.abs(G) ** 2 * ladder.disturbance_spectrum(OMEGA) + ladder.noise_variance
-    found = []
-    for R_2, V_2, parts in ladder.rungs():
+    G = grid.response(OMEGA)
+    spectrum = np.abs(G) ** 2 * grid.disturbance_spectrum(OMEGA) + grid.noise_variance
+    candidates = []
+    for R_2, V_2, parts in grid.rungs():
         A, B, C, _ = parts
         z = np.exp(1j * OMEGA)[:, None, None]
-        wanted = (C @ np.linalg.solve(z * np.eye(len(A)) - A, B[None] + 0j))[:, 0, 0]
-        S = 1 / (1 - G * wanted)
-        theta = _fitted(taps, wanted, np.abs(S**2 * G) * np.sqrt(spectrum * OMEGA))
-        found += [
-            (ladder.judged(_parts(structure, share * theta)), R_2, V_2, share * theta)
+        response = (C @ np.linalg.solve(z * np.eye(len(A)) - A, B[None] + 0j))[:, 0, 0]
+        S = 1 / (1 - G * response)
+        theta = _fitted(taps, response, np.abs(S**2 * G) * np.sqrt(spectrum * OMEGA))
+        candidates += [
+            (grid.judged(_parts(structure, share * theta)), R_2, V_2, share * theta)
             for share in SHARES
         ]
-    found.sort(key=lambda one: one[0].order)
-    if not found or not np.isfinite(found[0][0].peak):
+    candidates.sort(key=lambda one: one[0].order)
+    if not candidates or not np.isfinite(candidates[0][0].peak):
         raise NoSolutionError(
             f"no {structure.name} controller with {structure.l_theta} coefficients that was tried "
             "stabilises the plant; leave structure out, or give one with more coefficients."
         )
-    thetas = [found[0][-1]]
+    thetas = [candidates[0][-1]]
     if len(thetas[0]) <= FEW:
-        thetas.insert(0, _improved(ladder, structure, thetas[0]))
-    if ladder.saturation is not None:  # which the cost knows nothing of
-        thetas += [theta for *_, theta in found[1:SOME]]
-        safe = [ladder.judged(_parts(structure, one)).safe for one in thetas]
+        thetas.insert(0, _improved(grid, structure, thetas[0]))
+    if grid.saturation is not None:  # which the cost knows nothing of
+        thetas += [theta for *_, theta in candidates[1:SOME]]
+        safe = [grid.judged(_parts(structure, one)).safe for one in thetas]
         thetas = [one for one, how in zip(thetas, safe, strict=True) if how == min(safe)]
-        made = [ladder.in_units(structure.compensator(one)) for one in thetas]
-        thetas = [thetas[ladder.in_runs(made)[0]]]
-    theta, by = thetas[0], ladder.units[0] / ladder.units[1]
-    full = ladder.best()
+        compensators = [grid.in_units(structure.compensator(one)) for one in thetas]
+        thetas = [thetas[grid.in_runs(compensators)[0]]]
+    theta, by = thetas[0], grid.units[0] / grid.units[1]
+    full = grid.best()
     return replace(
-        full, compensator=ladder.in_units(structure.compensator(theta)),
-        peak=ladder.judged(_parts(structure, theta)).peak, structure=structure, theta=theta * by,
+        full, compensator=grid.in_units(structure.compensator(theta)),
+        peak=grid.judged(_parts(structure, theta)).peak, structure=structure, theta=theta * by,
         full=full.compensator,
     )  # fmt: skip
 
@@ -96,20 +96,20 @@ def reduced_reference(ladder: Ladder, structure: Structure) -> Reference:
 def _responses(structure: Structure) -> ComplexArray:
     """What u is for each coefficient, y = 1, at every frequency; shape (frequencies, l_theta)."""
     past = np.exp(-1j * OMEGA)
-    found = []
+    columns = []
     for tap in structure.taps:
-        made = past**tap.delay
+        column = past**tap.delay
         if tap.signal == "derived":
             signal = structure.derived[tap.component]
-            made = made * (signal.now[0] + signal.before[0] * past) / (1 - signal.pole * past)
-        found.append(made)
-    return np.array(found).T
+            column = column * (signal.now[0] + signal.before[0] * past) / (1 - signal.pole * past)
+        columns.append(column)
+    return np.array(columns).T
 
 
-def _fitted(columns: ComplexArray, wanted: ComplexArray, weight: Array) -> Array:
+def _fitted(columns: ComplexArray, response: ComplexArray, weight: Array) -> Array:
     """Real coefficients of least squares over complex rows."""
     rows = np.concatenate([part * weight[:, None] for part in (columns.real, columns.imag)])
-    right = np.concatenate([part * weight for part in (wanted.real, wanted.imag)])
+    right = np.concatenate([part * weight for part in (response.real, response.imag)])
     size = np.linalg.norm(rows, axis=0)
     size[size == 0] = 1.0
     return np.asarray(np.linalg.lstsq(rows / size, right, rcond=RIDGE)[0] / size)
@@ -119,23 +119,23 @@ def _parts(structure: Structure, theta: Array) -> tuple[Array, Array, Array, Arr
     return structure.compensator(theta).state_space()
 
 
-def _improved(ladder: Ladder, structure: Structure, theta: Array) -> Array:
+def _improved(grid: Ladder, structure: Structure, theta: Array) -> Array:
     """The coefficients after a search in units of what they were; no worse than before."""
     size = np.where(theta == 0, np.abs(theta).max() or 1.0, theta)
 
     def cost(x: Array) -> float:
-        found = ladder.judged(_parts(structure, x * size))
-        if not np.isfinite(found.peak):
-            return UNSTABLE * (1 + found.lost)
-        narrow = max(1.0, found.peak / MOST) ** 6 * (1 + found.lost) ** 4
-        return float(np.sqrt(found.error) * narrow * max(1.0, found.wide))
+        judgement = grid.judged(_parts(structure, x * size))
+        if not np.isfinite(judgement.peak):
+            return UNSTABLE * (1 + judgement.lost)
+        narrow = max(1.0, judgement.peak / MOST) ** 6 * (1 + judgement.lost) ** 4
+        return float(np.sqrt(judgement.error) * narrow * max(1.0, judgement.wide))
 
     start = theta / size
-    found = minimize(
+    optimum = minimize(
         cost, start, method="Nelder-Mead",
         options={"maxfev": TRIES * len(theta), "xatol": 1e-3, "fatol": 1e-4},
     )  # fmt: skip
-    return np.asarray(found.x * size) if found.fun < cost(start) else theta
+    return np.asarray(optimum.x * size) if optimum.fun < cost(start) else theta
 
 
 def with_feedforward(plant: DesignPlant, reference: Reference, expected: Expected) -> Reference:

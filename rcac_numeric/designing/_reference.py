@@ -221,7 +221,7 @@ class Ladder:
             move[0] = -1.0
         return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
 
-    def _runs(self, made: Sequence[Compensator]) -> list[Run]:
+    def _runs(self, compensators: Sequence[Compensator]) -> list[Run]:
         """Each controller on the nominal plant and the others, for every draw, with the limits."""
         draws = range(1 if self.expected.is_known else len(KINDS))
         plants = [Variation(), *self.others]
@@ -230,7 +230,7 @@ class Ladder:
         options = {"saturation": self.saturation}
         cases = [
             SimulationCase(servo, FixedController(G_c), w, options)
-            for G_c in made
+            for G_c in compensators
             for servo, one in zip(map(self.plant.servo, plants), plants, strict=True)
             for w in ws[one.noise]
         ]
@@ -255,7 +255,7 @@ class Ladder:
         """
         plant, units, V = self.plant, self.units, self.noise_variance
         rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
-        found = [(self.judged(parts), *rung) for rung, parts in rungs.items()]
+        found = [(self.judged(parts), *weights) for weights, parts in rungs.items()]
         found = [one for one in found if np.isfinite(one[0].peak)]
         obstacle: CompensatorError | None = None
         found.sort(key=lambda one: (one[0].order, *one[1:]))
@@ -271,13 +271,14 @@ class Ladder:
             except CompensatorError as error:
                 obstacle = error
                 continue
-            made = self.in_units(G_c)
+            compensator = self.in_units(G_c)
             if plant.m > 1 and not (
-                sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * judged.peak
+                sensitivity_peak(ClosedLoop(plant.servo(), compensator))
+                <= (1 + CLOSER) * judged.peak
             ):
                 obstacle = NoSolutionError("rounded, the controller loses its robustness.")
                 continue
-            return Reference(best, made, judged.peak, R_2, V_2, units)
+            return Reference(best, compensator, judged.peak, R_2, V_2, units)
         _require_no_hidden_mode(plant)
         order = self.scaled.n + len(self.models) * plant.m
         rounded = f": those of order {order} that do need more digits than it has" * bool(obstacle)
@@ -288,20 +289,20 @@ class Ladder:
         ) from obstacle
 
     def _by_runs(
-        self, found: list[tuple[Judged, float, float]],
+        self, judged: list[tuple[Judged, float, float]],
         rungs: Mapping[tuple[float, float], StateSpace],
     ) -> list[tuple[Judged, float, float]]:  # fmt: skip
         """The robust rungs, or those that are nearest to it, by runs; then the others."""
-        first = [one for one in found if one[0].safe == min(other[0].safe for other in found)]
-        made, kept = [], []
+        first = [one for one in judged if one[0].safe == min(other[0].safe for other in judged)]
+        compensators, remaining = [], []
         for one in first:
             try:
-                made.append(self.in_units(converted(rungs[one[1:]], CLOSE)[0]))
-                kept.append(one)
+                compensators.append(self.in_units(converted(rungs[one[1:]], CLOSE)[0]))
+                remaining.append(one)
             except CompensatorError:
                 continue
-        best = [kept[i] for i in self.in_runs(made)]
-        return best + [one for one in found if one not in best]
+        best = [remaining[i] for i in self.in_runs(compensators)]
+        return best + [one for one in judged if one not in best]
 
     def response(self, omega: Array) -> ComplexArray:
         """From u to e, both scalar, in units of the ladder."""
@@ -310,7 +311,7 @@ class Ladder:
 
     def disturbance_spectrum(self, omega: Array) -> Array:
         """Of d, in units of the ladder: white noise, and what drives its models through them."""
-        found = np.full(len(omega), self.noise["d"])
+        spectrum = np.full(len(omega), self.noise["d"])
         z = np.exp(1j * omega)
         for kind, (pole, power) in self.models.items():
             mode = LASTS * np.exp(1j * pole)
@@ -318,23 +319,23 @@ class Ladder:
             part = (1 - LASTS**2) * power / size**2
             if kind == SLOPE:
                 part = part * (1 - LASTS**2) * self.models[BIAS][1] / size**2
-            found += part
-        return found
+            spectrum += part
+        return spectrum
 
 
 def _calmest_first(
-    found: list[tuple[Judged, float, float]],
+    judged: list[tuple[Judged, float, float]],
 ) -> list[tuple[Judged, float, float]]:
     """Of the robust ones whose error is nearly the least, that with the least u comes first.
 
     The last tenth of the error is bought with a u that answers to every step of the noise.
     """
-    if not found or found[0][0].order[:2] != (False, 0.0):
-        return found
-    most = NEARLY**2 * found[0][0].error
-    near = [one for one in found if one[0].order[:2] == (False, 0.0) and one[0].error <= most]
+    if not judged or judged[0][0].order[:2] != (False, 0.0):
+        return judged
+    most = NEARLY**2 * judged[0][0].error
+    near = [one for one in judged if one[0].order[:2] == (False, 0.0) and one[0].error <= most]
     near.sort(key=lambda one: one[0].control)
-    return near + [one for one in found if one not in near]
+    return near + [one for one in judged if one not in near]
 
 
 def reference_loop(
@@ -365,9 +366,9 @@ def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> 
     at = "at rest, z = 1 (s = 0)" if omega == 0 else f"at {omega:.4g} rad/step"
     where = f"the plant has a zero {at}, so that"
     if plant.m > 1:
-        what = "constants" if omega == 0 else f"sinusoids of {omega:.4g} rad/step"
+        signals = "constants" if omega == 0 else f"sinusoids of {omega:.4g} rad/step"
         raise NoSolutionError(
-            f"{where} in one direction {what} of u do not reach y: no controller rejects a "
+            f"{where} in one direction {signals} of u do not reach y: no controller rejects a "
             "disturbance there. Choose another measurement or actuator; or, for noise alone, say "
             "disturbance=WhiteNoise(...)."
         )
@@ -435,7 +436,7 @@ def _channels_of_d(plant: Plant) -> tuple[str, ...]:
 
 def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Models:
     """From kinds to (frequency, mean square) of what each d carries beside white noise."""
-    found: Models = {}
+    models: Models = {}
     stays, grows = (
         max(size / unit for size, unit in zip(sizes, units, strict=True))
         for sizes in (expected.stays, expected.slopes)
@@ -443,20 +444,20 @@ def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Model
     drive = DRIFT**2 / (1 - LASTS**2)
     if stays or grows:
         stays = max(stays, grows)
-        found[BIAS] = 0.0, stays**2 * drive
+        models[BIAS] = 0.0, stays**2 * drive
     if grows:  # a bias of what drives the bias, by which that moves DRIFT of its size in a step
-        found[SLOPE] = 0.0, (grows / (DRIFT * stays)) ** 2 * drive
+        models[SLOPE] = 0.0, (grows / (DRIFT * stays)) ** 2 * drive
     for i, (omega, amplitude) in enumerate(expected.sinusoids):
         name = f"oscillation_{i + 1}_"  # of its two channels the names end in 1 and 2
-        found[name] = omega, (amplitude / units[0]) ** 2 * drive
-    return found
+        models[name] = omega, (amplitude / units[0]) ** 2 * drive
+    return models
 
 
 def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     """Z = [e; sqrt(R_2) (u + d)], with the disturbance models on d."""
     m = plant.l_u
     none, rho = np.zeros((m, m)), np.sqrt(R_2) * np.eye(m)
-    made = replaced(
+    problem = replaced(
         plant,
         E_1=np.vstack([plant.E_1, np.zeros((m, plant.n))]),
         E_2=np.vstack([none, rho]),
@@ -465,14 +466,14 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     for channel in _channels_of_d(plant):
         for name, (omega, power) in models.items():
             if name == BIAS:
-                made = with_bias(made, channel, pole=LASTS, mean_square=power)
+                problem = with_bias(problem, channel, pole=LASTS, mean_square=power)
             elif name == SLOPE:
-                made = with_bias(made, f"{channel}_{BIAS}", pole=LASTS, mean_square=power)
+                problem = with_bias(problem, f"{channel}_{BIAS}", pole=LASTS, mean_square=power)
             else:
-                made = with_oscillation(
-                    made, channel, omega=omega, radius=LASTS, mean_square=power, name=name
+                problem = with_oscillation(
+                    problem, channel, omega=omega, radius=LASTS, mean_square=power, name=name
                 )
-    return made
+    return problem
 
 
 def _rungs(
@@ -485,20 +486,24 @@ def _rungs(
     """The LQG controllers of the ladder: two Riccati equations for each side, not for each rung."""
     regulators, estimators = {}, {}
     for R_2 in factors[0]:
-        made = _weighted(plant, R_2, models)
+        problem = _weighted(plant, R_2, models)
         try:
             regulators[R_2] = stabilising_solution(
-                made.A, made.B, weights(made.E_1, made.E_2), (made.E_1, made.E_2), REGULATOR
+                problem.A,
+                problem.B,
+                weights(problem.E_1, problem.E_2),
+                (problem.E_1, problem.E_2),
+                REGULATOR,
             )
         except CompensatorError:
             continue
-    made = _weighted(plant, 1.0, models)
+    problem = _weighted(plant, 1.0, models)
     for V_2 in factors[1]:
-        inputs = noise_inputs(made, {**noise, "v": V * V_2})
+        inputs = noise_inputs(problem, {**noise, "v": V * V_2})
         pair = inputs.D_1.T, inputs.D_2.T
         try:
             estimators[V_2] = stabilising_solution(
-                made.A.T, made.C.T, weights(*pair), pair, ESTIMATOR
+                problem.A.T, problem.C.T, weights(*pair), pair, ESTIMATOR
             )
         except CompensatorError:
             continue
@@ -506,7 +511,7 @@ def _rungs(
     for V_2, estimator in estimators.items():
         for R_2, regulator in regulators.items():
             gains = regulator.K, -estimator.K.T
-            yield R_2, V_2, controller_matrices(made, *gains, none)
+            yield R_2, V_2, controller_matrices(problem, *gains, none)
 
 
 def _peak(plant: Plant, parts: StateSpace) -> float:
@@ -540,14 +545,14 @@ def _powers(
     plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]
 ) -> tuple[float, float]:
     """E[e_0^2] and E[(u + b)^2] under what is expected; the means of several."""
-    made = _weighted(plant, 1.0, models)
+    problem = _weighted(plant, 1.0, models)
     m = plant.l_u
-    E_0 = np.zeros((2 * m, made.l_w))
+    E_0 = np.zeros((2 * m, problem.l_w))
     E_0[:m, :m] = np.eye(m)  # of the noise v only what comes back through the loop is an error
-    inputs = noise_inputs(replaced(made, E_0=E_0), noise)
-    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(made, parts, inputs)
+    inputs = noise_inputs(replaced(problem, E_0=E_0), noise)
+    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(problem, parts, inputs)
     covariance = stein_solution(A, B @ B.T)
-    Z, W = E_x + made.E_2 @ K_x, E_w + made.E_2 @ K_w
+    Z, W = E_x + problem.E_2 @ K_x, E_w + problem.E_2 @ K_w
     powers = np.einsum("ij,jk,ik->i", Z, covariance, Z) + np.sum(W**2, axis=1)
     return float(np.mean(powers[:m])), float(np.mean(powers[m:]))
 

@@ -72,7 +72,7 @@ class Knobs:
 
 
 def settings_of(
-    plant: DesignPlant, reference: Reference, expected: Expected, knobs: Knobs | None = None
+    plant: DesignPlant, reference: Reference, expected: Expected, parameters: Knobs | None = None
 ) -> ControllerSettings:
     """RCAC's settings from a reference loop.
 
@@ -80,26 +80,26 @@ def settings_of(
     theta(0) the reference controller; R_theta = N_0 mean(Phi_f' Phi_f) in the reference loop under
     the expected signals, so that the prior is worth N_0 samples.
     """
-    knobs = Knobs() if knobs is None else knobs
+    parameters = Knobs() if parameters is None else parameters
     G_c, servo, l_r = reference.compensator, plant.servo(), reference.commands
     if reference.structure is not None and reference.theta is not None:
         structure, theta_0 = reference.structure, reference.theta
     else:
-        G_c = with_spare_order(G_c, knobs.spare)
+        G_c = with_spare_order(G_c, parameters.spare)
         order, m = G_c.n_c, plant.m
         structure = feedforward(order, m, m, l_r) if l_r else iir(order, m, m)
         theta_0 = coefficients_of(G_c, plant.m)
     w = expected.prior_w(STEPS, reads_command=bool(l_r))
     run = simulate(servo, FixedController(G_c, l_r=l_r), w)
     target = intercalated_target(servo, G_c, run.u, structure)
-    prior = PriorSamples(knobs.worth(expected), run.y, run.u, run.w[:, :l_r] if l_r else None)
+    prior = PriorSamples(parameters.worth(expected), run.y, run.u, run.w[:, :l_r] if l_r else None)
     size = float(np.sqrt(np.mean(np.sum(run.z**2, axis=1))))
     return ControllerSettings(
         structure=structure, target=target, theta_0=theta_0,
-        update=UD(R_theta=prior, lambda_=knobs.forgetting),
-        R_z=SignalWeight(constant=1.0, nu=knobs.nu / size),
+        update=UD(R_theta=prior, lambda_=parameters.forgetting),
+        R_z=SignalWeight(constant=1.0, nu=parameters.nu / size),
         k_w=0, k_update=max(structure.n_c, target.n_f),
-        bounds=_box(theta_0, structure, knobs.width),
+        bounds=_box(theta_0, structure, parameters.width),
     )  # fmt: skip
 
 
@@ -120,8 +120,8 @@ def intercalated_target(
         exact.polynomial(of_e.numerator.tolist(), "q"),
         exact.polynomial(of_e.denominator.tolist(), "q"),
     )
-    own = {one.pole for one in structure.derived} - {0.0} if structure is not None else set()
-    for pole in sorted(own):
+    poles = {one.pole for one in structure.derived} - {0.0} if structure is not None else set()
+    for pole in sorted(poles):
         exactly = exactly * exact.transfer_function(f"(q - {exact.exact_number(pole)})/q")
     try:
         rounded = from_transfer_function(exactly)
@@ -154,17 +154,17 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
     while delay < len(A) and not np.abs(C @ B).max() > np.finfo(float).eps * np.linalg.norm(C):
         C, delay = C @ A, delay + 1
     omega = np.linspace(0, np.pi, len(u) // 2 + 1)
-    wanted = loop.intercalated_response(omega)
-    found = []
+    response = loop.intercalated_response(omega)
+    coefficients = []
     for share in LEFT_OUT:
         try:
             one = _over_one_denominator(advanced(A, B, C, share), delay)
         except CompensatorError:  # rounded to float64 it is unstable
             continue
-        found.append((miss(one.frequency_response(omega), wanted, u), one))
-        if found[-1][0] < HEARD:
+        coefficients.append((miss(one.frequency_response(omega), response, u), one))
+        if coefficients[-1][0] < HEARD:
             return one
-    least, target = min(found, key=lambda one: one[0], default=(np.inf, None))
+    least, target = min(coefficients, key=lambda one: one[0], default=(np.inf, None))
     if target is None or not least < MISSED:
         raise NoSolutionError(
             f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
@@ -173,14 +173,16 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
     return target
 
 
-def miss(found: ComplexArray, wanted: ComplexArray, u: Array) -> float:
+def miss(response: ComplexArray, reference: ComplexArray, u: Array) -> float:
     """How far a response to u is from the one that is wanted, over its size, in any octave.
 
     max over octaves of norm((G - G_wanted) U)/norm(G_wanted U), and the same over all frequencies;
     octaves with less than 0.03 of the response count in the latter alone.
     """
     U = np.fft.rfft(np.hanning(len(u))[:, None] * u, axis=0)[:, :, None]
-    error, size = (np.sum(np.abs(G @ U) ** 2, axis=(1, 2)) for G in (found - wanted, wanted))
+    error, size = (
+        np.sum(np.abs(G @ U) ** 2, axis=(1, 2)) for G in (response - reference, reference)
+    )
     k = np.maximum(np.arange(len(U)), 1)
     octave = np.floor(np.log2(k[-1] / k)).astype(int)
     errors, sizes = (np.bincount(octave, one) for one in (error, size))
@@ -207,14 +209,14 @@ def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
         Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
         for m in parts
     )
-    found = transfer_matrix_of_realisation(a, b, c, d, Symbol("q"))
-    powers = range(found.denominator.degree(), -1, -1)
-    chi = rounded([found.denominator.nth(k) for k in powers], "the target model's denominator")
-    entries = [entry for row in found.numerators for entry in row]
+    transfer = transfer_matrix_of_realisation(a, b, c, d, Symbol("q"))
+    powers = range(transfer.denominator.degree(), -1, -1)
+    chi = rounded([transfer.denominator.nth(k) for k in powers], "the target model's denominator")
+    entries = [entry for row in transfer.numerators for entry in row]
     N = rounded([entry.nth(k) for k in powers for entry in entries], "the target model's numerator")
-    N = np.reshape(N, (len(powers), *found.shape))
-    late = np.zeros((delay, *found.shape))
-    return TargetModel(np.concatenate([late, N]), np.multiply.outer(chi, np.eye(found.shape[0])))
+    N = np.reshape(N, (len(powers), *transfer.shape))
+    late = np.zeros((delay, *transfer.shape))
+    return TargetModel(np.concatenate([late, N]), np.multiply.outer(chi, np.eye(transfer.shape[0])))
 
 
 def coefficients_of(G_c: Compensator, l_y: int) -> Array:
@@ -240,7 +242,7 @@ def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBound
     rows = theta_0.reshape(-1, structure.l_u)
     margin = np.zeros_like(rows)
     for group in dict.fromkeys(groups):
-        own = [i for i, one in enumerate(groups) if one == group]
-        margin[own] = width * np.sqrt(np.mean(rows[own] ** 2))
+        members = [i for i, one in enumerate(groups) if one == group]
+        margin[members] = width * np.sqrt(np.mean(rows[members] ** 2))
     low, high = theta_0 - margin.ravel(), theta_0 + margin.ravel()
     return CoefficientBounds(low, high, method="metric")

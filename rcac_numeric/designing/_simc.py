@@ -34,12 +34,12 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     """
     if plant.m > 1:
         raise NoSolutionError("the rules are for one input and one output.")
-    found = continuous_of(plant)
-    if found is None:
+    continuous = continuous_of(plant)
+    if continuous is None:
         raise NoSolutionError(
             "its rules are for plants in continuous time, and the sampled plant comes from none."
         )
-    A, B = found
+    A, B = continuous
     C = plant.C[:, : len(A)]
     poles, zeros = np.linalg.eigvals(A) + 0j, plant_zeros(Plant(A, B, B, C))
     at = 1.0 + 1.0j  # anywhere but at a pole or a zero

@@ -103,14 +103,14 @@ class Trials(Value):
     def of(self, numbers: Iterable[tuple[float, float, float]]) -> tuple[Trial, ...]:
         """Their outcome, of the numbers `(rms, peak, Ms)` of every run in their order."""
         left = iter(numbers)
-        found = []
+        trials = []
         for name in self.controllers:
             for one in self.variations:
                 rms, peak, Ms = zip(*(next(left) for _ in range(self.seeds)), strict=True)
                 stable = tuple(bool(np.isfinite(value)) for value in Ms)
-                kept = tuple(a if b else np.inf for a, b in zip(rms, stable, strict=True))
-                found.append(Trial(name, one, stable, kept, peak, Ms))
-        return tuple(found)
+                settled = tuple(a if b else np.inf for a, b in zip(rms, stable, strict=True))
+                trials.append(Trial(name, one, stable, settled, peak, Ms))
+        return tuple(trials)
 
     def in_threads(self) -> tuple[Trial, ...]:
         """All of them in one batch of this process."""

@@ -106,12 +106,12 @@ def truncated(plant: DesignPlant) -> Truncation | None:
         if balanced.hankel[order] > allowed:  # the error is no less
             continue
         a, b, c = balanced.truncated(order)
-        made = replace(
+        reduced = replace(
             plant, A=a, B=b, C=c, delay=plant.delay + late, continuous=None, fraction=0.0
         )
-        left_out = np.linalg.norm(response - made.response(omega), 2, axis=(1, 2))
-        if made.is_stable and left_out.max() <= allowed:
-            return Truncation(plant, made, omega, left_out, float(left_out.max()) / peak)
+        left_out = np.linalg.norm(response - reduced.response(omega), 2, axis=(1, 2))
+        if reduced.is_stable and left_out.max() <= allowed:
+            return Truncation(plant, reduced, omega, left_out, float(left_out.max()) / peak)
     return None
 
 
@@ -119,11 +119,11 @@ def _response(plant: DesignPlant) -> tuple[Array, ComplexArray]:
     """Frequencies, and the response there: one Schur form, then triangular systems."""
     T, Z = schur(plant.A, output="complex")
     B, C, poles = Z.conj().T @ plant.B, plant.C @ Z, np.diag(T)
-    own = np.abs(np.angle(poles[np.abs(poles) > RINGS]))
-    omega = np.unique(np.concatenate([np.linspace(0, np.pi, GRID), own]))
+    angles = np.abs(np.angle(poles[np.abs(poles) > RINGS]))
+    omega = np.unique(np.concatenate([np.linspace(0, np.pi, GRID), angles]))
     eye = np.eye(len(T))
-    found = [C @ solve_triangular(z * eye - T, B) * z**-plant.delay for z in np.exp(1j * omega)]
-    return omega, np.array(found)
+    responses = [C @ solve_triangular(z * eye - T, B) * z**-plant.delay for z in np.exp(1j * omega)]
+    return omega, np.array(responses)
 
 
 def _root(gramian: Array) -> Array:

@@ -119,9 +119,9 @@ def simulate_many(
     """
     workers = integer(os.cpu_count() or 1 if threads is None else threads, "threads", at_least=1)
     instance_of(lanes, "lanes", bool)
-    given = items(cases, "cases")
+    case_list = items(cases, "cases")
     prepared, loops = [], PreparedLoops()
-    for number, case in enumerate(given):
+    for number, case in enumerate(case_list):
         if not isinstance(case, SimulationCase):
             raise InputError(
                 f"case {number} is {case!r}; SimulationCase(plant, settings, w) is needed."

@@ -153,9 +153,9 @@ def _determinant(numerator: Array) -> Array:
     """The coefficients of det N_f in powers of q^{-1}; rounding errors in place of zeros go."""
     size = numerator.shape[1] * (len(numerator) - 1) + 1
     values = np.linalg.det(np.fft.fft(numerator, n=size, axis=0))
-    found = np.fft.ifft(values).real
-    found[np.abs(found) <= 1e-12 * np.abs(found).max(initial=0.0)] = 0.0
-    return np.asarray(found)
+    coefficients = np.fft.ifft(values).real
+    coefficients[np.abs(coefficients) <= 1e-12 * np.abs(coefficients).max(initial=0.0)] = 0.0
+    return np.asarray(coefficients)
 
 
 def _weight(value: ArrayLike | SignalWeight | None, name: str) -> LiveWeight | None:

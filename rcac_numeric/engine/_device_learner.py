@@ -87,10 +87,10 @@ class DeviceLearner:
         if len(values) < size or not np.isin(values[-2:], (0.0, 1.0)).all():
             raise ValueError("it holds no state of a learner")
         self._learner.restore(np.ascontiguousarray(values[:-size]))
-        waits, held = values[-2:].tolist()
+        waits, value = values[-2:].tolist()
         self._last, row = values[-size:-2].reshape(2, -1).copy()
         self._waiting = [row] if waits else []
-        self.freeze(bool(held))
+        self.freeze(bool(value))
 
 
 def require_not_learnt(settings: ControllerSettings, change: ControllerChange) -> None:

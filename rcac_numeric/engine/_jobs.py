@@ -94,11 +94,11 @@ class PreparedRun:
             self.u, self.y, self.z = self._into
         self.u_applied = self.u if saturation is None else np.empty_like(self.u)
         # What the kernel calls theta of a fixed controller never changes: it is kept once.
-        kept_every = self.stride if loop.adapts else max(steps, 1)
+        stride = self.stride if loop.adapts else max(steps, 1)
         width = loop.width or self._loop.theta_before().size
-        self._theta = empty((-(-steps // kept_every), width))
+        self._theta = empty((-(-steps // stride), width))
         applied = None if saturation is None else self.u_applied
-        outputs = self.y, self.z, self._theta, kept_every
+        outputs = self.y, self.z, self._theta, stride
         self.job: _kernel.Job | StepwiseLoop
         if isinstance(self._loop, StepwiseLoop):
             self.job = self._loop.job(self.w, self.u, *outputs)
@@ -146,8 +146,8 @@ class PreparedRun:
         k = self.first_step + self.job.done
         if self.learner.is_due(k) and self._looked_at != k:
             self._looked_at = k
-            if (asked := self.learner.look(self._kernels[0].theta)) is not None:
-                self.change(*asked)
+            if (change := self.learner.look(self._kernels[0].theta)) is not None:
+                self.change(*change)
                 self._kernels[0].freeze(False)
         self._pause()
         return True
@@ -299,12 +299,12 @@ def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None
 def _read(w: ArrayLike, plant: AnyPlant) -> tuple[Array, float]:
     """The exogenous input as it is kept, and its largest size, which says that it is finite."""
     if type(w) is np.ndarray and w.dtype == np.float64 and w.shape[1:] == (plant.l_w,):
-        kept = np.array(w, order="C")
-        if (peak := scale_of(0.0, kept)) < np.inf:
-            kept.setflags(write=False)
-            return kept, peak
-    kept = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
-    return kept, scale_of(0.0, kept)
+        w_array = np.array(w, order="C")
+        if (peak := scale_of(0.0, w_array)) < np.inf:
+            w_array.setflags(write=False)
+            return w_array, peak
+    w_array = signal_array(w, "w", plant.l_w, blocks=plant.blocks)
+    return w_array, scale_of(0.0, w_array)
 
 
 def scale_of(before: float, *from_outside: Array | None) -> float:

@@ -66,25 +66,25 @@ class DataDrivenLearner:
         if not np.isfinite(self.model.b).all() or not np.isfinite(self.model.variance):
             return None
         try:
-            found = self.model.estimate(self.settings.level, self.settings.d_zu)
+            estimate = self.model.estimate(self.settings.level, self.settings.d_zu)
         except InputError:
             return None  # u is not seen to act on z: the target stays
-        outside = self._chosen(found)
-        H = found.H if self.settings.H is None else self.settings.H
+        outside = self._chosen(estimate)
+        H = estimate.H if self.settings.H is None else self.settings.H
         if H == 0:
             return None
-        numerator = np.r_[np.zeros(found.d_zu), H * np.poly(outside).real]
+        numerator = np.r_[np.zeros(estimate.d_zu), H * np.poly(outside).real]
         if not np.isfinite(numerator).all() or not self._differs(numerator):
             return None
         option = self.settings.covariance if self._current.size else "reset"
         self._current, self._outside = numerator, outside
-        return ControllerChange(TargetModel(numerator), covariance=option), str(found)
+        return ControllerChange(TargetModel(numerator), covariance=option), str(estimate)
 
-    def _chosen(self, found: OnlineZeros) -> ComplexArray:
+    def _chosen(self, zeros: OnlineZeros) -> ComplexArray:
         """The zeros that G_f is to have, in conjugate pairs."""
         first = not self._current.size
         chosen = []
-        for zero, phase in zip(found.zeros, found.phases, strict=True):
+        for zero, phase in zip(zeros.zeros, zeros.phases, strict=True):
             size = abs(zero)
             if not SMALLEST_ZERO < size < LARGEST_ZERO or phase == PHASES[1]:
                 continue
@@ -190,9 +190,9 @@ class FrozenPerturbation:
     def model(self, theta: Array) -> RecursiveARX:
         """The ARX model of u~ -> z; raises DivergedError where it leaves float64."""
         chosen = self._settings
-        found = RecursiveARX(chosen.order, R_theta=chosen.R_theta, lambda_=chosen.lambda_)
-        found.update(*self.signals(theta))
-        return found
+        model = RecursiveARX(chosen.order, R_theta=chosen.R_theta, lambda_=chosen.lambda_)
+        model.update(*self.signals(theta))
+        return model
 
     def save(self) -> Array:
         """What later looks depend on."""

@@ -101,11 +101,11 @@ class PreparedLoop:
             return None
         if self._template is None or (numbers := numbers_beside(base, settings)) is None:
             return None
-        made = object.__new__(PreparedLoop)
-        made.__dict__.update(self.__dict__)
-        made.__dict__.pop("name", None)
-        made.settings, made.controllers, made._numbers = settings, (settings,), numbers
-        return made
+        loop = object.__new__(PreparedLoop)
+        loop.__dict__.update(self.__dict__)
+        loop.__dict__.pop("name", None)
+        loop.settings, loop.controllers, loop._numbers = settings, (settings,), numbers
+        return loop
 
     def started(
         self, x_0: Array | None, limit: float, failures: Failures
@@ -185,9 +185,9 @@ class PreparedLoops:
     ) -> PreparedLoop:
         """The loop of these, whose number in memory stays theirs while the loop is remembered."""
         key = id(plant), id(settings), id(saturation), id(supervision)
-        found = self._loops.get(key)
-        if found is not None:
-            return found
+        loop = self._loops.get(key)
+        if loop is not None:
+            return loop
         controllers_of(settings)  # refuses steps in Python, whose errors are none of a batch
         structure = getattr(settings, "structure", None)
         alike = id(plant), id(structure), id(saturation), id(supervision)

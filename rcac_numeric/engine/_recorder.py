@@ -116,8 +116,8 @@ class Recorder(Standing):
             return u
         after = self.controller.record.troubles.get("missed sample")
         missed = after is not None and (before is None or after.steps > before.steps)
-        for name, given in zip("yzr", map(gaps_as_nan, (y, z, r)), strict=True):
-            values = np.zeros(0) if given is None else np.asarray(given, dtype=float).reshape(-1)
+        for name, value in zip("yzr", map(gaps_as_nan, (y, z, r)), strict=True):
+            values = np.zeros(0) if value is None else np.asarray(value, dtype=float).reshape(-1)
             known = np.isfinite(values)
             self._known[name] = np.where(known, values, self._known[name])
         if self._row:

@@ -97,7 +97,7 @@ class Simulator:
 
 
 def _rebuilt(plant: AnyPlant, k: int, state: Array) -> Simulator:
-    made = Simulator(plant)
-    made._body.restore(state)
-    made._k = k
-    return made
+    simulator = Simulator(plant)
+    simulator._body.restore(state)
+    simulator._k = k
+    return simulator

@@ -82,10 +82,10 @@ class SavedState(Value):
         Of most runs nobody looks at the state: its checksum is made when it is first asked for,
         of bytes that nobody can have changed until then.
         """
-        made = object.__new__(cls)
-        kept = np.frombuffer(values.tobytes())
-        made.__dict__.update(kind=kind, k=k, values=kept, fingerprint=of, scale=scale)
-        return made
+        state = object.__new__(cls)
+        numbers = np.frombuffer(values.tobytes())
+        state.__dict__.update(kind=kind, k=k, values=numbers, fingerprint=of, scale=scale)
+        return state
 
     def __getattr__(self, name: str) -> str:
         """The checksum, where it is not made yet."""
@@ -141,14 +141,14 @@ class SavedState(Value):
             kind, of, checksum = (_text(data[n], n) for n in ("kind", "fingerprint", "checksum"))
             k = _entry(data["k"], "k", "i")
             scale = _entry(data["scale"], "scale", "f") if "scale" in data else 0.0
-            found = cls(kind, k, values, of, checksum, scale)
+            state = cls(kind, k, values, of, checksum, scale)
         except KeyError as error:
             raise InputError(f"{path} holds no saved state: it has no {error}.") from None
         except ValueError as error:
             raise InputError(f"{path} holds no saved state: {str(error).rstrip('.')}.") from None
         if checksum != _checksum(kind, k, values, of, scale):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
-        return found
+        return state
 
     def restored(
         self,

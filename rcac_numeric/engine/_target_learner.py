@@ -139,27 +139,27 @@ class TargetLearner(Standing):
             return None
         u, z = acting_input(run)[-self.window :], _without_command(run)[-self.window :]
         try:
-            found = target_from_data(
+            data_target = target_from_data(
                 u, z, self.mu, self.n_mod,
                 order=self.order, level=self.level, largest_error=self.largest_error,
             )  # fmt: skip
         except CompensatorError as error:
             self._refuse(k, str(error))
             return None
-        residual = _relative_residual(found, z)
+        residual = _relative_residual(data_target, z)
         if residual > self.residual_growth * max(self._smallest, ROUNDING):
             self._refuse(
                 k, f"the residual is {residual:.2g} of z, in an earlier window {self._smallest:.2g}"
             )
             return None
         self._smallest = min(self._smallest, residual)
-        zeros = np.sort_complex(np.array(found.information.nmp_zeros, dtype=np.complex128))
+        zeros = np.sort_complex(np.array(data_target.information.nmp_zeros, dtype=np.complex128))
         if self._is_in_use(zeros):
             self._found.append(LearnedTarget(k, "unchanged", zeros))
             return None
         self._in_use = zeros
         self._found.append(LearnedTarget(k, "updated", zeros))
-        return ControllerChange(target=found.target, covariance=self.covariance)
+        return ControllerChange(target=data_target.target, covariance=self.covariance)
 
     def _refuse(self, k: int, reason: str) -> None:
         self._found.append(LearnedTarget(k, "refused", np.zeros(0, np.complex128), reason))
@@ -192,6 +192,6 @@ def _without_command(run: Run) -> Array:
     return np.asarray(run.z - run.w[:, columns] @ plant.E_0[:, columns].T)
 
 
-def _relative_residual(found: DataTarget, z: Array) -> float:
+def _relative_residual(data_target: DataTarget, z: Array) -> float:
     size = float(np.sqrt(np.mean(z**2)))
-    return float(np.sqrt(np.mean(found.markov.residual**2))) / size if size > 0 else 0.0
+    return float(np.sqrt(np.mean(data_target.markov.residual**2))) / size if size > 0 else 0.0

@@ -34,15 +34,15 @@ def compiled_model(model: object) -> EstimationModel:
 
 @compiled_model.register(LinearModel)
 def _(model: LinearModel) -> EstimationModel:
-    made = linear_estimation_model(
+    compiled_model = linear_estimation_model(
         model.n, model.l_u, model.l_y, model.A, model.B, model.C, model.D
     )
-    return _with_angles(made, model)
+    return _with_angles(compiled_model, model)
 
 
 @compiled_model.register(NonlinearModel)
 def _(model: NonlinearModel) -> EstimationModel:
-    made = function_estimation_model(
+    compiled_model = function_estimation_model(
         model.n,
         model.l_u,
         model.l_y,
@@ -53,30 +53,34 @@ def _(model: NonlinearModel) -> EstimationModel:
         model.residual,
         model.scale,
     )
-    return _with_angles(made, model)
+    return _with_angles(compiled_model, model)
 
 
 @compiled_model.register(SymbolicModel)
 def _(model: SymbolicModel) -> EstimationModel:
     f, h, F, H = model.f, model.h, model.F, model.H
-    given = [*model.x, *model.inputs, model.step]
+    arguments = [*model.x, *model.inputs, model.step]
     sizes = model.n, model.l_u, model.l_y
     try:
-        made = tape_estimation_model(
-            *sizes, tape(f, given), tape(h, given), tape([*f, *F], given), tape([*h, *H], given)
+        compiled_model = tape_estimation_model(
+            *sizes,
+            tape(f, arguments),
+            tape(h, arguments),
+            tape([*f, *F], arguments),
+            tape([*h, *H], arguments),
         )
     except NoTapeError:  # Piecewise, special functions: Python calls for each step
         f_, h_, F_, H_ = map(model.function, (f, h, F, H))
-        made = function_estimation_model(*sizes, f_, h_, F_, H_, None, np.ones(model.n))
-    return _with_angles(made, model)
+        compiled_model = function_estimation_model(*sizes, f_, h_, F_, H_, None, np.ones(model.n))
+    return _with_angles(compiled_model, model)
 
 
 def _with_angles(
-    made: EstimationModel, model: LinearModel | NonlinearModel | SymbolicModel
+    compiled_model: EstimationModel, model: LinearModel | NonlinearModel | SymbolicModel
 ) -> EstimationModel:
     if model.angles:
-        made.set_angles([place in model.angles for place in range(model.l_y)])
-    return made
+        compiled_model.set_angles([place in model.angles for place in range(model.l_y)])
+    return compiled_model
 
 
 # SymPy expressions as a list of operations on registers, which the kernel runs without Python.
@@ -185,9 +189,9 @@ class Writer:
         return self.step("Pow", operand, self.place(exponent))
 
 
-def tape(expressions: Sequence[Any], given: Sequence[sympy.Symbol]) -> Tape:
+def tape(expressions: Sequence[Any], arguments: Sequence[sympy.Symbol]) -> Tape:
     """The tape that computes the expressions from the given symbols."""
-    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in given}
+    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in arguments}
     written = [expression.xreplace(real).doit() for expression in expressions]  # |e^x| is e^x
     writer = Writer(list(real.values()))
     shared, reduced = sympy.cse(written)

@@ -73,11 +73,11 @@ class StateEstimates(Result):
         confidence : float
             Of the interval for the mean of the NIS.
         """
-        kept = ~np.isnan(self.nis)
-        if not kept.any():
+        present = ~np.isnan(self.nis)
+        if not present.any():
             raise InputError("no step has a measurement: there is no innovation to judge.")
-        measured = int((~np.isnan(self.innovation[kept])).sum())
-        return nis_consistency(self.nis[kept], measured / int(kept.sum()), confidence)
+        measured = int((~np.isnan(self.innovation[present])).sum())
+        return nis_consistency(self.nis[present], measured / int(present.sum()), confidence)
 
     def nees_consistency(self, truth: ArrayLike, confidence: float = 0.95) -> Consistency:
         """Whether the errors are as large as the filter says; needs covariances.
@@ -256,16 +256,18 @@ def estimate(
     >>> found.x[-1].round(2)
     array([9.8, 2. ])
     """
-    made = estimated_record(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
-    if isinstance(made, StateEstimates) and made.observability.unseen:
-        warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
+    estimates = estimated_record(
+        settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances
+    )
+    if isinstance(estimates, StateEstimates) and estimates.observability.unseen:
+        warnings.warn(str(estimates.observability), UnobservableWarning, stacklevel=2)
     if (
-        isinstance(made, AdaptedEstimates)
-        and made.information is not None
-        and made.information.unidentified
+        isinstance(estimates, AdaptedEstimates)
+        and estimates.information is not None
+        and estimates.information.unidentified
     ):
-        warnings.warn(str(made.information), UnidentifiableWarning, stacklevel=2)
-    return made
+        warnings.warn(str(estimates.information), UnidentifiableWarning, stacklevel=2)
+    return estimates
 
 
 @overload
@@ -303,18 +305,20 @@ def estimated_record(
     probabilities = np.zeros((steps, len(kernel.probabilities)))
     learned: list[tuple[Array, Array]] = []
 
-    def result(kept: int) -> StateEstimates | ModeEstimates:
-        first = (x[:kept], deviation[:kept], P[:kept], innovation[:kept], nis[:kept])
-        total = float(likelihood[:kept].sum())
+    def result(count: int) -> StateEstimates | ModeEstimates:
+        first = (x[:count], deviation[:count], P[:count], innovation[:count], nis[:count])
+        total = float(likelihood[:count].sum())
         if isinstance(settings, IMM):
-            return ModeEstimates(settings, *first, total, probabilities[:kept])
+            return ModeEstimates(settings, *first, total, probabilities[:count])
         known = settings.filter if isinstance(settings, AdaptiveNoises) else settings
-        seen = observability_along(
-            model, compiled, x[:kept], inputs[:kept], known.P_0, known.R, there[:kept]
+        observability = observability_along(
+            model, compiled, x[:count], inputs[:count], known.P_0, known.R, there[:count]
         )
         if isinstance(settings, AdaptiveNoises):
-            return AdaptedEstimates(settings, *first, total, seen, *_learned(settings, learned))
-        return StateEstimates(settings, *first, total, seen)
+            return AdaptedEstimates(
+                settings, *first, total, observability, *_learned(settings, learned)
+            )
+        return StateEstimates(settings, *first, total, observability)
 
     record = (inputs, outputs, x, deviation, P, innovation, nis, likelihood, probabilities)
     noises = None if Q is None and R is None else _roots(settings, Q, R, steps)
@@ -346,8 +350,8 @@ def record_of(
     outputs = _with_gaps(y, model.l_y, measured)
     if u is None and model.l_u:
         raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
-    given = np.zeros((len(outputs), model.l_u)) if u is None else u
-    return outputs, signal_array(given, "u", model.l_u, len(outputs))
+    inputs = np.zeros((len(outputs), model.l_u)) if u is None else u
+    return outputs, signal_array(inputs, "u", model.l_u, len(outputs))
 
 
 def _learned(
@@ -357,10 +361,10 @@ def _learned(
     Q, R = (np.array(each) for each in zip(*learned, strict=True))
     if not isinstance(settings.model, LinearModel):
         return Q, R, None
-    told = noise_information(
+    information = noise_information(
         settings.filter, settings.window, learn=settings.learn, diagonal=settings.diagonal
     )
-    return Q, R, told
+    return Q, R, information
 
 
 def _roots(
@@ -368,8 +372,8 @@ def _roots(
 ) -> list[tuple[Array, Array]]:
     """The square roots of the noises of each step."""
     each = []
-    for name, given in (("Q", Q), ("R", R)):
-        rows = [None] * steps if given is None else list(real_array(given, name))
+    for name, noise in (("Q", Q), ("R", R)):
+        rows = [None] * steps if noise is None else list(real_array(noise, name))
         if len(rows) != steps:
             raise InputError(f"{name} has {len(rows)} entries where {steps} steps are.")
         each.append(rows)
@@ -384,15 +388,15 @@ def _roots(
 
 def _with_gaps(y: ArrayLike, l_y: int, measured: ArrayLike | None) -> Array:
     """y, shape (steps, l_y), with NaN where an entry is missing."""
-    given = float_array(y, "y")
+    outputs = float_array(y, "y")
     if measured is not None:
         there = np.asarray(measured)
-        if there.dtype != bool or there.shape not in {given.shape[:1], given.shape}:
+        if there.dtype != bool or there.shape not in {outputs.shape[:1], outputs.shape}:
             raise InputError(
                 f"measured has type {there.dtype} and shape {there.shape}; one True or False for "
-                f"each of the {len(given)} rows of y, or for each of its entries, is needed."
+                f"each of the {len(outputs)} rows of y, or for each of its entries, is needed."
             )
-        given[~there] = np.nan
-    missing = np.isnan(given)
-    read = signal_array(np.where(missing, 0.0, given), "y", l_y)
+        outputs[~there] = np.nan
+    missing = np.isnan(outputs)
+    read = signal_array(np.where(missing, 0.0, outputs), "y", l_y)
     return np.where(missing.reshape(read.shape), np.nan, read)

@@ -37,8 +37,8 @@ def compiled_filter(settings: AnyFilter) -> tuple[Filter, EstimationModel]:
     """The filter at step 0 for the kernel, and its model; of several modes that of the first."""
     if isinstance(settings, IMM):
         each = [_arguments(one) for one in settings.filters]
-        made = make_interacting_filters(each, settings.transitions, settings.probabilities)
-        return made, each[0][1]
+        filters = make_interacting_filters(each, settings.transitions, settings.probabilities)
+        return filters, each[0][1]
     if isinstance(settings, AdaptiveNoises):
         _, model, x_0, P_0, Q, R, *_ = _arguments(settings.filter)
         learned = ("Q" in settings.learn, "R" in settings.learn, settings.diagonal)
@@ -283,6 +283,6 @@ def noises_in_use(filter: Filter, settings: EKF | UKF | AdaptiveNoises) -> tuple
 
 def _measured(y: Any, l_y: int) -> Array:
     """A measurement whose missing entries are NaN."""
-    given = float_array(y, "y")
-    there = vector(np.where(np.isnan(given), 0.0, given), "y", l_y)
-    return np.where(np.isnan(given.reshape(-1)), np.nan, there)
+    outputs = float_array(y, "y")
+    there = vector(np.where(np.isnan(outputs), 0.0, outputs), "y", l_y)
+    return np.where(np.isnan(outputs.reshape(-1)), np.nan, there)

@@ -190,10 +190,10 @@ class IndirectController(Resumable[IndirectSettings]):
         command = float(vector(r, "r", 1)[0])
         measured = vector(y, "y", self.settings.l_y)
         x = self.x_c if self.estimator is not None else measured
-        seen = model.C @ x if y_model is None else vector(y_model, "y_model", model.l_y)
+        measured_output = model.C @ x if y_model is None else vector(y_model, "y_model", model.l_y)
         identifies = self._k >= self.settings.k_identify
         if identifies:
-            self.refinement.measure(seen, x)
+            self.refinement.measure(measured_output, x)
         A, B = refined_matrices(model, self.refinement.theta)
         self._A_a[:-1, :-1], self._B_a[:-1] = A, B
         K = self.regulator.moved(self._A_a, self._B_a)

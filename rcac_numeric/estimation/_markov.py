@@ -60,10 +60,10 @@ def reconstruction(H: Array, R: Array, chosen: slice) -> tuple[Array, Array, Arr
     """
     root = np.linalg.cholesky(R)
     left, values, right = np.linalg.svd(root.T @ H, full_matrices=False)
-    kept = values > ROUNDING * values.max()
-    V, weights = right[kept].T, values[kept, None] * (left[:, kept].T @ root.T)
+    significant = values > ROUNDING * values.max()
+    V, weights = right[significant].T, values[significant, None] * (left[:, significant].T @ root.T)
     return (
-        values[kept] ** 2,
+        values[significant] ** 2,
         np.ascontiguousarray(V[chosen]),
         np.ascontiguousarray(weights),
     )

@@ -157,20 +157,20 @@ def fit_noises(
     )
     first = iterate(square_root(settings.Q), square_root(settings.R))[2]
     last = iterate(Q, R)[2]
-    found = replaced(
+    fitted = replaced(
         settings,
         Q=covariance_of(Q) if "Q" in named else settings.Q,
         R=covariance_of(R) if "R" in named else settings.R,
     )
-    told: NoiseInformation | None = None
+    information: NoiseInformation | None = None
     if isinstance(settings.model, LinearModel):
         # Where a variance was found to be zero the directions are those of what was given.
-        told = noise_information(settings, len(outputs), learn=named, diagonal=diagonal)
-        if not told.unidentified and found.Q.any() and found.R.any():
-            told = noise_information(found, len(outputs), learn=named, diagonal=diagonal)
-        if told.unidentified:
-            warnings.warn(str(told), UnidentifiableWarning, stacklevel=2)
-    return FittedNoises(found, last, last - first, passes, converged, told)
+        information = noise_information(settings, len(outputs), learn=named, diagonal=diagonal)
+        if not information.unidentified and fitted.Q.any() and fitted.R.any():
+            information = noise_information(fitted, len(outputs), learn=named, diagonal=diagonal)
+        if information.unidentified:
+            warnings.warn(str(information), UnidentifiableWarning, stacklevel=2)
+    return FittedNoises(fitted, last, last - first, passes, converged, information)
 
 
 def _extrapolated(

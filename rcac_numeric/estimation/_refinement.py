@@ -57,11 +57,12 @@ class Evidence(Result):
         if not len(unknown):
             return "the data determine every coefficient."
         if len(self.kept) == 1:
-            what = "theta"
+            subject = "theta"
         else:
-            what = f"{len(unknown)} of {len(self.kept)} directions of theta"
+            subject = f"{len(unknown)} of {len(self.kept)} directions of theta"
         return (
-            f"the data do not determine {what}: the regressor is too small there, and the estimate "
+            f"the data do not determine {subject}: the regressor is too small there, and the "
+            "estimate "
             "is mainly theta_0. Excite the model by a richer w, or raise beta if the signals are "
             "small and clean."
         )
@@ -416,5 +417,5 @@ def refined_record(
             "unstable. Give the states x that were measured, use a smaller beta, or other delays."
         ) from None
     P = np.asarray(kernel.P)
-    found = evidence(settings, P, kernel.k)
-    return RefinementRun(settings, theta, z, u, P, found, kernel.guard_count)
+    evidence_of_run = evidence(settings, P, kernel.k)
+    return RefinementRun(settings, theta, z, u, P, evidence_of_run, kernel.guard_count)

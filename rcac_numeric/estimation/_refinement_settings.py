@@ -134,8 +134,8 @@ class RCMR(Value):
         first = max(self.delays) + 1 if self.k_update is None else self.k_update
         set_("k_update", integer(first, "k_update"))
         for name, size in (("theta_0", self.l_theta), ("x_0", n)):
-            given = getattr(self, name)
-            set_(name, vector(np.zeros(size) if given is None else given, name, size))
+            value = getattr(self, name)
+            set_(name, vector(np.zeros(size) if value is None else value, name, size))
         require_solvable(self.H, self.method, self.eta_bar, self.delays)
 
     def _read_channels(self) -> None:

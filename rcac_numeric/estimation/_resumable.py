@@ -59,6 +59,6 @@ class Resumable(ABC, Generic[S]):
 
 
 def _rebuilt(kind: type[Resumable[Any]], settings: Any, state: SavedState) -> Resumable[Any]:
-    made = kind(settings)
-    made.restore(state)
-    return made
+    resumable = kind(settings)
+    resumable.restore(state)
+    return resumable

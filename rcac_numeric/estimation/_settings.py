@@ -208,8 +208,10 @@ class IMM(Value):
                     f"{sizes[0]}; add to the smaller one states that stay zero."
                 )
         set_("transitions", matrix(self.transitions, "transitions", (modes, modes)))
-        given = np.full(modes, 1 / modes) if self.probabilities is None else self.probabilities
-        first = vector(given, "probabilities", modes)
+        probabilities = (
+            np.full(modes, 1 / modes) if self.probabilities is None else self.probabilities
+        )
+        first = vector(probabilities, "probabilities", modes)
         set_("probabilities", _distribution(first, "probabilities"))
         for i, row in enumerate(self.transitions):
             _distribution(row, f"row {i} of transitions")

@@ -93,18 +93,18 @@ def smooth(
     model = settings.model
     if model.angles:
         raise InputError("a smoother takes no angles: unwrap their record first (numpy.unwrap).")
-    given = float_array(y, "y")
-    measured = ~np.isnan(given)
-    given = signal_array(real_array(np.where(measured, given, 0.0), "y"), "y", model.l_y)
-    measured = measured.reshape(given.shape)
-    steps = len(given)
+    outputs = float_array(y, "y")
+    measured = ~np.isnan(outputs)
+    outputs = signal_array(real_array(np.where(measured, outputs, 0.0), "y"), "y", model.l_y)
+    measured = measured.reshape(outputs.shape)
+    steps = len(outputs)
     if u is None and model.l_u:
         raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
     inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
     if lag is not None:
         integer(lag, "lag")
     with np.errstate(over="ignore", invalid="ignore"):  # what leaves float64 is looked for
-        forward = _forward(settings, given, measured, inputs)
+        forward = _forward(settings, outputs, measured, inputs)
     x, S, predicted, likelihood = forward
     if not (np.isfinite(x).all() and np.isfinite(predicted).all() and np.isfinite(likelihood)):
         raise IllConditionedError(
@@ -145,7 +145,7 @@ def _forward(
     n, steps = model.n, len(y)
     Q, R = square_root(settings.Q), square_root(settings.R)
     x, S = settings.x_0.copy(), square_root(settings.P_0)
-    found, roots, predicted = np.zeros((steps, n)), np.zeros((steps, n, n)), np.zeros((steps, n))
+    states, roots, predicted = np.zeros((steps, n)), np.zeros((steps, n, n)), np.zeros((steps, n))
     likelihood = 0.0
     for k in range(steps):
         there = np.flatnonzero(measured[k])
@@ -168,11 +168,11 @@ def _forward(
             S[:, : rest.shape[1]] = rest[:, :n]
             likelihood -= 0.5 * float(white @ white) + float(np.log(scale).sum())
             likelihood -= 0.5 * p * float(np.log(2 * np.pi))
-        found[k], roots[k] = x, S
+        states[k], roots[k] = x, S
         x = model.A @ x + model.B @ u[k]
         predicted[k] = x
         S = _lower(np.hstack([model.A @ S, Q]))
-    return found, roots, predicted, likelihood
+    return states, roots, predicted, likelihood
 
 
 def _backward_step(A: Array, S: Array, Q: Array) -> tuple[Array, Array]:

@@ -84,12 +84,12 @@ class RepeatedParameters(Value):
             raise InputError(f"A has shape {read.shape}; (l_theta, n, n) is needed.")
         set_("A", read)
         l_theta, n = read.shape[:2]
-        given = real_array(np.zeros((l_theta, n, 0)) if self.D is None else self.D, "D")
-        if given.ndim != 3 or given.shape[:2] != (l_theta, n):
-            raise InputError(f"D has shape {given.shape}; ({l_theta}, {n}, l_w) is needed.")
-        set_("D", given)
+        D = real_array(np.zeros((l_theta, n, 0)) if self.D is None else self.D, "D")
+        if D.ndim != 3 or D.shape[:2] != (l_theta, n):
+            raise InputError(f"D has shape {D.shape}; ({l_theta}, {n}, l_w) is needed.")
+        set_("D", D)
         for j in range(l_theta):
-            if not (read[j].any() or given[j].any()):
+            if not (read[j].any() or D[j].any()):
                 raise InputError(f"parameter {j} stands neither in A nor in D; leave it out.")
 
     @property
@@ -162,11 +162,11 @@ def repeated_parameters(
     if len(symbols) != len(values) or not symbols:
         raise InputError(f"{len(symbols)} parameters and {len(values)} values in at.")
     period = number(h, "h")
-    for name, given in (("A_c", A_c), ("D_c", D_c)):
-        if not isinstance(given, sympy.MatrixBase):
-            raise InputError(f"{name} = {given!r} is no SymPy matrix.")
-        if given.free_symbols - set(symbols):
-            others = ", ".join(sorted(map(str, given.free_symbols - set(symbols))))
+    for name, matrix in (("A_c", A_c), ("D_c", D_c)):
+        if not isinstance(matrix, sympy.MatrixBase):
+            raise InputError(f"{name} = {matrix!r} is no SymPy matrix.")
+        if matrix.free_symbols - set(symbols):
+            others = ", ".join(sorted(map(str, matrix.free_symbols - set(symbols))))
             raise InputError(f"{name} holds {others}, which is no parameter; give it a value.")
     if A_c.rows != A_c.cols or D_c.rows != A_c.rows:
         raise InputError(f"A_c is {A_c.shape} and D_c {D_c.shape}; n x n and n x l_w are needed.")

@@ -156,7 +156,7 @@ class SymbolicModel(Value):
         rows: Any = [list(of.row(i)) for i in range(of.rows)]
         arguments = [self.step, self.x, self.inputs]
         try:
-            made = sympy.lambdify(arguments, rows, modules=["numpy", "scipy"], cse=True)
+            function = sympy.lambdify(arguments, rows, modules=["numpy", "scipy"], cse=True)
         except NotImplementedError as error:
             raise InputError(
                 f"SymPy cannot turn this model, or its derivative, into numbers: {error}. Write it "
@@ -164,7 +164,7 @@ class SymbolicModel(Value):
             ) from None
 
         def evaluated(k: int, x: Array, u: Array) -> ArrayLike:
-            return np.array(made(k, x, u), dtype=float)
+            return np.array(function(k, x, u), dtype=float)
 
         return evaluated
 
@@ -172,10 +172,10 @@ class SymbolicModel(Value):
 def _jacobian(of: sympy.Matrix, x: tuple[sympy.Symbol, ...]) -> sympy.Matrix:
     """The derivative for real x, almost everywhere: of |x| the sign, at corners no impulses."""
     real = {s: sympy.Dummy(s.name, real=True) for s in of.free_symbols | set(x)}
-    found = of.xreplace(real).jacobian([real[s] for s in x])
-    found = found.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
-    found = found.replace(sympy.Heaviside, lambda at, *_: (1 + sympy.sign(at)) / 2)
-    return found.xreplace({dummy: symbol for symbol, dummy in real.items()})
+    jacobian = of.xreplace(real).jacobian([real[s] for s in x])
+    jacobian = jacobian.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
+    jacobian = jacobian.replace(sympy.Heaviside, lambda at, *_: (1 + sympy.sign(at)) / 2)
+    return jacobian.xreplace({dummy: symbol for symbol, dummy in real.items()})
 
 
 def _expressions(values: Iterable[sympy.Expr], name: str) -> tuple[sympy.Expr, ...]:

@@ -18,7 +18,7 @@ SECONDS = 300  # for a compiler that never ends
 def compiler() -> str | None:
     """The C compiler: that of the environment variable CC, or the first of cc, gcc and clang."""
     names = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
-    return next((found for name in names if name and (found := shutil.which(name))), None)
+    return next((path for name in names if name and (path := shutil.which(name))), None)
 
 
 def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequence[Path]) -> Path:

@@ -123,17 +123,17 @@ def _members(
     core, config = core_texts(), config_header(tables)
     signature = next(line for line in config.splitlines() if "SIGNATURE" in line)
     token = "{rcac-" + "".join(c for c in signature.partition("(")[2] if c.isdigit()) + "}"
-    own = f"fmi{version[0]}.c"
+    source = f"fmi{version[0]}.c"
     definitions = f"""\
 #define RCAC_FMU_TOKEN "{token}"
 #define RCAC_FMU_STEP {sample_time!r}
-#include "{own}"
+#include "{source}"
 """
     texts = {
         "rcac.c": core["rcac.c"],
         "rcac.h": core["rcac.h"],
         "rcac_config.h": config,
-        own: core[f"layouts/fmu/{own}"],
+        source: core[f"layouts/fmu/{source}"],
         "fmu.c": definitions,
     }
     place = folder / "fmu"
@@ -244,11 +244,11 @@ initial="calculated"/>
 
 def _variables(t: CoreTables, *, empty: bool = False) -> list[tuple[str, int, str]]:
     """(name, width, attributes) in the order of the value references."""
-    made = [
+    entries = [
         ("y", t.l_y, 'causality="input"'),
         ("z", t.l_z, 'causality="input"'),
         ("r", t.l_r, 'causality="input"'),
         ("u", t.l_u, 'causality="output" initial="calculated"'),
         ("theta", t.l_theta, 'causality="local" initial="calculated"'),
     ]
-    return [one for one in made if one[1] or empty]
+    return [one for one in entries if one[1] or empty]

@@ -70,10 +70,10 @@ class Export(Truth):
         return bool(self.replay)
 
     def __str__(self) -> str:
-        said = self.replay or "not compiled: there is no C compiler here"
+        sentence = self.replay or "not compiled: there is no C compiler here"
         return (
             f"{self.folder}: {len(self.files)} files, {self.real}, {self.state_bytes} bytes of "
-            f"RAM; {said}"
+            f"RAM; {sentence}"
         )
 
 
@@ -174,13 +174,13 @@ def export_controller(
         tables, recording, real, tuple(layouts), prefix, agreement, warnings,
         None if run is None else run.sample_time,
     )  # fmt: skip
-    said = _verified(texts, prefix)
+    sentence = _verified(texts, prefix)
     target = Path(folder)
     for name, text in texts.items():
         with replacing(member(target, name)) as new:
             new.write_text(text, encoding="ascii", newline="\n")
     sizes = tables.sizes(real)
-    return Export(target, tuple(sorted(texts)), real, *sizes, said, agreement, warnings)
+    return Export(target, tuple(sorted(texts)), real, *sizes, sentence, agreement, warnings)
 
 
 def _verified(texts: Mapping[str, str], prefix: str) -> str:
@@ -193,13 +193,13 @@ def _verified(texts: Mapping[str, str], prefix: str) -> str:
             if file.startswith(("src/", "test/")):
                 (place / file).parent.mkdir(exist_ok=True)
                 (place / file).write_text(text, encoding="ascii", newline="\n")
-        agrees, said = replayed(place / "src", place / "test", prefix)
+        agrees, sentence = replayed(place / "src", place / "test", prefix)
     if not agrees:
         raise InputError(
-            f"the exported code does not do what its source does: {said}. Nothing was written. "
+            f"the exported code does not do what its source does: {sentence}. Nothing was written. "
             "Please report it, with the settings."
         )
-    return said
+    return sentence
 
 
 def folder_texts(
@@ -251,8 +251,8 @@ def _renamed(text: str, prefix: str) -> str:
 
 def core_texts() -> Mapping[str, str]:
     """The texts of the core by their names: installed beside this module, or of the checkout."""
-    here = Path(__file__).resolve()
-    places = [here.parent / "core", here.parents[2] / "kernel" / "core"]
+    module = Path(__file__).resolve()
+    places = [module.parent / "core", module.parents[2] / "kernel" / "core"]
     for place in places:
         if (place / "rcac.c").is_file():
             files = (path for path in sorted(place.rglob("*")) if path.is_file())
@@ -274,15 +274,19 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
             (place / file).write_text(text, encoding="ascii")
         sources = [place / "rcac.c", place / "driver.c"]
         program = compiled(sources, place / "driver", includes=[place])
-        found = compiled_recording(program, tables, run, source.steps)
+        recording = compiled_recording(program, tables, run, source.steps)
     if tables.adapts:
-        names, signals, reached = ("z", "theta"), (found.z, source.z), (found.theta, source.theta)
+        names, signals, reached = (
+            ("z", "theta"),
+            (recording.z, source.z),
+            (recording.theta, source.theta),
+        )
     else:  # it reads no z, and its theta is given
-        names, signals = ("u", "u"), (found.u, source.u[: found.steps])
+        names, signals = ("u", "u"), (recording.u, source.u[: recording.steps])
         reached = signals
     rms, rms_64 = (float(np.sqrt(np.mean(np.square(s, dtype=np.float64)))) for s in signals)
     ratio = rms / rms_64 if rms_64 > 0 else float(rms == 0)
-    said = (
+    sentence = (
         f"rms {names[0]} {rms:.4g}, in float64 {rms_64:.4g}; {names[1]} differs by "
         f"{float(np.abs(reached[0] - reached[1]).max()):.2g} where its largest entry is "
         f"{float(np.abs(reached[1]).max()):.2g}"
@@ -291,9 +295,9 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
     if ratio > WORST_RATIO and rms - rms_64 > 1e-6 * largest:
         raise InputError(
             f"in float32 the loop does not do over {source.steps} steps what it does in float64: "
-            f"{said}. Use float64, or a larger R_theta."
+            f"{sentence}. Use float64, or a larger R_theta."
         )
-    return found, said
+    return recording, sentence
 
 
 def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[str, ...]:
@@ -306,18 +310,18 @@ def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[
             f"R_theta = {smallest:.3g} is below {SMALLEST_R_THETA:g}, where float32 was measured "
             "to lose digits of theta; use float64, or a larger R_theta."
         )
-    said = []
+    ranges = []
     if largest > LARGEST_R_THETA:
-        said.append(
+        ranges.append(
             f"R_theta = {largest:.3g} is above {LARGEST_R_THETA:g}, which was not measured."
         )
     floor = 1e-12 * _largest_row(controller, recording)
     if smallest < floor:
-        said.append(
+        ranges.append(
             f"R_theta = {smallest:.3g} is below {floor:.3g} = 1e-12 W max phi_f^2: rounding may "
             "decide updates, and RCAC_UNSUPPORTED says when."
         )
-    return tuple(said)
+    return tuple(ranges)
 
 
 def _largest_row(settings: ControllerSettings, recording: Recording) -> float:

@@ -27,7 +27,7 @@ def readme(
         if real == "float64"
         else "the bits that the export recorded in a closed loop around this code"
     )
-    said = [
+    paragraphs = [
         "# A controller in C",
         "",
         f"Written by `rcac export`: {t.what}; l_u = {t.l_u}, l_y = {t.l_y}, l_r = {t.l_r}, "
@@ -69,12 +69,12 @@ def readme(
         "in it ask for that; `rcac_self_check()` says whether the compiler obeyed.",
     ]
     if agreement:
-        said += ["", f"float32 against float64 over these steps: {agreement}."]
+        paragraphs += ["", f"float32 against float64 over these steps: {agreement}."]
     if t.low:
-        said += ["", "u is held within its bounds by the core: send it out as it is."]
+        paragraphs += ["", "u is held within its bounds by the core: send it out as it is."]
     if t.supervision:
         growth, limit, patience = t.supervision
-        said += [
+        paragraphs += [
             "",
             "## Supervision",
             "",
@@ -88,17 +88,17 @@ def readme(
             "the state; `rcac_save` keeps it. It acts on none of this: your program does.",
         ]
     if "arduino" in layouts:
-        said += [
+        paragraphs += [
             "",
             "Arduino: this folder is a library; the sketch is in examples/. An AVR keeps the "
             "constants in RAM, too, and its double is a float: it needs float32.",
         ]
     if "wasm" in layouts:
-        said += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
+        paragraphs += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
     if "mex" in layouts:
-        said += ["", "MATLAB and Octave: `mkoctfile --mex -Isrc mex/rcac_mex.c src/rcac.c`."]
+        paragraphs += ["", "MATLAB and Octave: `mkoctfile --mex -Isrc mex/rcac_mex.c src/rcac.c`."]
     if "px4" in layouts:
-        said += [
+        paragraphs += [
             "",
             "PX4: px4/ is a module, a skeleton, whose two marks are for your topics.",
             "",
@@ -111,5 +111,5 @@ def readme(
             "Then `rcac start` in its shell; RCAC_SW and RCAC_LAMBDA are its parameters.",
         ]
     if warnings:
-        said += ["", "## Warnings", "", *(f"- {warning}" for warning in warnings)]
-    return "\n".join([*said, ""])
+        paragraphs += ["", "## Warnings", "", *(f"- {warning}" for warning in warnings)]
+    return "\n".join([*paragraphs, ""])

@@ -258,11 +258,11 @@ def core_tables(
         strictly_proper = not any(model.numerator[0].any() for model in controller.targets)
         name = controller.structure.name  # anything, and written into C
         name = name if re.fullmatch(r"[\w +-]{1,40}", name, re.ASCII) else "a table of taps"
-        what = f"adaptive, {name} of order {controller.structure.n_c}"
+        subject = f"adaptive, {name} of order {controller.structure.n_c}"
     else:
         l_z, strictly_proper = 1, True
         measures_first = bool(controller.compensator.past_y[0].any())
-        what = f"fixed, of order {controller.compensator.n_c}"
+        subject = f"fixed, of order {controller.compensator.n_c}"
         if live_order is not None:
             raise InputError("a fixed compensator has no target model that could be replaced.")
     arguments = kernel_arguments(controller, l_z, Failures())
@@ -270,7 +270,7 @@ def core_tables(
         require_kind(saturation, "saturation", (Saturation,), "export")
     bounds_of_u = saturation.bounds(arguments["l_u"]) if saturation else ((), (), ())
     tables = _read(arguments, live_order, {
-        "what": what, "adapts": adapts, "measures_first": measures_first,
+        "what": subject, "adapts": adapts, "measures_first": measures_first,
         "strictly_proper": strictly_proper,
         "low": _numbers(bounds_of_u[0]), "high": _numbers(bounds_of_u[1]),
         "rate": _numbers(bounds_of_u[2]),
@@ -406,8 +406,8 @@ def whitening(tables: CoreTables) -> tuple[Numbers, Numbers]:
 def _require_known(settings: ControllerSettings, live_order: int | None) -> None:
     """Refuse by name what the core does not know."""
 
-    def refuse(what: str, instead: str) -> None:
-        raise InputError(f"{what} is not in the stand-alone core; {instead}.")
+    def refuse(subject: str, instead: str) -> None:
+        raise InputError(f"{subject} is not in the stand-alone core; {instead}.")
 
     update = settings.update
     if type(update) is not UD:
@@ -434,25 +434,26 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
         refuse("k_filter > 0 beside live_order", "use k_filter = 0")
 
 
-def _supervision(given: Supervision | None, adapts: bool) -> tuple[float, float, int] | None:
+def _supervision(supervision: Supervision | None, adapts: bool) -> tuple[float, float, int] | None:
     """What the core watches; a policy that acts is refused by name."""
-    if given is None:
+    if supervision is None:
         return None
-    require_kind(given, "supervision", (Supervision,), "export")
-    if given.policy == "off":
+    require_kind(supervision, "supervision", (Supervision,), "export")
+    if supervision.policy == "off":
         return None
     if not adapts:
         raise InputError("a fixed compensator has no P to supervise; leave supervision out.")
-    if given.policy != "warn":
+    if supervision.policy != "warn":
         raise InputError(
-            f'the policy "{given.policy}" is not in the stand-alone core, which notes and does not '
+            f'the policy "{supervision.policy}" is not in the stand-alone core, which notes and '
+            "does not "
             'act; use Supervision("warn"), and act on its status in your program.'
         )
-    if given.jump is not None or given.missed != "hold":
-        name = "jump" if given.jump is not None else 'missed="fallback"'
+    if supervision.jump is not None or supervision.missed != "hold":
+        name = "jump" if supervision.jump is not None else 'missed="fallback"'
         raise InputError(f"{name} of Supervision is not in the stand-alone core; leave it out.")
-    limit = given.limit if math.isfinite(given.limit) else 0.0
-    return given.growth, limit, min(given.patience, 2**62)
+    limit = supervision.limit if math.isfinite(supervision.limit) else 0.0
+    return supervision.growth, limit, min(supervision.patience, 2**62)
 
 
 def _require_sizes(tables: CoreTables) -> None:

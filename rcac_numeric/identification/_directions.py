@@ -93,11 +93,11 @@ def directions_from_data(
             f"{len(U)} steps are too few for order = {p}: {p + 4 * size * p} at least."
         )
     rows = np.hstack([lagged(U, p + 1)[:, size:], -lagged(Z, p + 1)[:, size:]])
-    solution, _, found, singular = np.linalg.lstsq(rows, Z[p:], rcond=None)
+    solution, _, rank, singular = np.linalg.lstsq(rows, Z[p:], rcond=None)
     theta: Array = np.asarray(solution, dtype=np.float64)
-    if found < rows.shape[1]:
+    if rank < rows.shape[1]:
         raise InputError(
-            f"the data do not determine the fit of order {p}: rank {found} of {rows.shape[1]}, "
+            f"the data do not determine the fit of order {p}: rank {rank} of {rows.shape[1]}, "
             f"smallest singular value {singular[-1]:.2g}. Perturb u more, or use a lower order."
         )
     error = Z[p:] - rows @ theta

@@ -126,18 +126,18 @@ def identify_output_error(
     >>> model.order, model.delay, model.denominator.round(2)
     (1, 2, array([ 1. , -0.8]))
     """
-    tried = shapes(orders, delays, integrators)
-    sums_tried = sorted({sums for *_, sums in tried})
-    longest = max(n + d for n, d, _ in tried)
-    record = scalar_record(u, y, longest, drifts=sums_tried != [0])
-    found: Found = {}
-    for sums in sums_tried:
-        found |= _fitted(record, [one for one in tried if one[-1] == sums], found)
+    candidates = shapes(orders, delays, integrators)
+    integrator_counts = sorted({sums for *_, sums in candidates})
+    longest = max(n + d for n, d, _ in candidates)
+    record = scalar_record(u, y, longest, drifts=integrator_counts != [0])
+    fits: Found = {}
+    for sums in integrator_counts:
+        fits |= _fitted(record, [one for one in candidates if one[-1] == sums], fits)
     best = [
-        min((one for one in found if one[-1] == sums), key=lambda one: found[one][0])
-        for sums in sums_tried
+        min((one for one in fits if one[-1] == sums), key=lambda one: fits[one][0])
+        for sums in integrator_counts
     ]
-    models = [(shape, found[shape][1]) for shape in best]
+    models = [(shape, fits[shape][1]) for shape in best]
     shape, coefficients = models[0] if len(models) == 1 else _of_two(record, *models)
     n, d, sums = shape
     e = _residual(record, shape, coefficients)
@@ -180,28 +180,28 @@ def _of_two(
     return imposed if values[1] < values[0] else free
 
 
-def _fitted(record: ScalarRecord, tried: list[Shape], free: Found) -> Found:
+def _fitted(record: ScalarRecord, candidates: list[Shape], free: Found) -> Found:
     """The best of these shapes, refined, all of one number of integrators.
 
     Where `free` has models without a pole at 1 they are tried with their slowest pole put there.
     """
-    found: Found = {}
-    for shape in tried:
+    fits: Found = {}
+    for shape in candidates:
         starts = [_iterated(record, shape)]
         starts += [_without_slowest(of) for one, (_, of) in free.items() if one[:2] == shape[:2]]
         made = [(_criterion(_residual(record, shape, one), shape), one) for one in starts]
-        found[shape] = min(made, key=lambda one: one[0])
+        fits[shape] = min(made, key=lambda one: one[0])
     refined: set[Shape] = set()
     # Noise that is not white leads the iteration astray, and not at every delay alike.
     for count in REFINED:
-        _share_poles(record, found)
-        for shape in sorted(found, key=lambda one: found[one][0])[:count]:
+        _share_poles(record, fits)
+        for shape in sorted(fits, key=lambda one: fits[one][0])[:count]:
             if shape not in refined:
-                coefficients = _refined(record, shape, found[shape][1])
+                coefficients = _refined(record, shape, fits[shape][1])
                 e = _residual(record, shape, coefficients)
-                found[shape] = _criterion(e, shape), coefficients
+                fits[shape] = _criterion(e, shape), coefficients
                 refined.add(shape)
-    return {shape: found[shape] for shape in refined}
+    return {shape: fits[shape] for shape in refined}
 
 
 def _without_slowest(coefficients: Array) -> Array:
@@ -218,12 +218,12 @@ def _driving(record: ScalarRecord, sums: int) -> Array:
     return np.cumsum(record.u) if sums else record.u
 
 
-def _share_poles(record: ScalarRecord, found: Found) -> None:
+def _share_poles(record: ScalarRecord, fits: Found) -> None:
     """At every delay the poles of the best one of that order, where they do better."""
-    for n, sums in sorted({(n, sums) for n, _, sums in found}):
-        alike = [one for one in found if one[0] == n]
-        best = min(alike, key=lambda one: found[one][0])
-        A = inside(np.r_[1.0, found[best][1][: n - sums]])
+    for n, sums in sorted({(n, sums) for n, _, sums in fits}):
+        alike = [one for one in fits if one[0] == n]
+        best = min(alike, key=lambda one: fits[one][0])
+        A = inside(np.r_[1.0, fits[best][1][: n - sums]])
         u_f, y = lfilter([1.0], A, _driving(record, sums)), record.last_y
         free = _free(A, len(y), record.drifts)
         for shape in alike:
@@ -231,8 +231,8 @@ def _share_poles(record: ScalarRecord, found: Found) -> None:
             columns = np.stack([*forced, *free], axis=1)
             B = np.linalg.lstsq(columns, y, rcond=None)[0]
             value = _criterion(y - columns @ B, shape)
-            if value < found[shape][0]:
-                found[shape] = value, np.r_[A[1:], B[:n]]
+            if value < fits[shape][0]:
+                fits[shape] = value, np.r_[A[1:], B[:n]]
 
 
 def _iterated(record: ScalarRecord, shape: Shape) -> Array:
@@ -241,7 +241,7 @@ def _iterated(record: ScalarRecord, shape: Shape) -> Array:
     poles = n - sums
     A = np.zeros(poles + 1)
     A[0] = 1.0
-    found = np.zeros(poles + n)
+    coefficients = np.zeros(poles + n)
     delayed = late(_driving(record, sums), d)
     known = [np.ones_like(record.u), *[np.linspace(-1, 1, len(record.u))] * record.drifts]
     for _ in range(ROUNDS):
@@ -249,12 +249,12 @@ def _iterated(record: ScalarRecord, shape: Shape) -> Array:
         columns = [-late(y_f, i) for i in range(1, poles + 1)]
         columns += [late(u_f, i) for i in range(1, n + 1)]
         regressor = np.stack([*columns, *c_f], axis=1)[record.first :]
-        found = np.linalg.lstsq(regressor, y_f[record.first :], rcond=None)[0][: poles + n]
-        new = inside(np.r_[1.0, found[:poles]])
+        coefficients = np.linalg.lstsq(regressor, y_f[record.first :], rcond=None)[0][: poles + n]
+        new = inside(np.r_[1.0, coefficients[:poles]])
         if np.abs(new - A).max() < SETTLED * np.abs(new).max():
             break
         A = new
-    return found
+    return coefficients
 
 
 def _residual(record: ScalarRecord, shape: Shape, coefficients: Array) -> Array:
@@ -278,9 +278,9 @@ def _free(A: Array, steps: int, drifts: bool) -> list[Array]:
 def _refined(record: ScalarRecord, shape: Shape, start: Array) -> Array:
     """The smallest output error beside where the iteration ended."""
     poles = shape[0] - shape[2]
-    found = least_squares(
+    optimum = least_squares(
         lambda one: _residual(record, shape, one), start, x_scale="jac", max_nfev=25,
         ftol=1e-12, xtol=1e-10, gtol=1e-12,
     ).x  # fmt: skip
-    found[:poles] = inside(np.r_[1.0, found[:poles]])[1:]
-    return np.asarray(found)
+    optimum[:poles] = inside(np.r_[1.0, optimum[:poles]])[1:]
+    return np.asarray(optimum)

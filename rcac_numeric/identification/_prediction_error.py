@@ -141,8 +141,8 @@ def identify_in_closed_loop(
     >>> model.order, model.delay, model.denominator.round(2), model.numerator.round(2)
     (1, 0, array([ 1. , -1.1]), array([0.5]))
     """
-    tried = shapes(orders, delays, integrators)
-    record = scalar_record(u, y, max(n + d for n, d, _ in tried))
+    candidates = shapes(orders, delays, integrators)
+    record = scalar_record(u, y, max(n + d for n, d, _ in candidates))
     alone, stirring = _regressed(scalar_signal(u, "u"), scalar_signal(y, "y"), PAST_U + 1)
     if not np.std(alone) > STIRRED * record.units[0]:
         raise InputError(
@@ -157,8 +157,8 @@ def identify_in_closed_loop(
             "to u, or move the command, and record again."
         )
     best = None
-    for sums in sorted({sums for *_, sums in tried}):
-        found = _best(_Differenced(record, sums), [one for one in tried if one[-1] == sums])
+    for sums in sorted({sums for *_, sums in candidates}):
+        found = _best(_Differenced(record, sums), [one for one in candidates if one[-1] == sums])
         if best is None or (found.value < best.value and found.share > SHARE):
             best = found
     assert best is not None
@@ -202,13 +202,13 @@ def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
     if len(u) < 5 * PAST_U:
         raise InputError(f"there are {len(u)} steps; {5 * PAST_U} or more tell what u answers to.")
     now = _unit(lagged(u[:, None], PAST_U + 1))
-    seen = _unit(lagged(y[:, None], PAST_U + 1)[:, :count])
+    past = _unit(lagged(y[:, None], PAST_U + 1)[:, :count])
     scale = float(np.std(u))
-    found = []
-    for columns in (now[:, 1:], np.hstack([now[:, 1:], seen])):
+    innovations = []
+    for columns in (now[:, 1:], np.hstack([now[:, 1:], past])):
         fitted = np.linalg.lstsq(columns, now[:, 0], rcond=None)[0]
-        found.append(scale * (now[:, 0] - columns @ fitted))
-    return found[0], found[1]
+        innovations.append(scale * (now[:, 0] - columns @ fitted))
+    return innovations[0], innovations[1]
 
 
 def _unit(columns: Array) -> Array:
@@ -256,12 +256,12 @@ class _Found:
         return integrated_share(np.r_[1.0, A], B)
 
 
-def _best(data: _Differenced, tried: list[Shape]) -> _Found:
+def _best(data: _Differenced, candidates: list[Shape]) -> _Found:
     e = _innovations(data)
-    found = [_started(data, shape, e) for shape in tried]
-    found.sort(key=lambda one: one.value)
+    fits = [_started(data, shape, e) for shape in candidates]
+    fits.sort(key=lambda one: one.value)
     refined = [
-        _refined(data, one, D) for one in found[:REFINED] for D in (np.ones(1), np.array([1.0, 0]))
+        _refined(data, one, D) for one in fits[:REFINED] for D in (np.ones(1), np.array([1.0, 0]))
     ]
     return min(refined, key=lambda one: one.value)
 
@@ -269,16 +269,16 @@ def _best(data: _Differenced, tried: list[Shape]) -> _Found:
 def _innovations(data: _Differenced) -> Array:
     """E of the long ARX model that BIC chooses, as long as y, zero where it has no past."""
     y, u = data.y, data.record.u
-    found = None
+    innovations = None
     for p in [p for p in LONG if 10 * p <= len(y)]:
         start = max(p for p in LONG if 10 * p <= len(y))
         columns = [*(late(y, i) for i in range(1, p + 1)), *(late(u, i) for i in range(1, p + 1))]
         rows = np.stack([*columns, np.ones_like(y)], axis=1)[start:]
         e = y[start:] - rows @ np.linalg.lstsq(rows, y[start:], rcond=None)[0]
         value = information_criterion(e, 2 * p + 1, 1.0)
-        if found is None or value < found[0]:
-            found = value, np.r_[np.zeros(start), e]
-    return np.zeros_like(y) if found is None else found[1]
+        if innovations is None or value < innovations[0]:
+            innovations = value, np.r_[np.zeros(start), e]
+    return np.zeros_like(y) if innovations is None else innovations[1]
 
 
 def _started(data: _Differenced, shape: Shape, e: Array) -> _Found:
@@ -321,10 +321,10 @@ def _refined(data: _Differenced, start: _Found, D: Array) -> _Found:
         return np.stack([*by_linear.T, *by_C, *by_D], axis=1)
 
     theta = np.r_[start.linear, start.C[1:], D[1:]]
-    found = least_squares(
+    optimum = least_squares(
         errors, theta, slopes, x_scale="jac", max_nfev=40, ftol=1e-10, xtol=1e-10, gtol=1e-12
     ).x  # fmt: skip
-    linear, C, D = parts(np.asarray(found))
+    linear, C, D = parts(np.asarray(optimum))
     return _judged(data, start.shape, linear, C, inside(D))
 
 
@@ -332,16 +332,16 @@ def _least(data: _Differenced, shape: Shape) -> float:
     """The criterion of y predicted by its own past alone."""
     n, d, sums = shape
     y, rows = data.rows(n, d)
-    own = np.hstack([rows[:, : n - sums], rows[:, -1:]])
-    start = np.linalg.lstsq(own, y, rcond=None)[0]
+    local_rows = np.hstack([rows[:, : n - sums], rows[:, -1:]])
+    start = np.linalg.lstsq(local_rows, y, rcond=None)[0]
     C = np.concatenate([[1.0], np.zeros(n)])
     alone = _Differenced(ScalarRecord(0 * data.record.u, data.record.y, (1, 1), data.record.first),
                          sums)  # fmt: skip
     linear = np.concatenate([start[:-1], np.zeros(n), start[-1:]])
-    found = _refined(
+    refined = _refined(
         alone, _judged(alone, shape, np.asarray(linear), C, np.ones(1)), np.array([1.0, 0])
     )
-    return information_criterion(found.e, 2 * n + 1 - sums, PENALTY)
+    return information_criterion(refined.e, 2 * n + 1 - sums, PENALTY)
 
 
 def _model(best: _Found, record: ScalarRecord, stirring: Array) -> PredictionErrorModel:
@@ -369,5 +369,5 @@ def _correlation(e: Array, stirring: Array) -> float:
     steps = min(len(e), len(stirring))
     e, s = e[-steps:], stirring[-steps:]
     e, s = (e - e.mean()) / np.std(e), (s - s.mean()) / np.std(s)
-    found = [float(np.mean(e * late(s, i))) for i in range(1, TESTED + 1)]
-    return float(np.abs(found).max() * np.sqrt(steps))
+    correlations = [float(np.mean(e * late(s, i))) for i in range(1, TESTED + 1)]
+    return float(np.abs(correlations).max() * np.sqrt(steps))

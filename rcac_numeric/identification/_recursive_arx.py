@@ -131,11 +131,12 @@ class RecursiveARX(RecursiveRegression):
                 "what is known comes from R_theta. Perturb u (a dither), or choose a smaller "
                 "R_theta or order."
             )
-        found = self.estimate(level, d_zu)
-        if found.whiteness < WHITE:
+        estimate = self.estimate(level, d_zu)
+        if estimate.whiteness < WHITE:
             raise InputError(
                 f"the residuals of the ARX({self.order}) are not white (probability "
-                f"{found.whiteness:.1g}): the order is below that of the plant and its noise, and "
+                f"{estimate.whiteness:.1g}): the order is below that of the plant and its "
+                "noise, and "
                 "the zeros may be anywhere. Choose a larger order."
             )
-        return found
+        return estimate

@@ -124,8 +124,8 @@ class RecursiveMarkov(Standing):
         size = np.linalg.svd(self._R[: self._p, : self._p], compute_uv=False)
         self._determined = bool(size[-1] > np.finfo(float).eps * self._p * size[0])
         if self._determined:
-            found = np.linalg.solve(self._R[: self._p, : self._p], self._R[: self._p, self._p :])
-            self._theta = np.asarray(found, dtype=np.float64)
+            solution = np.linalg.solve(self._R[: self._p, : self._p], self._R[: self._p, self._p :])
+            self._theta = np.asarray(solution, dtype=np.float64)
 
     def _as_parameters(self, theta: Array) -> Array:
         recent = theta[: self.mu * self.l_u].reshape(self.mu, self.l_u, self.l_y)

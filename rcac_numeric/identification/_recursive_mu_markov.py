@@ -121,8 +121,8 @@ class RecursiveMuMarkov(RecursiveRegression):
         DivergedError
             Where the numbers left float64.
         """
-        found = _finite(self.P[: self.mu, : self.mu])
-        return float(np.linalg.eigvalsh(found)[-1]) * self.R_theta
+        inverse = _finite(self.P[: self.mu, : self.mu])
+        return float(np.linalg.eigvalsh(inverse)[-1]) * self.R_theta
 
     def parameters(self) -> IdentifiedMarkovParameters:
         """The Markov parameters with their standard errors, the residual taken as white.
@@ -140,7 +140,7 @@ class RecursiveMuMarkov(RecursiveRegression):
             Where the numbers left float64.
         """
         P, theta = self.P, np.asarray(self._kernel.theta)
-        found = _finite(P[: self.mu, : self.mu])
+        inverse = _finite(P[: self.mu, : self.mu])
         if self.samples <= len(theta):
             raise InputError(
                 f"{self.samples:.0f} equations do not determine {len(theta)} coefficients; wait, "
@@ -153,8 +153,8 @@ class RecursiveMuMarkov(RecursiveRegression):
                 "choose a smaller R_theta, mu or n_mod."
             )
         freedom = self.samples - len(theta)
-        white = found * (self.variance * self.samples / freedom)
-        condition = _condition(found)
+        white = inverse * (self.variance * self.samples / freedom)
+        condition = _condition(inverse)
         rounding = np.finfo(float).eps * self.samples * condition * float(np.abs(self.H).max())
         least = rounding + np.abs(self.R_theta * P @ theta)[: self.mu]
         covariance = white + np.diag(np.maximum(least**2 - np.diag(white), 0.0))

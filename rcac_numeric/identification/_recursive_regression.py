@@ -80,6 +80,6 @@ class RecursiveRegression(Standing):
 def _rebuilt(
     kind: type[RecursiveRegression], settings: dict[str, float], state: Array
 ) -> RecursiveRegression:
-    made = kind(**settings)  # type: ignore[arg-type]
-    made.restore(state)
-    return made
+    regression = kind(**settings)  # type: ignore[arg-type]
+    regression.restore(state)
+    return regression

@@ -94,18 +94,18 @@ def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[i
     ns = [integer(n, "order", at_least=1) for n in items(orders, "orders")]
     ds = [integer(d, "delay") for d in items(delays, "delays")]
     poles = [integer(i, "integrators", at_most=1) for i in items(integrators, "integrators")]
-    found = [(n, d, i) for i in poles for n in ns for d in ds]
-    if not found:
+    candidates = [(n, d, i) for i in poles for n in ns for d in ds]
+    if not candidates:
         raise InputError("there is nothing to try: give an order, a delay, and integrators (0,).")
-    return found
+    return candidates
 
 
 def scalar_signal(values: ArrayLike, name: str) -> Array:
     """A signal of one component, as an array of shape (steps,)."""
-    found = squarable(real_array(values, name), name)
-    if found.ndim == 2 and found.shape[1] != 1:
-        raise InputError(f"{name} has {found.shape[1]} columns; one signal is needed.")
-    return found.ravel()
+    signal = squarable(real_array(values, name), name)
+    if signal.ndim == 2 and signal.shape[1] != 1:
+        raise InputError(f"{name} has {signal.shape[1]} columns; one signal is needed.")
+    return signal.ravel()
 
 
 def late(signal: Array, steps: int) -> Array:

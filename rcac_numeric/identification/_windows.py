@@ -99,7 +99,7 @@ def identify_windows(
     stride = length if step is None else integer(step, "step", at_least=1)
     if len(U) < length:
         raise InputError(f"the record has {len(U)} samples, fewer than a window of {length}.")
-    found = []
+    windows = []
     for start in range(0, len(U) - length + 1, stride):
         stop = start + length
         markov, zeros, refusal = None, None, ""
@@ -108,5 +108,5 @@ def identify_windows(
             zeros = None if order is None else identified_zeros(markov, order=order)
         except CompensatorError as error:
             refusal = str(error)
-        found.append(IdentifiedWindow(start, stop, markov, zeros, refusal))
-    return tuple(found)
+        windows.append(IdentifiedWindow(start, stop, markov, zeros, refusal))
+    return tuple(windows)

@@ -108,19 +108,19 @@ class _Pencil:
         self, by_K_0: ComplexArray, by_K_1: ComplexArray, l_: ComplexArray, r: ComplexArray
     ) -> ComplexArray:
         width = self.H.shape[1]
-        found = np.zeros(self.H.shape, dtype=np.complex128)
+        gradient = np.zeros(self.H.shape, dtype=np.complex128)
         for i in range(self.rows):
             for j in range(self.columns):
                 block = np.s_[i * width : (i + 1) * width, j * width : (j + 1) * width]
-                found[1 + i + j] += by_K_0[block]
-                found[2 + i + j] += by_K_1[block]
+                gradient[1 + i + j] += by_K_0[block]
+                gradient[2 + i + j] += by_K_1[block]
         left = self.inverse.T @ (self.K_0.T @ l_)[:width]
         right = self.inverse @ (self.K_0 @ r)[:width]
-        found[0] = np.outer(left, right)
-        return found
+        gradient[0] = np.outer(left, right)
+        return gradient
 
 
-def _gaps(kept: Array, dropped: Array, count: int) -> Array:
+def _gaps(chosen: Array, dropped: Array, count: int) -> Array:
     """Differences of squares of kept singular values and `count` dropped ones, padded by 0."""
     padded = np.concatenate([dropped, np.zeros(count - len(dropped))])
-    return np.asarray(kept**2 - padded[:, None] ** 2)
+    return np.asarray(chosen**2 - padded[:, None] ** 2)

@@ -84,12 +84,12 @@ def zeros_of(
                 "the data do not show that u acts on z. Perturb u more, or wait."
             )
         d_zu = int(significant[0]) + 1
-    kept, part = b[d_zu - 1 :], covariance[d_zu - 1 :, d_zu - 1 :]
-    zeros = np.roots(kept) if kept[0] != 0 else np.zeros(0)
+    numerator, part = b[d_zu - 1 :], covariance[d_zu - 1 :, d_zu - 1 :]
+    zeros = np.roots(numerator) if numerator[0] != 0 else np.zeros(0)
     zeros = zeros[np.argsort(-np.abs(zeros))].astype(np.complex128)
-    powers = zeros[:, None] ** np.arange(len(kept) - 1, -1, -1)
+    powers = zeros[:, None] ** np.arange(len(numerator) - 1, -1, -1)
     with np.errstate(all="ignore"):
-        slopes = -powers / np.polyval(np.polyder(kept), zeros)[:, None]
+        slopes = -powers / np.polyval(np.polyder(numerator), zeros)[:, None]
         along = (slopes * (zeros.conj() / np.abs(zeros))[:, None]).real
         spread = np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", along, part, along), 0.0))
     spread = np.where(np.isfinite(spread), spread, np.inf)

@@ -50,10 +50,10 @@ class AnyPlant(Protocol):
 
 def blocks_of_w(blocks: object, l_w: int) -> dict[str, int]:
     """How w is divided; one block "w" where nothing is said."""
-    given = instance_of(blocks, "blocks", Mapping)
+    named_blocks = instance_of(blocks, "blocks", Mapping)
     read = {
         instance_of(name, "the name of a block", str): integer(width, f"the width of {name!r}")
-        for name, width in given.items()
+        for name, width in named_blocks.items()
     } or {"w": l_w}
     if sum(read.values()) != l_w:
         raise InputError(f"the blocks {read} of w do not add up to l_w = {l_w}.")

@@ -90,17 +90,17 @@ def plant_of(
         return replaced(own, sample_time=float(sample_time)) if unknown else own  # type: ignore
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
-    found = exact_realisation(system, variable)
-    if str(found.variable) == "s":
-        sampled = _sampled(system, found, sample_time, method)
-        return _verified(sampled, system, found, method)
-    period = agreed_times([system, found], sample_time)
+    realisation = exact_realisation(system, variable)
+    if str(realisation.variable) == "s":
+        sampled = _sampled(system, realisation, sample_time, method)
+        return _verified(sampled, system, realisation, method)
+    period = agreed_times([system, realisation], sample_time)
     if is_foreign(system):
-        return _verified(_matched(*rounded_once(found), period), system, found, "")
-    if found.is_siso:
-        plant = standard_plant(found)
+        return _verified(_matched(*rounded_once(realisation), period), system, realisation, "")
+    if realisation.is_siso:
+        plant = standard_plant(realisation)
         return plant if plant.sample_time == period else replaced(plant, sample_time=period)
-    return _matched(*rounded_once(found), period)
+    return _matched(*rounded_once(realisation), period)
 
 
 def as_plant(system: Any) -> Any:
@@ -127,8 +127,8 @@ def agreed_times(systems: Sequence[Any], sample_time: float | None = None) -> fl
     periods = [sample_time_of(system) for system in systems]
     name = next((type(s).__name__ for s, p in zip(systems, periods, strict=True) if p), "system")
     advice = "leave sample_time out, or resample it yourself."
-    found = agreed_period(*periods, sample_time, at=f"this {name}", remedy=advice)
-    return None if found is None else float(found)
+    period = agreed_period(*periods, sample_time, at=f"this {name}", remedy=advice)
+    return None if period is None else float(period)
 
 
 def linear_plant(system: Any, name: str = "plant") -> Plant:
@@ -148,17 +148,19 @@ def _is_own(system: Any) -> bool:
     return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
 
 
-def rounded_once(found: exact.Realisation) -> tuple[Array, Array, Array, Array]:
+def rounded_once(realisation: exact.Realisation) -> tuple[Array, Array, Array, Array]:
     """A, B, C and D in float64, each entry rounded once; symbols are refused by name."""
     A, B, C, D = (
         np.reshape(rounded(list(entries), name), entries.shape)
-        for name, entries in zip("ABCD", (found.A, found.B, found.C, found.D), strict=True)
+        for name, entries in zip(
+            "ABCD", (realisation.A, realisation.B, realisation.C, realisation.D), strict=True
+        )
     )
     return A, B, C, D
 
 
 def _sampled(
-    system: Any, found: exact.Realisation, sample_time: float | None, method: str
+    system: Any, realisation: exact.Realisation, sample_time: float | None, method: str
 ) -> Plant:
     if sample_time is None:
         kind = "text" if isinstance(system, str) else type(system).__name__
@@ -166,7 +168,7 @@ def _sampled(
             f"this {kind} is in continuous time, and RCAC runs in discrete time; "
             'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
         )
-    A, B, C, D = rounded_once(found)
+    A, B, C, D = rounded_once(realisation)
     if method == "zoh":
         A, B = zero_order_hold(A, B, sample_time)
         return _matched(A, B, C, D, sample_time)
@@ -181,7 +183,7 @@ def _matched(A: Array, B: Array, C: Array, D: Array, period: float | None) -> Pl
     return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
 
 
-def _verified(plant: Plant, system: Any, found: exact.Realisation, method: str) -> Plant:
+def _verified(plant: Plant, system: Any, realisation: exact.Realisation, method: str) -> Plant:
     """The plant, whose response was compared with that of the system itself."""
     if method == "zoh":  # its own rounding is bounded; the entries are compared by its tests
         return plant
@@ -189,7 +191,7 @@ def _verified(plant: Plant, system: Any, found: exact.Realisation, method: str) 
     if method == "bilinear":
         assert plant.sample_time is not None
         points = 2 / plant.sample_time * (CHECKED - 1) / (CHECKED + 1)
-    ours, theirs = _response(plant, CHECKED), _response_of(system, found, points)
+    ours, theirs = _response(plant, CHECKED), _response_of(system, realisation, points)
     gap = np.abs(ours - theirs).max(initial=0.0)
     size = np.abs(theirs).max(initial=0.0)
     if not gap <= LARGEST_GAP * (size or 1.0):
@@ -207,7 +209,7 @@ def _response(plant: Plant, points: ComplexArray) -> ComplexArray:
         return np.asarray(plant.C @ np.linalg.solve(pencils, plant.B[None]) + plant.D_0)
 
 
-def _response_of(system: Any, found: exact.Realisation, points: ComplexArray) -> ComplexArray:
+def _response_of(system: Any, realisation: exact.Realisation, points: ComplexArray) -> ComplexArray:
     """The response as the system's own package computes it; of SymPy's from its exact matrix."""
     package = type(system).__module__.split(".")[0]
     with np.errstate(all="ignore"):
@@ -218,7 +220,7 @@ def _response_of(system: Any, found: exact.Realisation, points: ComplexArray) ->
             A, B, C, D = (np.atleast_2d(getattr(matrices, name)) for name in "ABCD")
             pencils = points[:, None, None] * np.eye(len(A)) - A
             return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
-    matrix = found.transfer_matrix()
+    matrix = realisation.transfer_matrix()
     below = _values(matrix.denominator, points)
     values = [[_values(entry, points) / below for entry in row] for row in matrix.numerators]
     return np.moveaxis(np.array(values), -1, 0)

@@ -115,9 +115,9 @@ def _is_compiled(function: object) -> bool:
 
 def _require_signature(function: LowLevelCallable, name: str) -> None:
     """Both functions take a step, four arrays and the user's data, and return an int."""
-    given = function.signature.replace(" ", "")
+    signature = function.signature.replace(" ", "")
     steps = ("int64_t", "long", "longlong", "int64")
-    if given not in {ADVANCE.replace(" ", "").replace("int64_t", step) for step in steps}:
+    if signature not in {ADVANCE.replace(" ", "").replace("int64_t", step) for step in steps}:
         raise InputError(
             f"the compiled {name} has the signature {function.signature!r}; {ADVANCE!r} is needed."
         )

@@ -104,9 +104,15 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     variable = matrices.get("variable")
     if G is not None and shape_of(G, variable) != (1, 1):
         # Inputs and disturbances are matched, in the system's own basis or a minimal one.
-        found = exact_realisation(G, variable)
-        own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
-        own |= {"variable": found.variable, "sample_time": found.sample_time}
+        realisation = exact_realisation(G, variable)
+        own = {
+            "A": realisation.A,
+            "B": realisation.B,
+            "D_1": realisation.B,
+            "C": realisation.C,
+            "D_0": realisation.D,
+        }
+        own |= {"variable": realisation.variable, "sample_time": realisation.sample_time}
         matrices, G = {**own, **matrices}, None
     problem = _discrete(exact.servo_problem(G, **matrices), "servo_plant({})")
     l_y = problem.C.shape[0]
@@ -120,19 +126,19 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
     Its order is the degree of the least common denominator D, so that it is controllable where the
     numerators over D and D itself have no factor in common.
     """
-    given = [exact.transfer_function(entry) for entry in entries]
-    if len({str(g.variable) for g in given}) > 1:
+    entries_exact = [exact.transfer_function(entry) for entry in entries]
+    if len({str(g.variable) for g in entries_exact}) > 1:
         raise InputError("the entries of G are in different variables; write all of them in q.")
-    if not all(g.is_strictly_proper for g in given):
+    if not all(g.is_strictly_proper for g in entries_exact):
         raise ImproperError(
             "an entry of G is not strictly proper, so that a disturbance at its input does not "
             "reach the output as u does; give the matrices A, B, D_1, C, D_0."
         )
-    D = given[0].denominator
-    for g in given[1:]:
+    D = entries_exact[0].denominator
+    for g in entries_exact[1:]:
         D = D.lcm(g.denominator)
     D = D.monic()
-    numerators = [g.numerator * D.quo(g.denominator) for g in given]
+    numerators = [g.numerator * D.quo(g.denominator) for g in entries_exact]
     shared = D
     for N in numerators:
         shared = shared.gcd(N)
@@ -148,8 +154,8 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
         "A": A,
         "B": [[N.nth(n - 1 - row) for N in numerators] for row in range(n)],
         "C": [[1] + [0] * (n - 1)],
-        "variable": given[0].variable,
-        "sample_time": shared_sample_time(*given),
+        "variable": entries_exact[0].variable,
+        "sample_time": shared_sample_time(*entries_exact),
     }
 
 

@@ -50,10 +50,10 @@ class Saturation(Value):
     rate: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
 
     def __attrs_post_init__(self) -> None:
-        given = [b for b in (self.low, self.high, self.rate) if b is not None]
-        if not given:
+        bounds = [b for b in (self.low, self.high, self.rate) if b is not None]
+        if not bounds:
             raise InputError("a saturation needs low, high or rate.")
-        widths = {b.size for b in given} - {1}
+        widths = {b.size for b in bounds} - {1}
         if len(widths) > 1:
             raise InputError(f"low, high and rate have different sizes: {sorted(widths)}.")
         if self.low is not None and self.high is not None and np.any(self.low > self.high):

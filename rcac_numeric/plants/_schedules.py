@@ -128,8 +128,8 @@ class PlantSchedule(Value):
     @property
     def sample_time(self) -> float | None:
         """The sample time of its plants, in seconds; None where none of them has one."""
-        found: float | None = agreed_period(*(change.plant.sample_time for change in self.changes))
-        return found
+        period: float | None = agreed_period(*(change.plant.sample_time for change in self.changes))
+        return period
 
     @property
     def first(self) -> Plant:

@@ -83,8 +83,8 @@ def _exponential(generator: Array, h: float) -> Array | None:
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
 
     def attempt(_: int) -> Array | None:
-        found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
-        entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
+        exponential = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
+        entries = [exponential[i, j] for i in range(len(rows)) for j in range(len(rows))]
         tiny = arb(2) ** -1100  # below float64 nothing is left to decide
         if not all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
             return None

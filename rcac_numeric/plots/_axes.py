@@ -46,18 +46,18 @@ def mark_changes(axis: Axes, runs: Iterable[Run], first: int, last: int | None) 
 
 def legend_below(figure: Figure, *, always: bool = False) -> None:
     """One legend for all axes, below them, where it hides nothing; none for one line."""
-    found: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for axis in figure.axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    needless = len(found) == 1 and "the plant changes" not in found and not always
-    if not found or needless:
+            handles.setdefault(label, handle)
+    needless = len(handles) == 1 and "the plant changes" not in handles and not always
+    if not handles or needless:
         return
-    longest = max(map(len, found))
-    columns = max(1, min(len(found), int(figure.get_figwidth() / 0.072) // (longest + 7)))
-    figure.set_figheight(figure.get_figheight() + 0.17 * -(-len(found) // columns))
+    longest = max(map(len, handles))
+    columns = max(1, min(len(handles), int(figure.get_figwidth() / 0.072) // (longest + 7)))
+    figure.set_figheight(figure.get_figheight() + 0.17 * -(-len(handles) // columns))
     figure.legend(
-        found.values(), found, fontsize=8, loc="outside lower center", ncols=columns,
+        handles.values(), handles, fontsize=8, loc="outside lower center", ncols=columns,
         frameon=False,
     )  # fmt: skip
 
@@ -66,25 +66,27 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
     """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
     comparison, _ = attempted(lambda: repetition.comparison)
     nothing = np.zeros(0, dtype=np.complex128)
-    wanted, zeros = nothing, nothing
+    requested, zeros = nothing, nothing
     if comparison is not None:
-        poles, wanted = comparison.poles, comparison.asked_poles
+        poles, requested = comparison.poles, comparison.asked_poles
         zeros = largest_counts(comparison.zeros.values())
     else:
         poles = repetition.loop.poles()
         if repetition.plant.l_z == 1:
             zeros = largest_counts(repetition.zeros.values())
-    draw_poles(axis, poles, wanted, zeros)
+    draw_poles(axis, poles, requested, zeros)
     if legend:
         axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3,
                     frameon=False, handletextpad=0.3, columnspacing=1.2)  # fmt: skip
 
 
-def draw_poles(axis: Axes, poles: ComplexArray, wanted: ComplexArray, zeros: ComplexArray) -> None:
+def draw_poles(
+    axis: Axes, poles: ComplexArray, requested: ComplexArray, zeros: ComplexArray
+) -> None:
     """Poles reached beside those asked for, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
-        PoleGroup("asked for", "asked for", wanted, "s", WANTED, 10),
+        PoleGroup("asked for", "asked for", requested, "s", WANTED, 10),
         PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6),
         PoleGroup("poles reached", "pole", poles[finite], "x", REACHED, 7),
     ]

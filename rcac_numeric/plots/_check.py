@@ -103,8 +103,8 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
         )
     zeros = largest_counts(check.zeros.values())
     groups.append(PoleGroup("zeros from w to z", "zero", zeros, "o", SECOND, 6))
-    own = check.compensator.poles()
-    groups.append(PoleGroup("poles of the controller", "controller", own, "+", INK, 8))
+    poles = check.compensator.poles()
+    groups.append(PoleGroup("poles of the controller", "controller", poles, "+", INK, 8))
     assert check.poles is not None
     groups.append(PoleGroup("closed-loop poles", "pole", check.poles, "x", REACHED, 7))
     draw_plane(axis, groups)

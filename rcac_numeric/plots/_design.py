@@ -22,10 +22,10 @@ def plot_design(design: Design) -> Figure:
         lines = error.plot(run.k, e, linewidth=1.1, **line_style(i))
         lines[0].set_label(name)  # several signals are of one controller
         control.plot(run.k, run.u_applied, linewidth=1.1, **line_style(i))
-    seen = design.runs[FIXED]
-    largest = float(np.abs(seen.z).max(initial=0.0)) or 1.0
+    fixed_run = design.runs[FIXED]
+    largest = float(np.abs(fixed_run.z).max(initial=0.0)) or 1.0
     error.set_ylim(-2 * largest, 2 * largest)
-    reach = float(np.abs(seen.u_applied).max(initial=0.0)) or 1.0
+    reach = float(np.abs(fixed_run.u_applied).max(initial=0.0)) or 1.0
     control.set_ylim(-2 * reach, 2 * reach)
     error.set_title(str(design.verdict), fontsize=9, loc="left", wrap=True)
     error.set_ylabel("$e_0$")
@@ -35,11 +35,11 @@ def plot_design(design: Design) -> Figure:
     for i, name in enumerate(names):
         trials = [t for t in design.evidence if t.controller == name]
         for j, trial in enumerate(trials):
-            kept = [value for value in trial.rms if np.isfinite(value)]
+            finite = [value for value in trial.rms if np.isfinite(value)]
             place = j + 0.25 * (i - (len(names) - 1) / 2)
             style = line_style(i)
-            below.plot([place] * len(kept), kept, "o", markersize=4, color=style["color"])
-            if lost := len(trial.rms) - len(kept):
+            below.plot([place] * len(finite), finite, "o", markersize=4, color=style["color"])
+            if lost := len(trial.rms) - len(finite):
                 words = f"{lost} lost"
                 top = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
                 below.annotate(words, (place, 1.0), fontsize=7, color=style["color"], **top)

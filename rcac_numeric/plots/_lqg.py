@@ -18,7 +18,7 @@ from rcac_numeric.plots._style import (
 BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circle
 
 
-def plot_lqg(found: LQG) -> Figure:
+def plot_lqg(design: LQG) -> Figure:
     """Left the poles of regulator and estimator, right gain and phase of the controller."""
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
@@ -26,7 +26,7 @@ def plot_lqg(found: LQG) -> Figure:
     phase = figure.add_subplot(grid[1, 1], sharex=gain)
     groups = []
     for i, (name, marker, part) in enumerate(
-        (("regulator", "x", found.regulator), ("estimator", "+", found.estimator))
+        (("regulator", "x", design.regulator), ("estimator", "+", design.estimator))
     ):
         words = f"{name}, radius {np.abs(part.poles).max(initial=0.0):.3g}"
         groups.append(PoleGroup(words, "pole", part.poles, marker, line_style(i)["color"], 9))
@@ -34,7 +34,7 @@ def plot_lqg(found: LQG) -> Figure:
     poles.set_title("closed-loop poles", fontsize=10)
     poles.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
                  frameon=False)  # fmt: skip
-    A, B, C, D = found.state_space
+    A, B, C, D = design.state_space
     omega = np.linspace(1e-3, np.pi, 1500)
     pencils = np.exp(1j * omega)[:, None, None] * np.eye(len(A)) - A
     with np.errstate(all="ignore"):
@@ -52,7 +52,7 @@ def plot_lqg(found: LQG) -> Figure:
     if response[0].size > 1:
         gain.legend(fontsize=8)
     gain.set_ylabel("gain of $G_c$")
-    gain.set_title(f"controller, $J$ = {found.cost.value:.6g}", fontsize=10)
+    gain.set_title(f"controller, $J$ = {design.cost.value:.6g}", fontsize=10)
     phase.set(ylabel="phase, degrees", xlabel=r"frequency $\omega$, rad/sample")
     for axis in figure.axes:
         axis.grid(alpha=0.25)

@@ -223,8 +223,8 @@ def draw_disk(axis: Axes, curve: LoopCurve) -> None:
     if curve.phase is not None:
         axis.plot(1, abs(curve.phase[1]), "o", mfc="none", mec=WANTED, ms=7, label="phase margin")
     axis.set_ylim(0, 1.08 * max(axis.get_ylim()[1], abs(curve.phase[1]) if curve.phase else 0))
-    found = dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
-    axis.legend(found.values(), found, fontsize=8, loc="best", frameon=False)
+    handles = dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
+    axis.legend(handles.values(), handles, fontsize=8, loc="best", frameon=False)
 
 
 def draw_disk_region(axis: Axes, alpha: float) -> None:

@@ -72,13 +72,13 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
         axis.legend(fontsize=7)
 
 
-def draw_zeros(axis: Axes, found: Sequence[ComplexArray]) -> None:
+def draw_zeros(axis: Axes, zeros: Sequence[ComplexArray]) -> None:
     """Zeros in the plane, the first ones as rings and the last ones filled."""
     draw_circle(axis)
-    every = np.concatenate([np.zeros(0), *found])
+    every = np.concatenate([np.zeros(0), *zeros])
     near = every[np.abs(every) <= FARTHEST]
     axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
-    for values, name, fill in ((found[0], "first", "none"), (found[-1], "last", WANTED)):
+    for values, name, fill in ((zeros[0], "first", "none"), (zeros[-1], "last", WANTED)):
         shown = values[np.abs(values) <= FARTHEST]
         axis.plot(shown.real, shown.imag, "o", mfc=fill, mec=WANTED, ms=7, label=name)
     axis.set(xlabel="real", ylabel="imaginary")
@@ -89,19 +89,19 @@ def draw_zeros(axis: Axes, found: Sequence[ComplexArray]) -> None:
         low, high = right.real.min() - 0.05, right.real.max() + 0.05
         tall = max(np.abs(right.imag).max(), 0.02) * 1.5
         axis.set(xlim=(low, high), ylim=(-tall, tall))
-        axis.annotate(f"{len(found[0]) - (found[0].real > 0).sum()} further left",
+        axis.annotate(f"{len(zeros[0]) - (zeros[0].real > 0).sum()} further left",
                       (0.02, 0.03), xycoords="axes fraction", fontsize=8)  # fmt: skip
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8)
 
 
-def draw_moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:
+def draw_moduli(axis: Axes, where: np.ndarray, zeros: Sequence[ComplexArray], label: str) -> None:
     """Moduli of zeros over steps or periods, a point each, and the unit circle."""
     axis.axhline(1, color=INK, linewidth=0.7)
     at = np.concatenate(
-        [np.zeros(0), *(np.full(len(z), k) for k, z in zip(where, found, strict=True))]
+        [np.zeros(0), *(np.full(len(z), k) for k, z in zip(where, zeros, strict=True))]
     )
-    size = np.abs(np.concatenate([np.zeros(0), *found]))
+    size = np.abs(np.concatenate([np.zeros(0), *zeros]))
     near = size <= FARTHEST
     axis.plot(at[near], size[near], ".", color=REACHED, ms=4)
     axis.set(xlabel=label, ylabel="modulus of the zeros")

@@ -75,14 +75,14 @@ def _far(groups: Sequence[PoleGroup], reach: float) -> list[tuple[float, list[st
             (float(np.angle(v)) % (2 * np.pi), float(np.abs(v)), complex(v), int(count), group)
             for v, count in zip(values, counts, strict=True)
         ]
-    found: list[tuple[float, list[str], str]] = []
+    distant: list[tuple[float, list[str], str]] = []
     for angle, _, value, count, group in sorted(points, key=lambda point: point[:2]):
         word = f"{group.word}\n{complex_word(value)}" + (f" x{count}" if count > 1 else "")
-        if found and angle - found[-1][0] < SAME_DIRECTION:
-            found[-1][1].append(word)
+        if distant and angle - distant[-1][0] < SAME_DIRECTION:
+            distant[-1][1].append(word)
         else:
-            found.append((angle, [word], group.colour))
-    return found
+            distant.append((angle, [word], group.colour))
+    return distant
 
 
 def _draw_arrow(axis: Axes, angle: float, words: list[str], colour: str, reach: float) -> None:

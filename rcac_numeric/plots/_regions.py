@@ -90,8 +90,8 @@ def _draw_slab(
     for ends in zip(*columns, strict=True):
         lower = [max(float(cell.lower), shown[0]) for cell in ends]
         upper = [min(float(cell.upper), shown[1]) for cell in ends]
-        seen = np.array(lower) < np.array(upper)
-        axis.fill_between(places, lower, upper, where=list(seen), color=REACHED, alpha=0.3,
+        visible = np.array(lower) < np.array(upper)
+        axis.fill_between(places, lower, upper, where=list(visible), color=REACHED, alpha=0.3,
                           edgecolor=INK, linewidth=0.8)  # fmt: skip
 
 

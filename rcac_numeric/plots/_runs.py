@@ -181,8 +181,8 @@ def _draw_signals(
         for values, remark in pairs:
             for i, column in enumerate(values.T):
                 component = f"${signal}_{i + 1}$" if values.shape[1] > 1 else ""
-                own = name if len(runs) > 1 else ""
-                label = " ".join(filter(None, (own, component, remark)))
+                prefix = name if len(runs) > 1 else ""
+                label = " ".join(filter(None, (prefix, component, remark)))
                 k, shown = thinned(run.k, column) if len(column) > LONG else (run.k, column)
                 axis.step(k * period, shown, where="post", linewidth=1.1, label=label or None,
                           **line_style(index))  # fmt: skip

@@ -117,15 +117,15 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
 def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
     """Their phase, in radians: equal responses are drawn on each other."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
-        wanted, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
-        axis.plot(match.omega, wanted, color=WANTED, linewidth=3.5, alpha=0.45)
+        requested, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
+        axis.plot(match.omega, requested, color=WANTED, linewidth=3.5, alpha=0.45)
         jumps = np.abs(np.diff(reached, prepend=reached[:1])) > np.pi  # to the next branch
         axis.plot(match.omega, np.where(jumps, np.nan, reached), color=REACHED, linewidth=1.2)
     centre_at_least(axis, LEAST_PHASE)
     axis.set(xlabel=r"frequency $\omega$, rad/sample", ylabel="phase, rad")
 
 
-def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
+def phases(requested: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
     """Two phases over frequency, in radians, on one branch.
 
     A phase is known up to whole turns: the first one begins in (-pi, pi], the second one where
@@ -134,8 +134,8 @@ def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
     lie on each other.
     """
     with np.errstate(all="ignore"):
-        first = np.unwrap(np.angle(wanted))
-        ratio = reached * np.conj(wanted)
+        first = np.unwrap(np.angle(requested))
+        ratio = reached * np.conj(requested)
         difference, size = np.angle(ratio), np.abs(ratio)
         large = size > VANISHING * np.median(size)
     turns = np.round(np.diff(difference) / (2 * np.pi)) * (large[1:] & large[:-1])
@@ -160,10 +160,10 @@ def widen(axis: Axes, factor: float) -> None:
 
 def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
     """Return the axes that somebody gave to be drawn in, as many as are drawn."""
-    given = list(np.ravel(np.array(ax, dtype=object)))
-    if len(given) != count:
-        raise InputError(f"ax has {len(given)} axes; {count} are drawn, one for each.")
-    return given
+    axes = list(np.ravel(np.array(ax, dtype=object)))
+    if len(axes) != count:
+        raise InputError(f"ax has {len(axes)} axes; {count} are drawn, one for each.")
+    return axes
 
 
 def figure_of(axis: Axes) -> Figure:

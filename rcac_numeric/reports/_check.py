@@ -60,10 +60,10 @@ def check_sheet(check: ControllerCheck) -> Sheet:
 
 def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
     """That the log is not of the plant told, before anything is said with that plant."""
-    found, decision = check.plant_residual, check.decision
+    residual, decision = check.plant_residual, check.decision
     lines = []
-    if found is not None and found.is_doubtful:
-        lines.append(Text(str(found), "bad"))
+    if residual is not None and residual.is_doubtful:
+        lines.append(Text(str(residual), "bad"))
     if decision is not None:
         words = decision if isinstance(decision, str) else str(decision)
         if check.is_undecided:
@@ -108,8 +108,8 @@ def _log(check: ControllerCheck) -> Section:
         blocks.append(Text(str(drift), "plain" if drift.is_converged else "bad"))
         record["drift"] = {n: getattr(drift, n) for n in ("is_converged", "relative", "start")}
     if not check.is_consistent:
-        what = "theta" if replay is None or check.structure is not None else replay.of
-        words = f"What follows is about {what}; the logged u came from something else."
+        subject = "theta" if replay is None or check.structure is not None else replay.of
+        words = f"What follows is about {subject}; the logged u came from something else."
         blocks.append(Text(words))
     return Section(blocks=tuple(blocks), record=record)
 
@@ -148,7 +148,7 @@ def _loop(check: ControllerCheck) -> Section:
         "poles": poles,
         "zeros": check.zeros,
     }
-    zeros = {channel: complex_list(found) for channel, found in check.zeros.items()}
+    zeros = {channel: complex_list(values) for channel, values in check.zeros.items()}
     facts = (Fact("poles", complex_list(poles)), *zeros_facts(zeros))
     return Section("The closed loop", facts, {"loop": record, "margins": {}})
 
@@ -196,8 +196,8 @@ def _target(check: ControllerCheck) -> Section:
 
 def _comparison(comparison: ExactComparison) -> Section:
     rows = tuple(
-        cells(complex_list([wanted]), complex_list([pole]), f"{abs(wanted - pole):.2e}")
-        for wanted, pole in comparison.assigned
+        cells(complex_list([requested]), complex_list([pole]), f"{abs(requested - pole):.2e}")
+        for requested, pole in comparison.assigned
     )
     blocks: list[Block] = [SheetTable(("pole of G_f", "closed-loop pole", "distance"), rows)]
     if comparison.asked is None:
@@ -240,17 +240,17 @@ def margins_section(name: str, margins: Margins) -> Section:
     if not margins.is_stable:
         return Section("Margins", (Text(str(margins), "bad"),), whole, remark)
     rows = []
-    for label, found, unit in _boundaries(margins):
-        omega = f"{found.frequency:.6g}" if found.is_reached else ""
-        there = f"{found.radius_at:.12f}" if found.is_reached else ""
-        rows.append(cells(label, f"{found.value:.6g}{unit}", omega, there))
+    for label, margin, unit in _boundaries(margins):
+        omega = f"{margin.frequency:.6g}" if margin.is_reached else ""
+        there = f"{margin.radius_at:.12f}" if margin.is_reached else ""
+        rows.append(cells(label, f"{margin.value:.6g}{unit}", omega, there))
         record[label.replace(" ", "_")] = {
-            "value": found.value,
-            "omega": found.frequency,
-            "is_reached": found.is_reached,
-            "radius_before": found.radius_before,
-            "radius_at": found.radius_at,
-            "radius_after": found.radius_after,
+            "value": margin.value,
+            "omega": margin.frequency,
+            "is_reached": margin.is_reached,
+            "radius_before": margin.radius_before,
+            "radius_at": margin.radius_at,
+            "radius_after": margin.radius_after,
         }
     record["delay_time"] = margins.delay_time
     disk = margins.disk

@@ -91,7 +91,7 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
         "k_w": health.k_w,
         "signals": {name: _signal(signal) for name, signal in health.signals.items()},
         "without_control": _size(health.free),
-        "margins": {name: _margins(found) for name, found in health.margins.items()},
+        "margins": {name: _margins(margins) for name, margins in health.margins.items()},
         "updates_decided_by_rounding": health.guard_count,
         "updates_moved_to_bounds": health.bounded,
         "missed_by": health.missed_by,
@@ -138,11 +138,11 @@ def _size(size: SignalSize | None) -> dict[str, float] | None:
 
 
 def _margins(margins: Margins) -> dict[str, Any]:
-    found = {
+    record = {
         "gain_up": margins.gain_up, "gain_down": margins.gain_down, "phase": margins.phase,
         "delay": margins.delay,
     }  # fmt: skip
-    return {name: None if b is None else b.value for name, b in found.items()}
+    return {name: None if b is None else b.value for name, b in record.items()}
 
 
 def margin_words(margins: Margins) -> str:
@@ -256,8 +256,8 @@ def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
     """The number beside "reached", where it is no number of rounding or of a short run."""
     if not c.target_poles.any() or not c.judged or c.backward_error <= EXACTLY:
         return ()
-    asked, found = max(c.judged, key=lambda pair: abs(pair[0] - pair[1]))
-    off, change = abs(asked - found), 100 * c.backward_error
+    requested, reached = max(c.judged, key=lambda pair: abs(pair[0] - pair[1]))
+    off, change = abs(requested - reached), 100 * c.backward_error
     passes = (
         f"up to {100 * REACHED:g} % counts as reached"
         if c.backward_error <= REACHED
@@ -266,15 +266,15 @@ def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
     words = (
         f"Poles reached within a backward error of {change:.2g} %: the closed-loop polynomial "
         f"differs by so much of itself at the worst frequency, {passes}. Largest pole error "
-        f"{off:.2g}, at {complex_list([asked])} (the loop has {complex_list([found])})."
+        f"{off:.2g}, at {complex_list([requested])} (the loop has {complex_list([reached])})."
     )
     return (Text(words, "warning" if c.backward_error > NEARLY else "plain"),)
 
 
 def poles_reached(run: Run, health: LoopHealth) -> tuple[Text, ...]:
     """How near a run's last controller comes to the poles of its target, where they are reached."""
-    found = LoopAnalysis(run)
-    comparison = None if health.is_held or found.obstacle else _or_none(found)
+    analysis = LoopAnalysis(run)
+    comparison = None if health.is_held or analysis.obstacle else _or_none(analysis)
     return () if comparison is None or comparison.missed else missed_poles(comparison)
 
 
@@ -306,8 +306,8 @@ def comparison_section(c: ExactComparison) -> Section:
     if c.asked is None:
         blocks.append(Text(f"No exact prediction: {c.obstacle}", "warning"))
     pairs = tuple(
-        cells(complex_text(wanted), complex_text(pole), f"{abs(wanted - pole):.2e}")
-        for wanted, pole in c.assigned
+        cells(complex_text(requested), complex_text(pole), f"{abs(requested - pole):.2e}")
+        for requested, pole in c.assigned
     )
     blocks.append(SheetTable(("pole of G_f", "closed-loop pole", "distance"), pairs))
     blocks.append(Fact("other closed-loop poles", complex_list(c.unassigned)))
@@ -347,39 +347,39 @@ def comparison_sheet(c: ExactComparison) -> Sheet:
     )
 
 
-def analysis_sheet(found: LoopAnalysis) -> Sheet:
+def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
     """A run's last controller, or a plant and a compensator, beside theory."""
-    if isinstance(found.of, Run):
-        remark = f": {found.of.outcome} after {found.of.steps} steps"
-        missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)
-        health = poles_and_health(missed, health_lines(loop_health(found)))
+    if isinstance(analysis.of, Run):
+        remark = f": {analysis.of.outcome} after {analysis.of.steps} steps"
+        missed = () if analysis.obstacle else missed_poles(_or_none(analysis), analysis.structure)
+        health = poles_and_health(missed, health_lines(loop_health(analysis)))
     else:
         remark = ""
-        health = (stability_line(found.loop.is_stable, found.loop.spectral_radius),)
-    return Sheet("The loop", remark, health, (loop_section(found),))
+        health = (stability_line(analysis.loop.is_stable, analysis.loop.spectral_radius),)
+    return Sheet("The loop", remark, health, (loop_section(analysis),))
 
 
-def _or_none(found: LoopAnalysis) -> ExactComparison | None:
-    return attempted(lambda: found.comparison)[0]
+def _or_none(analysis: LoopAnalysis) -> ExactComparison | None:
+    return attempted(lambda: analysis.comparison)[0]
 
 
-def loop_section(found: LoopAnalysis, title: str = "", remark: str = "") -> Section:
+def loop_section(analysis: LoopAnalysis, title: str = "", remark: str = "") -> Section:
     """The exact prediction, the match with G_f and the split residual, each or why it is not."""
     parts = []
-    run = found.of if isinstance(found.of, Run) else None
+    run = analysis.of if isinstance(analysis.of, Run) else None
     if run is not None and run.saturation is not None:
         words = "What follows is the linear loop, without the saturation."
         parts.append(Section(blocks=(Text(words, "warning"),)))
-    comparison, obstacle = attempted(lambda: found.comparison)
+    comparison, obstacle = attempted(lambda: analysis.comparison)
     if comparison is not None:
         parts.append(comparison_section(comparison))
     else:
-        parts.append(poles_section(found, found.obstacle or obstacle))
-    match, reason = attempted(lambda: found.match)
+        parts.append(poles_section(analysis, analysis.obstacle or obstacle))
+    match, reason = attempted(lambda: analysis.match)
     parts.append(match_section(match, reason))
     if run is not None:
-        split, reason = attempted(lambda: found.split)
-        parts += [split_section(split, reason, found.loop.is_stable), _guard(run)]
+        split, reason = attempted(lambda: analysis.split)
+        parts += [split_section(split, reason, analysis.loop.is_stable), _guard(run)]
         parts.append(fitted_section(run.D_f))
     return joined(title, *parts, remark=remark)
 
@@ -400,22 +400,22 @@ def _polynomial(c: ExactComparison) -> SheetTable:
         reached = c.reached.nth(power)
         row = [str(power), "", f"{rounded(reached):.12g}", ""]
         if c.asked is not None:
-            asked = c.asked.nth(power)
-            row[1], row[3] = exact_text(asked), f"{rounded(reached - asked):.1e}"
+            requested = c.asked.nth(power)
+            row[1], row[3] = exact_text(requested), f"{rounded(reached - requested):.1e}"
         rows.append(cells(*row))
     return SheetTable(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
 
 
-def poles_section(found: LoopAnalysis, obstacle: str) -> Section:
+def poles_section(analysis: LoopAnalysis, obstacle: str) -> Section:
     """What float64 can say where the exact comparison does not apply."""
-    poles = found.loop.poles()
+    poles = analysis.loop.poles()
     blocks: list[Block] = [
         Text(f"No exact comparison: {obstacle}.", "warning"),
         Fact("closed-loop poles", complex_list(poles)),
-        Fact("controller poles", complex_list(found.compensator.poles())),
+        Fact("controller poles", complex_list(analysis.compensator.poles())),
     ]
-    if found.plant.l_z == 1:
-        zeros = {channel: complex_list(values) for channel, values in found.zeros.items()}
+    if analysis.plant.l_z == 1:
+        zeros = {channel: complex_list(values) for channel, values in analysis.zeros.items()}
         blocks += zeros_facts(zeros)
     return Section(blocks=tuple(blocks), record={"obstacle": obstacle, "poles": poles})
 

@@ -8,21 +8,21 @@ from rcac_numeric.analysis._lqg import LQG
 from rcac_numeric.reports._sheet import Fact, Section, Sheet
 
 
-def lqg_sheet(found: LQG) -> Sheet:
+def lqg_sheet(design: LQG) -> Sheet:
     """The cost with its evidence, how far the poles are inside, and the controller itself."""
     radii = {
         name: float(np.abs(part.poles).max(initial=0.0))
-        for name, part in (("regulator", found.regulator), ("estimator", found.estimator))
+        for name, part in (("regulator", design.regulator), ("estimator", design.estimator))
     }
-    own = found.spectral_radius
+    radius = design.spectral_radius
     facts = (
         Fact(
-            "cost J", f"{found.cost.value:.6g}, by the Riccati solutions {found.cost_gap:.1e} off"
+            "cost J", f"{design.cost.value:.6g}, by the Riccati solutions {design.cost_gap:.1e} off"
         ),
         *(Fact(f"{name}'s poles", f"radius {radius:.6g}") for name, radius in radii.items()),
-        Fact("controller's poles", f"radius {own:.6g}", "plain" if own < 1 else "warning"),
+        Fact("controller's poles", f"radius {radius:.6g}", "plain" if radius < 1 else "warning"),
     )
-    record = {"cost": found.cost.value, "cost_gap": found.cost_gap, "controller_radius": own}
+    record = {"cost": design.cost.value, "cost_gap": design.cost_gap, "controller_radius": radius}
     record |= {f"{name}_radius": radius for name, radius in radii.items()}
-    remark = f", {found.form} form, order {found.plant.n}"
+    remark = f", {design.form} form, order {design.plant.n}"
     return Sheet("LQG", remark, sections=(Section("", facts, record),))

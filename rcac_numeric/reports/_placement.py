@@ -13,13 +13,13 @@ from rcac_numeric.reports._sheet import Section, Sheet, Text
 
 def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
     """The compensator, how many there are, and what the same solve in float64 is worth."""
-    found = _conditioning(placement)
+    section = _conditioning(placement)
     lines = [Text(line) for line in str(placement).splitlines()]
     if placement.numerator.is_zero:
         lines.insert(0, Text(_of_zero(placement), "warning"))
-    if found is not None:
-        is_worse = found.target_is_stable and not found.float64_is_stable
-        lines.append(Text(f"in float64: {found}", "bad" if is_worse else "plain"))
+    if section is not None:
+        is_worse = section.target_is_stable and not section.float64_is_stable
+        lines.append(Text(f"in float64: {section}", "bad" if is_worse else "plain"))
     record = {
         "plant": str(placement.plant),
         "feedback": placement.feedback,
@@ -32,17 +32,17 @@ def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
         "residual_is_zero": bool(placement.residual.is_zero),
         "summary": str(placement),
         "is_rational": all(map(is_rational, (placement.target, placement.numerator))),
-        "float64": None if found is None else {
-            "condition_number": found.condition_number,
-            "relative_error": found.relative_error,
-            "digits": found.digits,
-            "is_stable": found.float64_is_stable,
-            "target_is_stable": found.target_is_stable,
-            "summary": str(found),
+        "float64": None if section is None else {
+            "condition_number": section.condition_number,
+            "relative_error": section.relative_error,
+            "digits": section.digits,
+            "is_stable": section.float64_is_stable,
+            "target_is_stable": section.target_is_stable,
+            "summary": str(section),
         },
     }  # fmt: skip
     health: tuple[Text, ...] = ()
-    if found is not None and not found.target_is_stable:
+    if section is not None and not section.target_is_stable:
         z = placement.target.gen
         where = "left of the imaginary axis" if z.name == "s" else "inside the unit circle"
         health = (Text(f"The loop is UNSTABLE as asked for: poles in {z} belong {where}.", "bad"),)

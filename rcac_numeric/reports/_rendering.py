@@ -40,8 +40,8 @@ def whole_page(
         f"style-src-elem 'sha256-{_digest(css)}'; style-src-attr 'unsafe-inline'; "
         "img-src data:; base-uri 'none'; form-action 'none'"
     )
-    own = {"policy": Markup(policy), "css": Markup(css), "js": Markup(js)}
-    return f"{rendered(name, home, **own, **values)}\n"
+    assets = {"policy": Markup(policy), "css": Markup(css), "js": Markup(js)}
+    return f"{rendered(name, home, **assets, **values)}\n"
 
 
 def write_page(page: str, path: str | Path) -> None:

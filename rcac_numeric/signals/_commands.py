@@ -129,12 +129,12 @@ class FilteredCommand(Signal):
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:
         """The filtered command at every step."""
-        asked = self.signal.values(max(steps - 1, 0), rng)
-        state, gains, found = self.start, self._gains, np.full(steps, self.initial)
-        for k, r in enumerate(asked.tolist()):
+        command = self.signal.values(max(steps - 1, 0), rng)
+        state, gains, values = self.start, self._gains, np.full(steps, self.initial)
+        for k, r in enumerate(command.tolist()):
             state = self._advanced(state, r, *gains)
-            found[k + 1] = state[0]
-        return found
+            values[k + 1] = state[0]
+        return values
 
     @property
     def _limits(self) -> tuple[float, float]:
@@ -159,9 +159,9 @@ class FilteredCommand(Signal):
         self, state: tuple[float, float], r: float, gain: float, share: float
     ) -> tuple[float, float]:
         (x, v), (low, high) = state, self._limits
-        wanted = gain * (min(max(r, low), high) - x)
+        change = gain * (min(max(r, low), high) - x)
         if self.rate is not None:
-            wanted = min(max(wanted, -self.rate), self.rate)
-        v += share * (wanted - v)
+            change = min(max(change, -self.rate), self.rate)
+        v += share * (change - v)
         reached = min(max(x + v, low), high)
         return reached, reached - x

@@ -31,12 +31,12 @@ def read_variables(path: str | Path) -> dict[str, Array]:
         raise InputError(f"{file} is not a log that can be read; use {', '.join(FORMATS)}.")
     try:
         require_readable(file)
-        found = _numeric(readers[suffix](file))
+        variables = _numeric(readers[suffix](file))
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
-    if not found:
+    if not variables:
         raise InputError(f"{file} holds no numeric variable.")
-    return found
+    return variables
 
 
 def _columns(file: Path) -> dict[str, Array]:
@@ -57,11 +57,11 @@ def _columns(file: Path) -> dict[str, Array]:
 
 def _numeric(contents: Mapping[str, np.ndarray]) -> dict[str, Array]:
     """The arrays of numbers. Complex ones stay so: who needs them as real numbers refuses them."""
-    found: dict[str, Array] = {}
+    variables: dict[str, Array] = {}
     for name, value in contents.items():
         if value.dtype.kind in "iufb" and value.size:
             with np.errstate(invalid="ignore"):  # a NaN of single precision may be signalling
-                found[name] = np.asarray(value, dtype=np.float64)
+                variables[name] = np.asarray(value, dtype=np.float64)
         elif value.dtype.kind == "c":
-            found[name] = value
-    return found
+            variables[name] = value
+    return variables

@@ -63,7 +63,7 @@ class _Version5:
         self.unpacked = 0
 
     def variables(self) -> dict[str, np.ndarray]:
-        found: dict[str, np.ndarray] = {}
+        variables: dict[str, np.ndarray] = {}
         view = memoryview(self.contents)[128:]
         while len(view) >= 8:
             kind, size = struct.unpack(self.order + "II", view[:8])
@@ -80,8 +80,8 @@ class _Version5:
             if kind == MATRIX:
                 name, values = self._matrix(body)
                 if values is not None and name and not name.startswith("__"):
-                    found[name] = values
-        return found
+                    variables[name] = values
+        return variables
 
     def _unpacked(self, body: memoryview) -> memoryview:
         stream = zlib.decompressobj()

@@ -17,19 +17,19 @@ LONGEST_NAME = 1000
 
 def read_version_4(contents: bytes, limit: ReadingLimit) -> dict[str, np.ndarray]:
     """The numeric arrays by name; texts are left out."""
-    found: dict[str, np.ndarray] = {}
+    variables: dict[str, np.ndarray] = {}
     view = memoryview(contents)
     try:
         order = "<" if struct.unpack("<i", view[:4])[0] in range(5000) else ">"
         while view:
             name, values, view = _variable(view, order, limit)
             if values is not None:
-                found[name] = values
+                variables[name] = values
     except (struct.error, ValueError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{limit.file} is not a .mat file that can be read: {error}.") from None
-    return found
+    return variables
 
 
 def _variable(view: memoryview, order: str, limit: ReadingLimit) -> tuple[str, Any, memoryview]:

@@ -37,8 +37,8 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
             f"{file} is not a text file of numbers: {shortened(str(error), 200)}."
         ) from None
     if not len(table):
-        held = f"the names {shortened(', '.join(names))} and " if names else ""
-        raise InputError(f"{file} has {held}no row of numbers.")
+        shown_names = f"the names {shortened(', '.join(names))} and " if names else ""
+        raise InputError(f"{file} has {shown_names}no row of numbers.")
     return names, table
 
 

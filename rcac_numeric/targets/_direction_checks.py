@@ -151,14 +151,14 @@ def _form(
     target: TargetModel,
     etas: ComplexArray,
     inputs: ComplexArray | None,
-    is_kept: bool,
+    has_zero: bool,
 ) -> str:
     scale = float(np.abs(target.numerator).sum(axis=0).max())
     U, singular, _ = np.linalg.svd(G_f)
     lost = int((singular <= SINGULAR * scale).sum())
     if lost > etas.shape[1]:
         return "in every channel" if lost == len(G_f) else "in another direction"
-    if is_kept:
+    if has_zero:
         return "kept"
     if lost == 0:
         return "not a zero"

@@ -109,9 +109,9 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
         if n_bar is None:
             raise InputError("n_bar is needed to truncate a plant's Markov parameters.")
         H = markov_parameters(source, integer(n_bar, "n_bar", at_most=10_000) + 1)
-        kept = _require_nonzero(H, source)
-        scalar = kept.shape[1:] == (1, 1)
-        return TargetModel(kept, exact=_scalar_filter(source, n_bar) if scalar else None)
+        parameters = _require_nonzero(H, source)
+        scalar = parameters.shape[1:] == (1, 1)
+        return TargetModel(parameters, exact=_scalar_filter(source, n_bar) if scalar else None)
     H = real_array(source, "the Markov parameters")
     H = H.reshape(-1, 1, 1) if H.ndim == 1 else H
     if H.ndim != 3 or H.size == 0:

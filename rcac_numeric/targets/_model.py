@@ -157,8 +157,8 @@ def _require_same(
     left = np.einsum("iab,zi->zab", numerator, z[:, None] ** -np.arange(len(numerator)))
     right = np.einsum("iab,zi->zab", denominator, z[:, None] ** -np.arange(len(denominator)))
     powers = z[:, None] ** -np.arange(degree + 1)
-    wanted = np.stack([powers @ part for part in N], axis=-1).reshape(len(z), *shape)
-    gap = np.abs(left * (powers @ d)[:, None, None] - right @ wanted)
+    values = np.stack([powers @ part for part in N], axis=-1).reshape(len(z), *shape)
+    gap = np.abs(left * (powers @ d)[:, None, None] - right @ values)
     size = np.abs(numerator).sum() * np.abs(d).sum()
     size += np.abs(denominator).sum() * sum(np.abs(part).sum() for part in N)
     if not gap.max() <= 1e-12 * size:
@@ -216,13 +216,15 @@ def require_no_pole_outside(
     if not has_root_outside(poles):
         return
     if poles.degree() > NAMED:
-        found = "a pole outside the unit circle"
+        obstacle = "a pole outside the unit circle"
     else:
         count = exact_theory.locate_roots(poles, time="discrete").unstable
         largest = max(exact_theory.certified_roots(poles), key=lambda root: abs(root.value))
-        found = f"{count} pole{'s' * (count > 1)} outside the unit circle, the largest at {largest}"
+        obstacle = (
+            f"{count} pole{'s' * (count > 1)} outside the unit circle, the largest at {largest}"
+        )
     raise InputError(
-        f"the target model has {found}: the filtered regressor would grow without bound, and a "
+        f"the target model has {obstacle}: the filtered regressor would grow without bound, and a "
         "loop that matched this target would be unstable. Use poles inside or on the unit circle; "
         "unstable poles of the plant do not belong in G_f."
     )
@@ -235,11 +237,11 @@ def _determinant(denominator: Array) -> Poly:
 
     from compensator_theory.polynomials._budget import ask
 
-    size, what = denominator.shape[1], "the denominator of the target model"
+    size, subject = denominator.shape[1], "the denominator of the target model"
     degree = size * (len(denominator) - 1)
-    ask("degree", degree, what)
+    ask("degree", degree, subject)
     if (denominator * (1 - np.eye(size))).any():  # what the elimination writes down; 1 s at most
-        ask("entries", size**3 * degree // 3, what)
+        ask("entries", size**3 * degree // 3, subject)
     rows = [_integers(denominator[:, i]) for i in range(size)]
     previous = flint.fmpz_poly([1])
     for k in range(size - 1):

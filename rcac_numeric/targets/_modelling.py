@@ -82,15 +82,15 @@ class ModellingInformation:
         nmp_zeros: Sequence[Number] | None = None,
     ) -> ModellingInformation:
         """The same with another d_zu, H or nmp_zeros; where the zeros stay, they stay exact."""
-        made = ModellingInformation(
+        information = ModellingInformation(
             self.d_zu if d_zu is None else d_zu,
             self.H if H is None else H,
             self.nmp_zeros if nmp_zeros is None else nmp_zeros,
         )
         if nmp_zeros is None:
-            object.__setattr__(made, "_factor", self._factor)
-            object.__setattr__(made, "_is_rounded", self._is_rounded)
-        return made
+            object.__setattr__(information, "_factor", self._factor)
+            object.__setattr__(information, "_is_rounded", self._is_rounded)
+        return information
 
     @property
     def is_exact(self) -> bool:
@@ -135,14 +135,14 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     numerator, denominator = linear_plant(plant).scalar_map("zu")
     if numerator.is_zero:
         raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
-    found = ModellingInformation(
+    information = ModellingInformation(
         denominator.degree() - numerator.degree(), numerator.LC(), zeros_not_inside(numerator)
     )
-    if any(isinstance(zero, float | complex) for zero in found.nmp_zeros):
+    if any(isinstance(zero, float | complex) for zero in information.nmp_zeros):
         factor = factor_not_inside(numerator)
-        object.__setattr__(found, "_factor", factor)
-        object.__setattr__(found, "_is_rounded", factor is None)
-    return found
+        object.__setattr__(information, "_factor", factor)
+        object.__setattr__(information, "_is_rounded", factor is None)
+    return information
 
 
 def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
@@ -157,10 +157,10 @@ def factor_not_inside(polynomial: Poly) -> Poly | None:
     """The monic factor with the roots on or outside the circle; None where it is irrational."""
     found = polynomial.one
     for factor, multiplicity in polynomial.factor_list()[1]:
-        wanted = _count_not_inside(factor)
-        if 0 < wanted < factor.degree():
+        count = _count_not_inside(factor)
+        if 0 < count < factor.degree():
             return None
-        if wanted:
+        if count:
             found *= factor**multiplicity
     return found.monic()
 
@@ -174,9 +174,9 @@ def _count_not_inside(factor: Poly) -> int:
 
 def _of_irreducible(factor: Poly) -> list[Number]:
     """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
-    wanted = _count_not_inside(factor)
-    if wanted and factor.degree() == 1:
+    count = _count_not_inside(factor)
+    if count and factor.degree() == 1:
         return [-factor.monic().nth(0)]
     # How many there are is exact, and they are the largest.
-    largest = sorted(exact.certified_roots(factor), key=lambda root: -abs(root.value))[:wanted]
+    largest = sorted(exact.certified_roots(factor), key=lambda root: -abs(root.value))[:count]
     return [root.value.real if root.is_real else root.value for root in largest]

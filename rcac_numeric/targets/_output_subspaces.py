@@ -55,8 +55,8 @@ class OutputSubspaceZeros(Result):
         """All of them, from certified isolation."""
         if self.polynomial.degree() < 1:
             return np.zeros(0, dtype=np.complex128)
-        found = exact.certified_roots(self.polynomial)
-        return np.array([r.value for r in found for _ in range(r.multiplicity)])
+        roots = exact.certified_roots(self.polynomial)
+        return np.array([r.value for r in roots for _ in range(r.multiplicity)])
 
 
 def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
@@ -141,16 +141,16 @@ def output_subspace_target(plant: Plant) -> TargetModel:
     >>> output_subspace_target(plant).numerator[1].ravel()
     array([1., 2.])
     """
-    found = output_subspace_zeros(plant)
-    polynomial = factor_not_inside(found.polynomial)
-    factor = exact.polynomial_from_roots(found.nmp_zeros, "q") if polynomial is None else polynomial
+    zeros = output_subspace_zeros(plant)
+    polynomial = factor_not_inside(zeros.polynomial)
+    factor = exact.polynomial_from_roots(zeros.nmp_zeros, "q") if polynomial is None else polynomial
     N_u = rounded(factor.all_coeffs(), "the output-subspace zeros")
-    delay = np.zeros(found.d_zu)
-    numerator = np.multiply.outer(np.concatenate([delay, N_u]), found.H)
+    delay = np.zeros(zeros.d_zu)
+    numerator = np.multiply.outer(np.concatenate([delay, N_u]), zeros.H)
     if polynomial is None:
         return TargetModel(numerator)
-    H = _exact_parameter(linear_plant(plant), found.d_zu)
-    q_to_n = Poly(polynomial.gen ** (found.d_zu + polynomial.degree()), polynomial.gen)
+    H = _exact_parameter(linear_plant(plant), zeros.d_zu)
+    q_to_n = Poly(polynomial.gen ** (zeros.d_zu + polynomial.degree()), polynomial.gen)
     entries = tuple(tuple(factor * H[i, j] for j in range(H.cols)) for i in range(H.rows))
     if H.shape == (1, 1):
         return TargetModel(numerator, exact=exact.TransferFunction(entries[0][0], q_to_n))

@@ -93,5 +93,5 @@ def pole_placement_target(
     q = Poly([1, 0], Symbol("q"), domain=QQ)
     surplus = D_p.degree() - known.d_zu - N_u.degree()
     numerator = N_u * exact.exact_number(known.H) * q ** max(surplus, 0)
-    made = from_transfer_function(exact.TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
-    return made if known.is_exact else TargetModel(made.numerator, made.denominator)
+    target = from_transfer_function(exact.TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+    return target if known.is_exact else TargetModel(target.numerator, target.denominator)

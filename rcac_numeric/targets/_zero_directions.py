@@ -151,13 +151,13 @@ def zero_direction_target(
         delays=source.delays,
         taps=taps,
     )
-    found = target_model(built.transfer_matrix)
+    target = target_model(built.transfer_matrix)
     if plant is None:
-        return found
+        return target
     if plant.l_z == plant.l_u == 1 and taps is None:
         return fir_target(plant)  # the same, exactly
     # The plant's zeros and directions were found in float64: what is made of them is not exact.
-    return TargetModel(found.numerator, found.denominator)
+    return TargetModel(target.numerator, target.denominator)
 
 
 def _source(
@@ -243,7 +243,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
                 f"the NMP zero {shared[0]} is a pole of the plant too: a hidden mode, which no "
                 "controller moves, or one in another direction. Say zeros and directions yourself."
             )
-    found: list[DirectedZero] = []
+    zeros: list[DirectedZero] = []
     values = [complex(z) for z in zeros_not_inside(polynomial)]
     constant = np.array(pencil.subs(q, 0).tolist(), dtype=complex)
     slope = np.diag([1.0] * n + [0.0] * (len(constant) - n))
@@ -255,8 +255,8 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
                 f"the zero {z0:.6g} has multiplicity {values.count(z0)} and {count} directions; "
                 "use markov_target, or move the zeros a little apart."
             )
-        found += [(z0, _normalised(U[n:, -1 - k].conj())) for k in range(count)]
-    return tuple(found)
+        zeros += [(z0, _normalised(U[n:, -1 - k].conj())) for k in range(count)]
+    return tuple(zeros)
 
 
 def _leading(plant: Plant, squaring: ArrayLike | None) -> tuple[Matrix, tuple[int, ...], Matrix]:

@@ -58,7 +58,7 @@ def test_examples_run_without_numeric_libraries(chapter):
     """Those that name one are left out; where they need none, that is found, too."""
     answers = answers_of(chapter)
     asking = {name for name, (source, _) in answers.items() if NEEDS.search(source)}
-    wrong = {name: said for name, (_, said) in answers.items() if said}
+    wrong = {name: message for name, (_, message) in answers.items() if message}
     assert answers and not set(wrong) - asking, "\n".join(wrong.values())
     assert asking == set(wrong), "it needs no numeric library, and says so"
     assert len(asking) <= 1 + len(answers) // 10

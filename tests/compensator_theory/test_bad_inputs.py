@@ -72,8 +72,8 @@ def test_refusals_stay_small(name):
     door(*arguments, **keywords)
     for place in range(len(arguments)):
         for value in BAD:
-            given = [*arguments[:place], value, *arguments[place + 1 :]]
-            refuses(door, given, keywords, lambda: at_most_bytes(BYTES))
+            argument = [*arguments[:place], value, *arguments[place + 1 :]]
+            refuses(door, argument, keywords, lambda: at_most_bytes(BYTES))
 
 
 SETTINGS = [np.zeros((2, 2, 2)), scipy.sparse.eye(2), {1: 2}, [10**5000], 10**30, Long(10**7)]

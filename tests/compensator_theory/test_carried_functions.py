@@ -92,8 +92,8 @@ def put(value, factors):
         return Poly(value.as_expr().xreplace(factors), value.gen)
     if isinstance(value, sympy.Expr) and value.free_symbols & set(factors):
         exactly = {number: Rational(str(number)) for number in value.atoms(sympy.Float)}
-        found = value.xreplace(factors | exactly)
-        return str(found) if len(str(found)) % 2 else found  # texts and expressions, as it comes
+        result = value.xreplace(factors | exactly)
+        return str(result) if len(str(result)) % 2 else result  # texts and expressions, as it comes
     return value
 
 
@@ -146,13 +146,13 @@ def right(name, call, pair):
     """Whether the answer is that of the numbers, or of the symbols; None if it is refused."""
     (first, as_first), (second, as_second) = pair
     functions, symbols = {FIRST: first, SECOND: second}, {FIRST: as_first, SECOND: as_second}
-    found = asked(name, put(call, functions))
-    if found is None or isinstance(found, exact.CompensatorError):
+    result = asked(name, put(call, functions))
+    if result is None or isinstance(result, exact.CompensatorError):
         return None
     numbers = {factor: value.xreplace(AS_NUMBERS) for factor, value in symbols.items()}
     others = (asked(name, put(call, values)) for values in (numbers, symbols))
     compare = signs_agree if name == "stability_conditions" else agree
-    return any(not isinstance(o, exact.CompensatorError) and compare(found, o) for o in others)
+    return any(not isinstance(o, exact.CompensatorError) and compare(result, o) for o in others)
 
 
 def signs_agree(found, wanted):
@@ -161,7 +161,7 @@ def signs_agree(found, wanted):
 
 
 def test_every_public_function_carries_or_refuses():
-    names = {name for name, found in PUBLIC.items() if name[0].islower() and callable(found)}
+    names = {name for name, result in PUBLIC.items() if name[0].islower() and callable(result)}
     undecided = {name for name in names if not hasattr(PUBLIC[name], "carries")}
     assert undecided == WRITERS
 
@@ -197,8 +197,8 @@ TENTH = exp(Rational(-1, 10))
 
 
 def double_integrator():
-    found = exact.place_poles("1/s**2", [*PLACED, -w], feedback=-1)
-    return found.closed_loop_polynomial(found.compensator).as_expr()
+    placement = exact.place_poles("1/s**2", [*PLACED, -w], feedback=-1)
+    return placement.closed_loop_polynomial(placement.compensator).as_expr()
 
 
 @pytest.mark.parametrize(

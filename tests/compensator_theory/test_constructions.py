@@ -60,6 +60,6 @@ def test_the_drawn_tests_of_each_row_are_there():
 
 def example_of(number):
     """The lines of the one example that carries this number."""
-    found = re.search(rf"^>>> (?:.*  )?# {number}\n(?:>>> .*\n)?", EXAMPLES, re.M)
-    assert found, f"construction {number} has no example"
-    return found.group()
+    result = re.search(rf"^>>> (?:.*  )?# {number}\n(?:>>> .*\n)?", EXAMPLES, re.M)
+    assert result, f"construction {number} has no example"
+    return result.group()

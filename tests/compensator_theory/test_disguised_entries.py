@@ -71,39 +71,39 @@ def answers(name, factor):
     arguments, keywords = DOORS[name]
     places = [*range(len(arguments)), *(k for k, v in keywords.items() if isinstance(v, list))]
     for place in places:
-        given = arguments[place] if isinstance(place, int) else keywords[place]
-        for changed in disguised(given, factor):
-            asked, named = list(arguments), dict(keywords)
+        argument = arguments[place] if isinstance(place, int) else keywords[place]
+        for changed in disguised(argument, factor):
+            requested, named = list(arguments), dict(keywords)
             if isinstance(place, int):
-                asked[place] = changed
+                requested[place] = changed
             else:
                 named[place] = changed
             try:
-                yield asked, PUBLIC[name](*asked, **named)
+                yield requested, PUBLIC[name](*requested, **named)
             except exact.CompensatorError:
                 continue
             except Exception as error:
-                yield asked, error
+                yield requested, error
 
 
 def foreign(name, numbers):
     """The errors that are not ours."""
     for number in numbers:
-        for asked, found in answers(name, number):
-            if isinstance(found, Exception):
-                yield f"{type(found).__name__} of {asked}: {found}"[:300]
+        for requested, result in answers(name, number):
+            if isinstance(result, Exception):
+                yield f"{type(result).__name__} of {requested}: {result}"[:300]
 
 
 def differences(name, identities):
     """What a function answers otherwise, or fails of, where one of its numbers is disguised."""
     arguments, keywords = DOORS[name]
-    wanted = PUBLIC[name](*arguments, **keywords)
+    expected = PUBLIC[name](*arguments, **keywords)
     for identity in identities:
-        for asked, found in answers(name, IDENTITIES[identity]):
-            if isinstance(found, Exception):
-                yield f"{identity}: {type(found).__name__} of {asked}: {found}"[:300]
-            elif found is not None and not same(found, wanted):
-                yield f"{identity}: {asked}: {found} instead of {wanted}"[:400]
+        for requested, result in answers(name, IDENTITIES[identity]):
+            if isinstance(result, Exception):
+                yield f"{identity}: {type(result).__name__} of {requested}: {result}"[:300]
+            elif result is not None and not same(result, expected):
+                yield f"{identity}: {requested}: {result} instead of {expected}"[:400]
 
 
 def test_every_public_function_is_asked():

@@ -151,10 +151,10 @@ def test_a_variable_that_says_nothing_about_time():
     with pytest.raises(InputError, match="what x means"):
         exact.observer_forms("1/(x - 1)", "-6/(x + 4)").fastest_observer()
     for letter, time_ in (("s", "continuous"), ("z", "discrete")):
-        found = exact.observers.is_lqg_suboptimal(
+        answer = exact.observers.is_lqg_suboptimal(
             f"1/({letter} - 1)", f"-3/({letter} + 2)", feedback=1
         )
-        assert f"{time_} time" in found.question
+        assert f"{time_} time" in answer.question
     assert (
         exact.solve_riccati(
             [[2]], [[1]], [[1]], variable="z", time="discrete"
@@ -200,9 +200,9 @@ def test_what_has_no_order_is_no_polynomial(obj):
 def test_lists_of_roots_and_of_coefficients():
     placed = exact.place_poles("1/(s**2 + s)", [1, 6, 11, 6], feedback=-1)
     assert "ROOTS 1, 6, 11, 6" in repr(placed) and "polynomial=" in repr(placed)
-    asked = exact.place_poles("1/(s**2 + s)", polynomial=[1, 6, 11, 6], feedback=-1)
-    assert asked.target == exact.polynomial("(s + 1)*(s + 2)*(s + 3)") and "ROOTS" not in repr(
-        asked
+    placement = exact.place_poles("1/(s**2 + s)", polynomial=[1, 6, 11, 6], feedback=-1)
+    assert placement.target == exact.polynomial("(s + 1)*(s + 2)*(s + 3)") and "ROOTS" not in repr(
+        placement
     )
     for both in ({}, {"target": [1], "polynomial": [1, 2]}):
         with pytest.raises(InputError):
@@ -353,11 +353,11 @@ STATES = sympy_control.StateSpace(
      (control.feedback(control.ss(1, 1, 1, 0), 1), "1/s")],
 )  # fmt: skip
 def test_foreign_systems_of_every_kind(system, expected):
-    found = exact.transfer_function(system)
-    written = exact.transfer_function(expected, sample_time=found.sample_time)
-    assert found.reduced() == written.reduced()
+    G = exact.transfer_function(system)
+    written = exact.transfer_function(expected, sample_time=G.sample_time)
+    assert G.reduced() == written.reduced()
     realised = exact.realisation(system)
-    assert realised.transfer_function().reduced() == found.reduced()
+    assert realised.transfer_function().reduced() == G.reduced()
 
 
 @pytest.mark.parametrize(
@@ -501,11 +501,11 @@ def test_whatever_reads_a_text_lets_its_variable_be_named(name):
     """(That one's plant, a StandardProblem, says it.)"""
     function = PUBLIC[name]
     if inspect.isfunction(function):
-        given = inspect.signature(function).parameters
+        parameters = inspect.signature(function).parameters
         kinds = ("TransferFunctionLike", "TransferMatrixLike", "RealisationLike", "LoopPart",
                  "PolynomialLike")  # fmt: skip
-        reads = any(kind in str(one.annotation) for kind in kinds for one in given.values())
-        assert not reads or "variable" in given
+        reads = any(kind in str(one.annotation) for kind in kinds for one in parameters.values())
+        assert not reads or "variable" in parameters
 
 
 @pytest.mark.parametrize("name", sorted(PUBLIC))
@@ -513,10 +513,10 @@ def test_settings_stand_in_one_place(name):
     """What reads one object takes `variable` second; everything else takes it by name alone."""
     if not inspect.isfunction(PUBLIC[name]):
         return
-    given = inspect.signature(PUBLIC[name]).parameters
-    by_place = [one.name for one in given.values() if one.kind is not one.KEYWORD_ONLY]
+    parameters = inspect.signature(PUBLIC[name]).parameters
+    by_place = [one.name for one in parameters.values() if one.kind is not one.KEYWORD_ONLY]
     assert not {"feedback", "time", "digits"} & set(by_place)
-    if "variable" in given:
+    if "variable" in parameters:
         assert ("variable" in by_place) == (by_place[1:] in ([], ["variable"]))
 
 

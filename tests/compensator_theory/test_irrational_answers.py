@@ -26,13 +26,13 @@ def test_spectral_factors_of_weights():
     for r in WEIGHTS:
         inside = exact.spectral_factor("z - 2", "z", r, time="discrete")
         left = exact.spectral_factor("s - 2", "1", r, time="continuous")
-        for name, found, radicand in (
+        for name, result, radicand in (
             ("circle", inside, (5 + r) ** 2 / 4 - 4),
             ("axis", left, 4 + r),
         ):
-            assert found.is_rational is is_square(radicand) is (found.polynomial is not None)
-            assert all(0 in c for c in found.residual)
-            counts[name] += found.polynomial is None
+            assert result.is_rational is is_square(radicand) is (result.polynomial is not None)
+            assert all(0 in c for c in result.residual)
+            counts[name] += result.polynomial is None
     assert counts == {"circle": 31, "axis": 30}
 
 
@@ -55,16 +55,16 @@ def test_lqg_in_continuous_time():
             A=[[0]], B=[[1]], C=[[1]], D_1=[[*parts, 0]], D_0=None,
             D_2=[[*(0 for _ in parts), 1]], E_1=[[2], [0]], E_2=[[0], [1]], E_0=None, variable="s",
         )  # fmt: skip
-        found, poles = exact.lqg_controller(plant), exact.lqg_poles(plant)
-        answers = [found.polynomial, poles.polynomial, found.estimator.factor.polynomial]
+        result, poles = exact.lqg_controller(plant), exact.lqg_poles(plant)
+        answers = [result.polynomial, poles.polynomial, result.estimator.factor.polynomial]
         assert {answer is not None for answer in answers} == {is_square(k)}
-        assert found.is_rational is is_square(k)
+        assert result.is_rational is is_square(k)
         root = sympy.sqrt(k)
-        assert sympy.Matrix([[-root]]) == found.estimator.K
-        assert found.realisation == tuple(sympy.Matrix([[x]]) for x in (-2 - root, root, -2))
-        assert found.compensator.numerator.as_expr() == -2 * root
-        assert abs(float(found.estimator.K_enclosure[0][0]) + math.sqrt(k)) < 1e-12
-        counts[found.polynomial is None] += 1
+        assert sympy.Matrix([[-root]]) == result.estimator.K
+        assert result.realisation == tuple(sympy.Matrix([[x]]) for x in (-2 - root, root, -2))
+        assert result.compensator.numerator.as_expr() == -2 * root
+        assert abs(float(result.estimator.K_enclosure[0][0]) + math.sqrt(k)) < 1e-12
+        counts[result.polynomial is None] += 1
     assert counts == {True: 12, False: 4}
 
 
@@ -76,15 +76,15 @@ def test_high_authority_lqg_in_discrete_time():
         if c in (-4, 2):
             continue  # a zero on the unit circle
         plant = exact.standard_problem(f"(q**2 - 3*q + {c})/(q**3 - 5)")
-        found, target = exact.lqg_controller(plant), exact.high_authority_target(plant)
+        result, target = exact.lqg_controller(plant), exact.high_authority_target(plant)
         moduli = abs(np.roots([1, -3, float(c)]))
         splits = bool(is_square(9 - 4 * c) or min(moduli) > 1)
-        answers = [found.polynomial, target.transfer_function, exact.lqg_poles(plant).polynomial]
+        answers = [result.polynomial, target.transfer_function, exact.lqg_poles(plant).polynomial]
         assert {answer is not None for answer in answers} == {splits}
-        assert found.is_exact and found.is_rational is splits
+        assert result.is_exact and result.is_rational is splits
         if not splits:
-            assert found.regulator.K.free_symbols == set() and found.regulator.field.degree == 2
-        counts[found.polynomial is None] += 1
+            assert result.regulator.K.free_symbols == set() and result.regulator.field.degree == 2
+        counts[result.polynomial is None] += 1
     assert counts == {True: 13, False: 7}
 
 
@@ -97,8 +97,8 @@ def test_closed_forms_in_discrete_time():
     ):  # fmt: skip
         locus = exact.regulator_locus(N, D)
         for weight in (Rational(1, 9), 1, 7):
-            found = locus.at(weight).enclosure.coefficients
-            for form, ball in zip(locus.closed_form, found, strict=True):
+            result = locus.at(weight).enclosure.coefficients
+            for form, ball in zip(locus.closed_form, result, strict=True):
                 assert abs(form.subs(R_2, weight).evalf(40) - ball.centre) < 1e-25
     for above in (("s + 1", "s**3"), ("z + 2", "z**3")):
         assert exact.regulator_locus(*above).closed_form is None

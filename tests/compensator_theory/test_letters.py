@@ -36,30 +36,30 @@ WORDS = {
 
 def letters_of_the_source():
     """Names of symbols that are made by literals, and names that the choice of letters is given."""
-    found = set()
+    names = set()
     for path in pathlib.Path(exact.__file__).parent.rglob("_*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call):
-                made = getattr(node.func, "attr", getattr(node.func, "id", ""))
-                if made in ("Symbol", "symbols", "fresh", "introduced", "numbered", "_taken"):
+                value = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                if value in ("Symbol", "symbols", "fresh", "introduced", "numbered", "_taken"):
                     texts = [a.value for a in node.args if isinstance(a, ast.Constant)]
-                    found |= {t for t in texts if isinstance(t, str) and t.isidentifier()}
-    return found
+                    names |= {t for t in texts if isinstance(t, str) and t.isidentifier()}
+    return names
 
 
 SOURCE = letters_of_the_source()
 
 
 def defaults_of(function):
-    given = inspect.signature(function).parameters.values()
-    return {p.default for p in given if isinstance(p.default, str) and len(p.default) == 1}
+    parameters = inspect.signature(function).parameters.values()
+    return {p.default for p in parameters if isinstance(p.default, str) and len(p.default) == 1}
 
 
 def answers(name, call, symbol):
     """The answer for a symbol; None where there is no place for one, or a refusal."""
-    given = call(symbol)
+    answer = call(symbol)
     try:
-        return None if given is None else PUBLIC[name](*given[0], **given[1])
+        return None if answer is None else PUBLIC[name](*answer[0], **answer[1])
     except exact.CompensatorError:
         return None
 
@@ -107,8 +107,8 @@ def is_renamed(found, other, letter):
     mine, theirs = symbols_in(found) - {letter}, symbols_in(other) - {OTHER}
     if len(mine) != len(theirs):
         return False
-    kept = sorted(mine & theirs)
-    mine, theirs = sorted(mine - set(kept)), sorted(theirs - set(kept))
+    ordered = sorted(mine & theirs)
+    mine, theirs = sorted(mine - set(ordered)), sorted(theirs - set(ordered))
     return any(
         same(found, other, {letter: OTHER, **dict(zip(mine, order, strict=True))})
         for order in itertools.permutations(theirs)
@@ -128,28 +128,28 @@ def letters_for(function, answer):
 @pytest.mark.costly
 @pytest.mark.parametrize("name", sorted(set(GOOD) - NOT_DOORS))
 def test_a_symbol_of_the_input_is_kept_apart_from_ours(name):
-    asked, left = SOURCE, 2
-    for call, given in calls(name):
+    requested, left = SOURCE, 2
+    for call, argument in calls(name):
         other = answers(name, call, OTHER) if left else None
         if other is None:
             continue
         left -= 1
-        letters = letters_for(PUBLIC[name], other) | asked
-        letters -= {OTHER, *given, *WORDS.get(name, "").split()}
-        asked = set()
+        letters = letters_for(PUBLIC[name], other) | requested
+        letters -= {OTHER, *argument, *WORDS.get(name, "").split()}
+        requested = set()
         for letter in sorted(letters):
-            found = answers(name, call, letter)
-            if found is not None:
-                assert is_renamed(found, other, letter), (letter, found, other)
-                assert counts(str(found)) == counts(str(other)), (letter, str(found), str(other))
+            result = answers(name, call, letter)
+            if result is not None:
+                assert is_renamed(result, other, letter), (letter, result, other)
+                assert counts(str(result)) == counts(str(other)), (letter, str(result), str(other))
 
 
 # ---- the instances that were found first
 def test_the_gain_of_a_loop_is_not_the_gain_of_the_plant():
     """By Routh: s**3 + 3 s**2 + 2 s + k g is stable for 0 < k g < 6."""
     for arguments in (["k/(s*(s + 1)*(s + 2))"], ["1/(s*(s + 1)*(s + 2))", "k"]):
-        found = exact.stabilising_gains(*arguments, feedback=-1)
-        assert [p.name for p in found.parameters] == ["k", "gain"]
+        gains = exact.stabilising_gains(*arguments, feedback=-1)
+        assert [p.name for p in gains.parameters] == ["k", "gain"]
         with pytest.raises(exact.InputError, match=r"gain of the loop.*symbol of the plant"):
             exact.stabilising_gains(*arguments, feedback=-1, gain="k")
 
@@ -165,8 +165,8 @@ def test_the_step_is_no_symbol_of_the_plant(name, plant):
 
 def test_a_letter_means_one_thing_in_all_cases():
     """Where k = 0 the plant has no k any more, and the gain is called no k for that."""
-    found = exact.exceptional_cases(exact.stabilising_gains, "k/(s*(s + 1)*(s + 2))", feedback=-1)
-    assert [case.conditions for case in found.cases] == ["k != 0", "k = 0"]
-    assert "no real gain" in str(found.cases[1])
-    found = exact.exceptional_cases(exact.solve_diophantine, "s - t", "s", "1", variable="s")
-    assert all("t_*(" in str(case) for case in found.cases if case.status == "answered")
+    cases = exact.exceptional_cases(exact.stabilising_gains, "k/(s*(s + 1)*(s + 2))", feedback=-1)
+    assert [case.conditions for case in cases.cases] == ["k != 0", "k = 0"]
+    assert "no real gain" in str(cases.cases[1])
+    cases = exact.exceptional_cases(exact.solve_diophantine, "s - t", "s", "1", variable="s")
+    assert all("t_*(" in str(case) for case in cases.cases if case.status == "answered")

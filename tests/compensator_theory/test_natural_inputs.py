@@ -60,10 +60,10 @@ def doors(kinds):
         if not inspect.isfunction(function) or name not in GOOD:
             continue
         for place, parameter in enumerate(inspect.signature(function).parameters.values()):
-            given = len(FITTING.get(name, GOOD[name])[0])
+            count = len(FITTING.get(name, GOOD[name])[0])
             kind = str(parameter.annotation)
             is_one = not kind.startswith("Sequence") and any(one in kind for one in kinds)
-            if place < given and is_one:
+            if place < count and is_one:
                 yield name, place
 
 
@@ -105,18 +105,18 @@ def canonical_outcome(name, place, table, index):
 
 def differences(name, place, table, indices):
     """Rows that are answered otherwise than their canonical object; and how many are answered."""
-    wrong, answered = [], 0
+    wrong, answers = [], 0
     for index in indices:
         row = tables()[table][index]
-        got = outcome(name, place, row.make(), row.variable)
-        if got is None:
+        received = outcome(name, place, row.make(), row.variable)
+        if received is None:
             continue
-        answered += 1
-        if got != canonical_outcome(name, place, table, index) and row.name not in (
+        answers += 1
+        if received != canonical_outcome(name, place, table, index) and row.name not in (
             READS_OTHERWISE.get(name, ())
         ):
             wrong.append(row.name)
-    return wrong, answered
+    return wrong, answers
 
 
 def draw(table, name, place, in_full):
@@ -133,8 +133,8 @@ def test_each_row_is_what_it_says(x):
         assert outcome("polynomial", 0, row.make(), row.variable) == row.canonical, row.name
     for row in rows[1]:
         read = "realisation" if isinstance(row.canonical, exact.Realisation) else "transfer_matrix"
-        wanted = row.canonical and PUBLIC[read](row.canonical)
-        assert outcome(read, 0, row.make(), row.variable) == wanted, row.name
+        expected = row.canonical and PUBLIC[read](row.canonical)
+        assert outcome(read, 0, row.make(), row.variable) == expected, row.name
 
 
 @pytest.mark.costly

@@ -64,9 +64,9 @@ def test_a_result_survives(elsewhere, cls, data):
     assert (representation, text) == (repr(value), str(value))
     assert dataclasses.replace(back) == value
     for field in dataclasses.fields(cls):
-        kept = getattr(back, field.name)
-        if isinstance(kept, sympy.Poly):
-            assert kept.domain == getattr(value, field.name).domain
+        remaining = getattr(back, field.name)
+        if isinstance(remaining, sympy.Poly):
+            assert remaining.domain == getattr(value, field.name).domain
 
 
 @given(poly=POLYS | SYMBOLIC_POLYS)

@@ -88,13 +88,13 @@ def test_no_result_prints_with_a_limit(cls, monkeypatch):
     refused = []
 
     def limited(printer, name):
-        own = getattr(printer, name)
+        value = getattr(printer, name)
 
         def write(self, number):
             callers = {frame.name for frame in traceback.extract_stack(limit=12)}
             if refused and type(self) is printer and "sort_key" not in callers:
                 raise ValueError("Exceeds the limit for integer string conversion")
-            return own(self, number)
+            return value(self, number)
 
         monkeypatch.setattr(printer, name, write)
 

@@ -34,13 +34,13 @@ def declared(value, symbol):
 @pytest.mark.parametrize("name", sorted(set(GOOD) - NOT_DOORS - {"parse_expression"}))
 def test_a_symbol_that_is_not_real_is_refused(name):
     for call, _ in calls(name):
-        given = call(NAME)
-        if given is None:
+        answer = call(NAME)
+        if answer is None:
             continue
         for kind in KINDS:
             symbol = Symbol(NAME, **kind)
             with pytest.raises(exact.CompensatorError):
-                PUBLIC[name](*declared(given[0], symbol), **given[1])
+                PUBLIC[name](*declared(answer[0], symbol), **answer[1])
         return
 
 

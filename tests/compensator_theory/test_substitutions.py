@@ -39,8 +39,8 @@ IDIOMS = [
 def methods(kind):
     """The methods that take values for symbols."""
     for name, method in inspect.getmembers_static(kind, inspect.isfunction):
-        given = [str(one.annotation) for one in inspect.signature(method).parameters.values()]
-        if not name.startswith("_") and any("Substitutions" in kind for kind in given):
+        argument = [str(one.annotation) for one in inspect.signature(method).parameters.values()]
+        if not name.startswith("_") and any("Substitutions" in kind for kind in argument):
             yield name
 
 
@@ -71,7 +71,7 @@ def test_idioms_of_sympy(example):
     for name in methods(type(example)):
         method = getattr(example, name)
         first, *others = (method(values) for values in IDIOMS)
-        assert all(found == first for found in others)
+        assert all(result == first for result in others)
         for refused in ({a}, 3, "a", [("a", 1, 2)], [a, 2], None):
             with pytest.raises(exact.InputError):
                 method(refused)

@@ -20,9 +20,9 @@ KINDS = st.lists(st.sampled_from(["uncontrollable", "unobservable", "both"]), ma
 @given(polynomials(min_degree=1, max_degree=6))
 def test_stability_of_rational_polynomials_is_always_decided(p):
     for variable in ("s", "z"):
-        found = exact.decide_stability(p.replace(p.gen, sympy.Symbol(variable)))
-        assert found.is_stable is not None
-        assert found.by_coefficients is not None and found.by_roots is not None
+        decision = exact.decide_stability(p.replace(p.gen, sympy.Symbol(variable)))
+        assert decision.is_stable is not None
+        assert decision.by_coefficients is not None and decision.by_roots is not None
 
 
 @given(noncoprime_pairs(), KINDS, st.data())

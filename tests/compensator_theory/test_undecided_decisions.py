@@ -40,20 +40,20 @@ def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
     s, z = sympy.symbols("s z")
     for c in itertools.product((1, k, -k, a), repeat=3):
         p = s**3 + c[0] * s**2 + c[1] * s + c[2]
-        found = exact.decide_stability(exact.polynomial(p, "s"), time="continuous")
+        decision = exact.decide_stability(exact.polynomial(p, "s"), time="continuous")
         truth = {bool(largest(q, s, np.real) < -1e-6) for q in at_values(p)}
-        assert agrees(found.is_stable, truth) and found.is_stable is found.by_coefficients
+        assert agrees(decision.is_stable, truth) and decision.is_stable is decision.by_coefficients
         if p.free_symbols != {s}:
-            evidence = found.by_roots, found.counts_by_coefficients, found.counts_by_roots
+            evidence = decision.by_roots, decision.counts_by_coefficients, decision.counts_by_roots
             assert evidence == (None,) * 3
-        counts["Hurwitz"][found.is_stable] += 1
+        counts["Hurwitz"][decision.is_stable] += 1
     share = k / (1 + k)
     for c in itertools.product((0, sympy.Rational(1, 3), share, -share / 2, 1 + k, a), repeat=2):
         p = z**2 + c[0] * z + c[1]
-        found = exact.decide_stability(exact.polynomial(sympy.together(p), "z"), time="discrete")
+        decision = exact.decide_stability(exact.polynomial(sympy.together(p), "z"), time="discrete")
         truth = {bool(largest(q, z, abs) < 1 - 1e-6) for q in at_values(p)}
-        assert agrees(found.is_stable, truth)
-        counts["Schur"][found.is_stable] += 1
+        assert agrees(decision.is_stable, truth)
+        counts["Schur"][decision.is_stable] += 1
     assert counts["Hurwitz"] == {False: 42, None: 22}
     assert counts["Schur"] == {True: 15, False: 9, None: 12}
 
@@ -79,11 +79,11 @@ def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
         if (p * q).is_Rational and (p + q).is_Rational:
             continue
         poly = sympy.expand((s + p) * (s + q) * (s + 1))
-        found = exact.decide_stability(exact.polynomial(poly, "s"), time="continuous")
-        assert found.is_stable is bool(p > 0 and q > 0) and found.by_roots is None
+        decision = exact.decide_stability(exact.polynomial(poly, "s"), time="continuous")
+        assert decision.is_stable is bool(p > 0 and q > 0) and decision.by_roots is None
         poly = sympy.expand((z + p) * (z + q))
-        found = exact.decide_stability(exact.polynomial(poly, "z"), time="discrete")
-        assert found.is_stable is bool(abs(p) < 1 and abs(q) < 1) and found.by_roots is None
+        decision = exact.decide_stability(exact.polynomial(poly, "z"), time="discrete")
+        assert decision.is_stable is bool(abs(p) < 1 and abs(q) < 1) and decision.by_roots is None
 
 
 def test_stabilisation_is_undecided_where_a_gain_has_a_symbol():
@@ -133,13 +133,13 @@ def test_what_was_asked_on_the_boundary_is_undecided_and_says_so():
     """Of 25 rational loops 1/(s + x) with y/(s + w), those with roots on the axis, none beyond."""
     undecided = 0
     for x, w in itertools.product(range(-2, 3), repeat=2):
-        found = exact.observers.is_lqg_suboptimal(f"1/(s + {x})", f"{x * w}/(s + {w})", feedback=1)
+        answer = exact.observers.is_lqg_suboptimal(f"1/(s + {x})", f"{x * w}/(s + {w})", feedback=1)
         if x * w == 0:  # the compensator is 0: the poles are those of the plant
-            assert found.answer is (None if x == 0 else x < 0)
+            assert answer.answer is (None if x == 0 else x < 0)
         else:  # s (s + x + w)
-            assert found.answer is (True if x + w < 0 else None)
-        if found.answer is None:
-            assert "root(s) of the closed loop lie on the boundary" in found.reason
+            assert answer.answer is (True if x + w < 0 else None)
+        if answer.answer is None:
+            assert "root(s) of the closed loop lie on the boundary" in answer.reason
             undecided += 1
     assert undecided == 15
 
@@ -177,14 +177,14 @@ def test_how_often_the_number_of_forms_is_unknown():
         plants.items(), itertools.product((1, 2, 5), repeat=3)
     ):
         compensator = exact.Realisation([[0, 1], [-c, -d]], column, [[-e, 1]])
-        found = exact.observers.realisation_is_observer_based(plant, compensator)
-        known, floats = found.number_of_forms, number_in_floats(plant, compensator)
-        assert found.answer is not None and found.reason
+        answer = exact.observers.realisation_is_observer_based(plant, compensator)
+        known, floats = answer.number_of_forms, number_in_floats(plant, compensator)
+        assert answer.answer is not None and answer.reason
         assert floats is None or known in (None, floats)
-        counts[name][found.answer, known is not None] += 1
-        if found.forms is not None:
-            assert found.forms.number_of_candidates is not None
-            assert found.forms.is_complete or known is None
+        counts[name][answer.answer, known is not None] += 1
+        if answer.forms is not None:
+            assert answer.forms.number_of_candidates is not None
+            assert answer.forms.is_complete or known is None
     assert counts["minimal"] == {(True, True): 27}
     assert counts["hidden"] == {(True, True): 10, (False, True): 1, (True, False): 16}
 
@@ -204,8 +204,8 @@ def test_rational_forms_with_a_youla_parameter_are_counted():
             (p, q), below = vectors[0, [i, j]], vectors[1:, [i, j]]
             T = np.column_stack([below[:, 0], below @ [q, -p]])
             number += bool(abs(p) > 1e-8 and abs(np.linalg.det(T)) > 1e-8)
-        found = exact.observers.realisation_is_observer_based(plant, compensator)
-        assert found.number_of_forms == number and found.answer is (number > 0)
+        answer = exact.observers.realisation_is_observer_based(plant, compensator)
+        assert answer.number_of_forms == number and answer.answer is (number > 0)
         numbers[number] += 1
     assert numbers == {1: 8, 2: 16, 3: 8, 4: 2}
 

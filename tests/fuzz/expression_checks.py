@@ -85,8 +85,8 @@ def read(door, *arguments):
 
 
 def place(roots):
-    wanted = exact.read_roots(roots)
-    return exact.place_poles("1/s", wanted, feedback=-1)
+    expected = exact.read_roots(roots)
+    return exact.place_poles("1/s", expected, feedback=-1)
 
 
 def raised():

@@ -353,8 +353,8 @@ def require_harmless_run(path, *, drawn=False):
         with_errors(lambda: poles_of(run))
         health = with_errors(lambda: r.loop_health(run))
         assert health is None or not CONTROL.search(str(health))
-        found = with_errors(lambda: as_text(check_sheet(r.check_controller(run))))
-        assert found is None or not CONTROL.search(found)
+        result = with_errors(lambda: as_text(check_sheet(r.check_controller(run))))
+        assert result is None or not CONTROL.search(result)
         if run.state is not None:
             more = np.ones((3, run.plant.l_w))
             with_errors(
@@ -398,7 +398,7 @@ def require_harmless_state(path, resume):
 def restorable(run):
     """A state of a controller and of a loop, and what goes on from each."""
     w = np.ones((5, run.plant.l_w))
-    found = [
+    result = [
         (
             run.state,
             lambda state: r.simulate(
@@ -417,8 +417,8 @@ def restorable(run):
             fresh.restore(state)
             return fresh.step(1.0, 1.0)
 
-        found.append((controller.state, resume))
-    return [(state, resume) for state, resume in found if state is not None]
+        result.append((controller.state, resume))
+    return [(state, resume) for state, resume in result if state is not None]
 
 
 def draw(path, seed, parts, states):

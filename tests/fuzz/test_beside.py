@@ -100,12 +100,12 @@ def outside(folder):
 @pytest.fixture
 def places(tmp_path, monkeypatch):
     """A folder that came from others, to work in, and one beside it that is ours."""
-    got, ours = tmp_path / "got", tmp_path / "ours"
-    got.mkdir()
+    received, ours = tmp_path / "got", tmp_path / "ours"
+    received.mkdir()
     ours.mkdir()
     (ours / "notes.txt").write_text("mine\n")
-    monkeypatch.chdir(got)
-    return got, ours
+    monkeypatch.chdir(received)
+    return received, ours
 
 
 def cleared(folder):
@@ -123,53 +123,53 @@ def cleared(folder):
 )
 def test_what_lies_in_a_store_leads_nowhere(store, places, command, name):
     """Of 7 kinds each: right, or refused with a status of ours, and nothing outside is touched."""
-    got, ours = places
+    received, ours = places
     before = outside(ours)
     for kind, make in KINDS.items():
-        cleared(got)
-        shutil.copytree(store, got / "s")
-        (got / "s.toml").write_text(STUDY)
-        path = got / name
+        cleared(received)
+        shutil.copytree(store, received / "s")
+        (received / "s.toml").write_text(STUDY)
+        path = received / name
         if path.is_dir():
             shutil.rmtree(path)
         path.unlink(missing_ok=True)
         make(path, ours / "notes.txt")
-        status, said = invoke(*COMMANDS[command])
-        assert status in (0, 1, 2), (kind, status, said)
+        status, message = invoke(*COMMANDS[command])
+        assert status in (0, 1, 2), (kind, status, message)
         assert outside(ours) == before, f"{kind}: touched"
-        assert status != 2 or said.startswith("rcac: "), (kind, said)
+        assert status != 2 or message.startswith("rcac: "), (kind, message)
         if name == CHUNK:
             expected = {"sweep": 2 * (kind == "folder"), "check": 1}.get(command, 2)
-            assert status == expected, (kind, status, said)
+            assert status == expected, (kind, status, message)
         elif name == "s/study.json":
-            assert status == 2, (kind, said)
+            assert status == 2, (kind, message)
         elif name.endswith((".part", ".csv")):
-            assert status == 0, (kind, said)
+            assert status == 0, (kind, message)
 
 
 @pytest.mark.costly
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_store_itself(store, places, command):
     """Absent, empty, a text, a link to a text or to nothing, a folder, a pipe."""
-    got, ours = places
+    received, ours = places
     before = outside(ours)
     for kind, make in {"absent": lambda *_: None, **KINDS}.items():
-        cleared(got)
-        (got / "s.toml").write_text(STUDY)
-        make(got / "s", ours / "notes.txt")
+        cleared(received)
+        (received / "s.toml").write_text(STUDY)
+        make(received / "s", ours / "notes.txt")
         if command == "sweep" and kind in ("absent", "folder"):
             continue  # a store is made there
-        status, said = invoke(*COMMANDS[command])
+        status, message = invoke(*COMMANDS[command])
         if kind == "folder" and command == "check":
-            assert status == 0 and "No study was stored in it yet" in said
+            assert status == 0 and "No study was stored in it yet" in message
         else:
-            assert status == 2 and "s" in said, (kind, status, said)
+            assert status == 2 and "s" in message, (kind, status, message)
         assert outside(ours) == before, f"{kind}: touched"
 
 
 def test_a_link_that_you_name_is_followed(store, places):
-    got, _ = places
-    (got / "s").symlink_to(store)
+    received, _ = places
+    (received / "s").symlink_to(store)
     assert invoke("show", "s")[0] == 0 and invoke("replay", "s", "3")[0] == 0
 
 
@@ -183,51 +183,51 @@ READERS = (
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
 def test_a_file_that_is_read_leads_nowhere(places, words):
-    got, ours = places
+    received, ours = places
     before = outside(ours)
     for kind, make in {"absent": lambda *_: None, **KINDS}.items():
-        cleared(got)
-        make(got / words[1], ours / "notes.txt")
-        status, said = invoke(*words)
-        assert status == 2, (kind, status, said)
+        cleared(received)
+        make(received / words[1], ours / "notes.txt")
+        status, message = invoke(*words)
+        assert status == 2, (kind, status, message)
         assert outside(ours) == before
-        left = {path.name for path in got.iterdir()}
+        left = {path.name for path in received.iterdir()}
         assert left <= {words[1]}, f"{kind}: {left}"
 
 
 def test_members_of_a_folder_are_written_neither_to_nor_through_a_link(places):
     """The folder is named by whoever asks; the names in it are ours."""
-    got, ours = places
+    received, ours = places
     before = outside(ours)
     for kind, make in KINDS.items():
-        cleared(got)
+        cleared(received)
         if kind in ("empty", "text", "hard link"):  # replaced by a new file, not written into
-            make(got / "a.c", ours / "notes.txt")
-            with _files.replacing(_files.member(got, "a.c")) as new:
+            make(received / "a.c", ours / "notes.txt")
+            with _files.replacing(_files.member(received, "a.c")) as new:
                 new.write_text("ours")
-            assert (got / "a.c").read_text() == "ours"
+            assert (received / "a.c").read_text() == "ours"
         else:
-            make(got / "a.c", ours / "notes.txt")
+            make(received / "a.c", ours / "notes.txt")
             with pytest.raises(InputError, match="no ordinary file"):
-                _files.member(got, "a.c")
-            (got / "src").symlink_to(ours)
+                _files.member(received, "a.c")
+            (received / "src").symlink_to(ours)
             with pytest.raises(InputError, match="no ordinary folder"):
-                _files.member(got, "src/a.c")
+                _files.member(received, "src/a.c")
         assert outside(ours) == before, kind
     with pytest.raises(InputError, match=r"\.\."):
-        _files.member(got, "../ours/notes.txt")
-    link = got / "mine"
+        _files.member(received, "../ours/notes.txt")
+    link = received / "mine"
     link.symlink_to(ours)
     assert _files.member(link, "a.c") == link / "a.c"  # you named it
 
 
 def test_kept_cases_and_pages_are_members(places):
-    got, ours = places
-    (got / "index.html").symlink_to(ours / "notes.txt")
+    received, ours = places
+    (received / "index.html").symlink_to(ours / "notes.txt")
     with pytest.raises(CompensatorError, match="no ordinary file"):
-        reproduce([], got)
+        reproduce([], received)
     assert outside(ours) == {"notes.txt": b"mine\n"}
-    assert KeptCases(got)
+    assert KeptCases(received)
 
 
 def test_who_makes_a_folder_writes_its_members():

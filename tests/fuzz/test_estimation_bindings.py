@@ -42,14 +42,14 @@ def test_filters(n, l_u, l_y, data):
     }  # fmt: skip
     kind = draw(st.sampled_from(["extended", "joseph", "unscented", "other"]))
     model = draw(st.sampled_from([linear, program]))
-    made = attempt(_kernel.filter, kind, model, **perhaps_damaged(draw, arguments))
-    if made is None:
+    built = attempt(_kernel.filter, kind, model, **perhaps_damaged(draw, arguments))
+    if built is None:
         return
     for _ in range(draw(st.integers(1, 6))):
         given_ = perhaps_damaged(draw, {"y": np.ones(l_y), "u": np.ones(l_u)})
-        attempt(made.move, **given_, corrects=draw(st.booleans()), predicts=draw(st.booleans()))
-        attempt(made.restore, damaged_state(draw, made.save()))
-        assert made.x.shape == (n,) and made.P.shape == (n, n) and made.k >= 0
+        attempt(built.move, **given_, corrects=draw(st.booleans()), predicts=draw(st.booleans()))
+        attempt(built.restore, damaged_state(draw, built.save()))
+        assert built.x.shape == (n,) and built.P.shape == (n, n) and built.k >= 0
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_tape_that_leads_beyond_its_registers_is_refused(wrong):
 @given(data=st.data())
 def test_refinements(data):
     draw = data.draw
-    made = compiled_refinement(
+    built = compiled_refinement(
         RCMR(
             A=np.eye(2) / 2, B=np.eye(2), D_1=[0, 1], C=np.eye(2), E_1=np.eye(2),
             subsystem=FIRSubsystem(2, strictly_proper=draw(st.booleans())), delays=(1, 3),
@@ -84,7 +84,7 @@ def test_refinements(data):
     )  # fmt: skip
     for _ in range(draw(st.integers(1, 8))):
         given_ = perhaps_damaged(draw, {"w": np.ones(1), "y": np.ones(2), "x": np.ones(2)})
-        attempt(made.step, **given_)
-        attempt(made.half, np.ones(draw(st.integers(0, 3))), None, draw(st.booleans()))
-        attempt(made.restore, damaged_state(draw, made.save()))
-        assert made.theta.shape == (8,) and made.P.shape == (8, 8) and made.k >= 0
+        attempt(built.step, **given_)
+        attempt(built.half, np.ones(draw(st.integers(0, 3))), None, draw(st.booleans()))
+        attempt(built.restore, damaged_state(draw, built.save()))
+        assert built.theta.shape == (8,) and built.P.shape == (8, 8) and built.k >= 0

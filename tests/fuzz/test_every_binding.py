@@ -83,13 +83,13 @@ def test_functions(name, data):
 @settings(max_examples=settings().max_examples // 5)
 @given(data=st.data())
 def test_methods(name, method, data):
-    thing = made(data.draw, name)
+    item = made(data.draw, name)
     before = calls["refused"]
     for _ in range(data.draw(st.integers(1, 3))):
-        arguments = METHODS[name][method](data.draw, thing)
-        answer = attempt(getattr(thing, method), *arguments.values())
+        arguments = METHODS[name][method](data.draw, item)
+        answer = attempt(getattr(item, method), *arguments.values())
     assert answer is not None or calls["refused"] == before or may_refuse(name, method)
-    use(data.draw, thing)
+    use(data.draw, item)
 
 
 def may_refuse(name, method):

@@ -47,22 +47,22 @@ def renewed(whole, got):
 
 def tried(path, table):
     """What reading, a check and the same study make of it: never another table."""
-    said = []
+    message = []
     for use in (check_store, read_table, lambda path: run_study(STUDY, path, workers=0)):
         try:
-            found = use(path)
+            result = use(path)
         except StoreError:
-            said.append("refused")
+            message.append("refused")
             continue
         if use is read_table:
-            assert found == table
-            said.append("same table")
+            assert result == table
+            message.append("same table")
         elif use is check_store:
-            said.append("whole" if found.is_whole else "named")
+            message.append("whole" if result.is_whole else "named")
         else:
             assert read_here(path) == table
-            said.append("computed again")
-    return said
+            message.append("computed again")
+    return message
 
 
 @pytest.mark.parametrize("damage", hostile.DAMAGE)
@@ -71,14 +71,14 @@ def test_bytes_that_change_are_seen_and_computed_again(whole, got, damage, monke
     monkeypatch.setattr(folders, "read_guarded", reader.read_here)
     rng = random.Random(damage.__name__)
     path, victim = got
-    seen = []
+    observed = []
     for _ in range(500 if in_full else 12):
         renewed(whole[0], path)
         damage(path, rng, victim)
-        seen.append(tried(path, whole[1]))
-    assert any(words[1] == "refused" for words in seen)
+        observed.append(tried(path, whole[1]))
+    assert any(words[1] == "refused" for words in observed)
     if damage is not hostile.bits_of_the_study and damage is not hostile.truncated:
-        assert all(words[2] == "computed again" for words in seen)
+        assert all(words[2] == "computed again" for words in observed)
 
 
 @pytest.mark.costly
@@ -120,17 +120,17 @@ COMPUTED = {
 
 def test_a_child_that_ends_names_its_chunk(whole, monkeypatch):
     """Where two have ended, the rest is not read."""
-    wanted = []
+    expected = []
 
     def ends_at_the_third(folder, some):
-        wanted.append([number for number, _, _ in some])
+        expected.append([number for number, _, _ in some])
         return {number: "" for number, _, _ in some[:2]}
 
     monkeypatch.setattr(reader, "_tried", ends_at_the_third)
-    found = check_store(whole[0])
-    assert [numbers[0] for numbers in wanted] == [1, 4] and found.total == STUDY.runs
-    words = ["" if "memory or time" in fault else "not read" for fault in found.faults]
-    assert words == ["", "", *["not read"] * (len(wanted[0]) - 6)] and found.done == 4 * 3
+    report = check_store(whole[0])
+    assert [numbers[0] for numbers in expected] == [1, 4] and report.total == STUDY.runs
+    words = ["" if "memory or time" in fault else "not read" for fault in report.faults]
+    assert words == ["", "", *["not read"] * (len(expected[0]) - 6)] and report.done == 4 * 3
     with pytest.raises(StoreError, match=r"the runs 6 to 8 .*computes again what is damaged"):
         read_table(whole[0])
 

@@ -89,9 +89,9 @@ class Subject:
         """The picture is the old one or a new one; a later run leaves nothing else beside it."""
         if self.picture is None:
             return
-        found = self.picture.read_bytes()
-        is_png = found.startswith(b"\x89PNG") and found.endswith(b"IEND\xaeB`\x82")
-        assert found == OLD or is_png
+        bytes = self.picture.read_bytes()
+        is_png = bytes.startswith(b"\x89PNG") and bytes.endswith(b"IEND\xaeB`\x82")
+        assert bytes == OLD or is_png
         assert len(self.others()) <= 1
 
     def others(self):

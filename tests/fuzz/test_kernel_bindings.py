@@ -69,8 +69,8 @@ def test_arguments_that_fit_are_taken(sizes, l_r, data):
 @given(SIZES, st.booleans(), st.data())
 def test_plants(sizes, linear, data):
     make = _kernel.linear_plant if linear else _kernel.python_plant
-    wanted = plant_arguments if linear else python_plant_arguments
-    plant = attempt(make, **perhaps_damaged(data.draw, wanted(data.draw, *sizes)))
+    expected = plant_arguments if linear else python_plant_arguments
+    plant = attempt(make, **perhaps_damaged(data.draw, expected(data.draw, *sizes)))
     if plant is None:
         return
     row = {"k": data.draw(st.integers(0, 12)), "u": np.ones(sizes[0]), "w": np.ones(sizes[4])}

@@ -31,32 +31,32 @@ class Trap:
 def contents(rng):
     """Signals of random widths and types beside things that are no signals."""
     steps = int(rng.integers(1, 30))
-    found = {
+    result = {
         name: rng.standard_normal((steps, int(rng.integers(1, 4)))).astype(
             rng.choice(["f8", "f4", "i4", "u1", "c16"], p=[0.6, 0.1, 0.1, 0.1, 0.1])
         )
         for name in ("u", "y", "z", "theta")
     }
-    found["A"] = scipy.sparse.random(3, 4, 0.5, "csc", random_state=int(rng.integers(1000)))
-    return found | {"note": "hot day", "cell": np.array([1, "a"], dtype=object)}
+    result["A"] = scipy.sparse.random(3, 4, 0.5, "csc", random_state=int(rng.integers(1000)))
+    return result | {"note": "hot day", "cell": np.array([1, "a"], dtype=object)}
 
 
 def written(folder, kind, rng):
     path = folder / f"log.{kind.split()[-1] if kind != 'mat 4' else 'mat'}"
-    found = contents(rng)
-    signals = {name: found[name] for name in ("u", "y", "z", "theta")}
+    result = contents(rng)
+    signals = {name: result[name] for name in ("u", "y", "z", "theta")}
     if kind == "mat 4":
         plain = {name: value.real.astype("f8") for name, value in signals.items()}
-        scipy.io.savemat(path, plain | {"A": found["A"]}, format="4")
+        scipy.io.savemat(path, plain | {"A": result["A"]}, format="4")
     elif path.suffix == ".mat":
-        scipy.io.savemat(path, found, do_compression=kind == "packed mat")
+        scipy.io.savemat(path, result, do_compression=kind == "packed mat")
     elif path.suffix == ".npz":
         (np.savez_compressed if kind == "packed npz" else np.savez)(path, **signals)
     elif path.suffix == ".npy":
-        np.save(path, found["u"])
+        np.save(path, result["u"])
     else:
         rows = [",".join(signals)] + [
-            ",".join(str(v[k, 0].real) for v in signals.values()) for k in range(len(found["u"]))
+            ",".join(str(v[k, 0].real) for v in signals.values()) for k in range(len(result["u"]))
         ]
         path.write_text("\n".join(rows))
     return path
@@ -135,8 +135,8 @@ def test_files_that_ask_for_all_memory(tmp_path):
     scipy.io.savemat(sparse, {"u": scipy.sparse.csc_matrix((10**6, 10**4))})
     for path in (claims, claims.with_suffix(".npz"), bomb, sparse):
         reader = read_recording if path.suffix == ".npy" else read_variables
-        wanted = pytest.raises(CompensatorError, match="more than 33554432 numbers")
-        with at_most(CALLS), at_most_bytes(100_000_000), wanted:
+        expected = pytest.raises(CompensatorError, match="more than 33554432 numbers")
+        with at_most(CALLS), at_most_bytes(100_000_000), expected:
             reader(path)
 
 

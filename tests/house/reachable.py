@@ -77,14 +77,14 @@ def of_form(form, name: str, seen: set[int]) -> Iterator[tuple[str, object]]:
 
 def reachable() -> dict[str, list[tuple[str, str]]]:
     """The functions by the kind of file, each under what names it there."""
-    found = {}
+    result = {}
     for kind, roots in ROOTS.items():
-        seen: set[int] = set()
-        makes = [pair for root in roots for pair in of_form(root, "", seen)]
-        found[kind] = sorted({(named(make), name or "the file") for name, make in makes})
+        names: set[int] = set()
+        makes = [pair for root in roots for pair in of_form(root, "", names)]
+        result[kind] = sorted({(named(make), name or "the file") for name, make in makes})
     for kind, table in MAPPINGS.items():
-        found[kind] = sorted((named(function), name) for name, function in table.items())
-    return found
+        result[kind] = sorted((named(function), name) for name, function in table.items())
+    return result
 
 
 def written() -> str:

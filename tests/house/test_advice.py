@@ -144,13 +144,15 @@ def test_nobody_is_told_to_substitute_numbers_where_there_is_no_symbol(in_full):
     names = [name for name, (arguments, _) in GOOD.items() if isinstance(arguments[0], str)]
     for name in names if in_full else random.Random(0).sample(sorted(names), 20):
         arguments, keywords = GOOD[name]
-        for given in irrational:
-            call = (given, *arguments[1:])
-            said = refusal(lambda name=name, call=call, k=keywords: EXACT[name](*call, **k)) or ""
-            if re.search("substitute numbers", said):
-                assert re.search(r"numbers for \w", said), (name, said)
-                letter = re.search(r"numbers for (\w+)", said)[1]
-                assert letter not in ("s", "z", "the"), (name, said)
+        for argument in irrational:
+            call = (argument, *arguments[1:])
+            message = (
+                refusal(lambda name=name, call=call, k=keywords: EXACT[name](*call, **k)) or ""
+            )
+            if re.search("substitute numbers", message):
+                assert re.search(r"numbers for \w", message), (name, message)
+                letter = re.search(r"numbers for (\w+)", message)[1]
+                assert letter not in ("s", "z", "the"), (name, message)
 
 
 SPECTRA = {

@@ -89,12 +89,12 @@ def rank(module):
 
 def wrong_arrows(path):
     """What a module imports that stands above it, as sentences."""
-    own = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-    package, floor = rank(own) if own.split(".")[0] in LAYERS else (own.split(".")[0], -1)
+    ours = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    package, floor = rank(ours) if ours.split(".")[0] in LAYERS else (ours.split(".")[0], -1)
     order = ["compensator_theory", "rcac_numeric", "rcac_experiments", "proofs"]
     for line, module, _ in imports(path):
         target = module.split(".")[0]
-        where = f"{own}, line {line}: imports {module}"
+        where = f"{ours}, line {line}: imports {module}"
         if module == package:
             yield f"{where} itself: name the module"
         elif target != package:
@@ -102,7 +102,7 @@ def wrong_arrows(path):
                 yield where
         elif package in LAYERS and rank(module)[1] > floor:
             yield f"{where}, which stands above it"
-        elif package in LAYERS and rank(module)[1] == floor and folder(module) != folder(own):
+        elif package in LAYERS and rank(module)[1] == floor and folder(module) != folder(ours):
             yield f"{where}, which stands beside it"
 
 
@@ -119,7 +119,7 @@ def test_imports_stand_at_the_top():
     """
     for path in SOURCES:
         package = path.relative_to(ROOT).parts[0]
-        within = [found for found in imports(path) if found[1].split(".")[0] == package]
+        within = [result for result in imports(path) if result[1].split(".")[0] == package]
         late = [(line, module) for line, module, function in within if function]
         assert not late, f"{path}: {late}"
         name, text = path.relative_to(ROOT).as_posix(), path.read_text()
@@ -184,12 +184,12 @@ def test_a_folder_says_in_a_sentence_what_it_is():
 
 def test_the_list_of_layers_is_the_tree():
     for package, layers in LAYERS.items():
-        found = {
+        result = {
             ".".join(p.relative_to(ROOT / package).parts)
             for p in (ROOT / package).rglob("*")
             if (p / "__init__.py").exists()
         }
-        assert found == set(layers)
+        assert result == set(layers)
 
 
 def test_public_names_are_documented():

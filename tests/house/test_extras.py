@@ -32,12 +32,12 @@ def names(requirements):
 def libraries_of(path):
     """The packages that a file imports, our own and those of Python left out."""
     for node in ast.walk(ast.parse(path.read_text())):
-        found = []
+        result = []
         if isinstance(node, ast.Import):
-            found = [alias.name for alias in node.names]
+            result = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and not node.level:
-            found = [node.module]
-        yield from {name.partition(".")[0] for name in found} - OWN - set(sys.stdlib_module_names)
+            result = [node.module]
+        yield from {name.partition(".")[0] for name in result} - OWN - set(sys.stdlib_module_names)
 
 
 @pytest.mark.costly

@@ -23,21 +23,23 @@ def exact_doors():
         parameters = inspect.signature(EXACT[name]).parameters
         names = [k for k, one in parameters.items() if str(one.annotation).startswith("MatrixLike")]
         names = [k if k in names else "" for k in parameters]
-        for place, given in enumerate(arguments):
+        for place, argument in enumerate(arguments):
             letter = names[place] if place < len(names) else ""
-            is_matrix = letter in AXES and isinstance(given, list) and isinstance(given[0], list)
-            if is_matrix and np.shape(given)[AXES[letter]] == 1:
+            is_matrix = (
+                letter in AXES and isinstance(argument, list) and isinstance(argument[0], list)
+            )
+            if is_matrix and np.shape(argument)[AXES[letter]] == 1:
                 case = f"{name} {letter}"
                 yield pytest.param(name, place, letter, arguments, keywords, id=case)
 
 
 @pytest.mark.parametrize(("name", "place", "letter", "arguments", "keywords"), [*exact_doors()])
 def test_in_the_exact_half(name, place, letter, arguments, keywords):
-    wanted = EXACT[name](*arguments, **keywords)
+    expected = EXACT[name](*arguments, **keywords)
     flat = [entry for row in arguments[place] for entry in row]
-    for given in (flat, tuple(flat), np.array(flat, dtype=object)):
-        changed = [*arguments[:place], given, *arguments[place + 1 :]]
-        assert EXACT[name](*changed, **keywords) == wanted
+    for argument in (flat, tuple(flat), np.array(flat, dtype=object)):
+        changed = [*arguments[:place], argument, *arguments[place + 1 :]]
+        assert EXACT[name](*changed, **keywords) == expected
 
 
 def numeric_doors():
@@ -50,9 +52,9 @@ def numeric_doors():
 
 @pytest.mark.parametrize(("one", "call", "letter"), [*numeric_doors()])
 def test_in_the_numeric_half(one, call, letter):
-    wanted = one(**call)
+    expected = one(**call)
     flat = one(**{**call, letter: np.ravel(np.asarray(call[letter]))})
-    assert repr(flat) == repr(wanted)
+    assert repr(flat) == repr(expected)
 
 
 def test_what_does_not_fit_is_refused():

@@ -59,12 +59,12 @@ def growing_loops(tree):
 
 @pytest.mark.costly
 def test_no_other_loop_doubles_a_precision():
-    found = {
+    result = {
         (str(path.relative_to(ROOT)), name)
         for path in FILES
         for name in growing_loops(ast.parse(path.read_text()))
     }
-    assert found == {HOME}
+    assert result == {HOME}
 
 
 @pytest.mark.parametrize(

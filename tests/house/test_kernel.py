@@ -64,10 +64,10 @@ def circle(includes):
         if name in done:
             return None
         path.append(name)
-        found = next(filter(None, map(visit, includes[name])), None)
+        result = next(filter(None, map(visit, includes[name])), None)
         path.pop()
         done.add(name)
-        return found
+        return result
 
     return next(filter(None, map(visit, includes)), None)
 
@@ -108,9 +108,9 @@ def test_the_core_stands_alone():
 
 
 def test_the_floors_are_the_tree():
-    found = {p.name for p in KERNEL.iterdir() if p.is_dir()} - {ALONE.name}
-    assert found == set().union(*FLOORS)
-    assert sum(map(len, FLOORS)) == len(found)
+    result = {p.name for p in KERNEL.iterdir() if p.is_dir()} - {ALONE.name}
+    assert result == set().union(*FLOORS)
+    assert sum(map(len, FLOORS)) == len(result)
 
 
 def test_these_rules_can_be_broken():

@@ -78,7 +78,7 @@ def test_a_name_that_stands_in_a_namespace_is_found_from_the_package(package):
             continue
         with pytest.raises(AttributeError, match=rf"it is [\w.]+\.{name}$") as caught:
             getattr(module, name)
-        told = str(caught.value).rpartition(" ")[2]
-        assert pkgutil.resolve_name(":".join(told.rsplit(".", 1))) is not None
+        text = str(caught.value).rpartition(" ")[2]
+        assert pkgutil.resolve_name(":".join(text.rsplit(".", 1))) is not None
     with pytest.raises(AttributeError, match=r"has no attribute 'nowhere'$"):
         getattr(module, "now" + "here")

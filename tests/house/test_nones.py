@@ -33,8 +33,8 @@ def may_be_none(annotation):
 
 
 def returned(function):
-    found = typing.get_type_hints(function, localns=LATE).get("return")
-    return None if found is type(None) else found  # a procedure answers nothing
+    result = typing.get_type_hints(function, localns=LATE).get("return")
+    return None if result is type(None) else result  # a procedure answers nothing
 
 
 def functions_of(cls):
@@ -71,15 +71,15 @@ def ours_in(annotation):
 
 def found_nones():
     waiting = public_objects("compensator_theory")
-    seen = {}
+    observed = {}
     while waiting:
-        name, thing = waiting.popitem()
-        seen[name] = thing
-        for full, annotation in annotations_of(name, thing):
+        name, item = waiting.popitem()
+        observed[name] = item
+        for full, annotation in annotations_of(name, item):
             if may_be_none(annotation):
                 yield full
             for cls in ours_in(annotation):
-                if cls.__name__ not in seen:
+                if cls.__name__ not in observed:
                     waiting.setdefault(cls.__name__, cls)
 
 
@@ -108,11 +108,11 @@ def test_what_pins_a_none_is_a_test_that_looks_at_it(place):
 def test_the_docstring_says_when_it_is_none(name):
     """In the entry of the field, or in the docstring of the function or property."""
     head, _, tail = name.partition(".")
-    thing = public_objects("compensator_theory")[head]
-    own = dict(functions_of(thing)).get(tail) if tail else thing
-    text = inspect.getdoc(own or thing)
-    said = "None" in text if own else "None" in entry_of(text, tail)
-    assert said or name in OPTIONAL, f"{name}: say when it is None"
+    item = public_objects("compensator_theory")[head]
+    ours = dict(functions_of(item)).get(tail) if tail else item
+    text = inspect.getdoc(ours or item)
+    message = "None" in text if ours else "None" in entry_of(text, tail)
+    assert message or name in OPTIONAL, f"{name}: say when it is None"
 
 
 # Fields that a caller may leave out: "optional" stands in the docstring, and None means left out.
@@ -122,13 +122,13 @@ OPTIONAL = [name for name in BY_DEFINITION if name.partition(".")[2] in
 
 def entry_of(docstring, field):
     """The lines on a field in the section Attributes or Parameters."""
-    kept, inside = [], False
+    remaining, inside = [], False
     for line in docstring.splitlines():
         if line and not line.startswith(" "):
             inside = field in line.partition(" : ")[0].split(", ") and " : " in line
         if inside:
-            kept.append(line)
-    return "\n".join(kept)
+            remaining.append(line)
+    return "\n".join(remaining)
 
 
 def some_function(text: str) -> dict[str, tuple[int | None, ...]]: ...

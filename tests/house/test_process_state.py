@@ -59,12 +59,12 @@ def setters(tree):
 
 @pytest.mark.costly
 def test_nothing_of_the_process_is_set():
-    found = {
+    result = {
         (path.relative_to(ROOT).as_posix(), name)
         for path in FILES
         for name in setters(ast.parse(path.read_text(encoding="utf-8")))
     }
-    assert found == ALLOWED
+    assert result == ALLOWED
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,8 @@ OF_A_TEST = re.compile(r"^[ \t]*(?:from|import)\s+(?:[^\n(]*\([^)]*|[^\n]*?)\bte
 def test_no_test_imports_a_test():
     """What two of them use is no test, and stands in `support`."""
     for path in FILES:
-        found = OF_A_TEST.search(path.read_text())
-        assert not found, f"{path}: {found.group()}"
+        result = OF_A_TEST.search(path.read_text())
+        assert not result, f"{path}: {result.group()}"
 
 
 @pytest.mark.parametrize(

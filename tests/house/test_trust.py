@@ -39,10 +39,10 @@ def kinds_in(tree):
             yield from filter(None, kinds)
         elif isinstance(node, ast.Name | ast.Attribute):
             is_name = isinstance(node, ast.Name)
-            own = node.id if is_name else node.attr
+            ours = node.id if is_name else node.attr
             # A polynomial has a method eval, and a variable may be called system.
-            if own in BUILTINS if is_name else own in CALLS and _is_module(node.value):
-                yield CALLS[own]
+            if ours in BUILTINS if is_name else ours in CALLS and _is_module(node.value):
+                yield CALLS[ours]
         if isinstance(node, ast.Call):
             yield from kinds_of_call(node)
 
@@ -50,16 +50,16 @@ def kinds_in(tree):
 def kinds_of_call(node):
     """A lookup by a name that is not written there, and a reader that could unpickle."""
     function = node.func
-    own = function.id if isinstance(function, ast.Name) else getattr(function, "attr", "")
-    if own == "getattr" and not isinstance(node.args[1], ast.Constant):
+    ours = function.id if isinstance(function, ast.Name) else getattr(function, "attr", "")
+    if ours == "getattr" and not isinstance(node.args[1], ast.Constant):
         yield "getattr"
-    given = {word.arg: word.value for word in node.keywords}
-    allowed = given.get("allow_pickle")
+    argument = {word.arg: word.value for word in node.keywords}
+    allowed = argument.get("allow_pickle")
     if allowed is not None and getattr(allowed, "value", True) is not False:
         yield "pickle"
     of_numpy = isinstance(function, ast.Attribute) and _is_module(function.value)
-    if own in LOADERS and of_numpy and function.value.id in ("np", "npy", "numpy", "format"):
-        yield "numpy reader" if own != "read_array" or allowed is None else "numpy array"
+    if ours in LOADERS and of_numpy and function.value.id in ("np", "npy", "numpy", "format"):
+        yield "numpy reader" if ours != "read_array" or allowed is None else "numpy array"
 
 
 def _is_module(node):
@@ -71,12 +71,12 @@ def _is_module(node):
 @cache
 def occurring():
     """How often each kind occurs in each file of the packages."""
-    found = defaultdict(Counter)
+    result = defaultdict(Counter)
     for package in ("compensator_theory", "rcac_numeric", "rcac_experiments"):
         for path in sorted((ROOT / package).rglob("*.py")):
             for kind in kinds_in(ast.parse(path.read_text("utf-8"))):
-                found[kind][path.relative_to(ROOT).as_posix()] += 1
-    return found
+                result[kind][path.relative_to(ROOT).as_posix()] += 1
+    return result
 
 
 @pytest.mark.costly

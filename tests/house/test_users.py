@@ -45,8 +45,8 @@ def named(package, suffix, text):
     pattern = re.compile(rf"\b(?:{above})\b[\w.:]*")
     allowed = set(_pointers(package, text)) if suffix == ".py" else set()
     for number, line in enumerate(text.split("\n"), 1):
-        for found in pattern.finditer(line):
-            if (number, name := found.group().rstrip(".:")) not in allowed:
+        for result in pattern.finditer(line):
+            if (number, name := result.group().rstrip(".:")) not in allowed:
                 yield f"line {number} names {name}"
 
 
@@ -75,21 +75,21 @@ def _pointers(package, text):
                 length = one.source.count("\n") + one.want.count("\n")
                 shown |= set(range(first, first + length))
         for number in range(node.lineno, (node.end_lineno or node.lineno) + 1):
-            for found in re.finditer(rf"\b{target}\b[\w.:]*", lines[number - 1]):
-                name = found.group().rstrip(".:")
+            for result in re.finditer(rf"\b{target}\b[\w.:]*", lines[number - 1]):
+                name = result.group().rstrip(".:")
                 if number not in shown and name in public(target):
                     yield number, name
 
 
 @pytest.mark.parametrize("package", ABOVE)
 def test_no_package_names_its_users(package):
-    found = [
+    result = [
         f"{path.relative_to(ROOT)}: {place}"
         for path in FILES
         if path.relative_to(ROOT).parts[0] == package
         for place in named(package, path.suffix, path.read_text(encoding="utf-8"))
     ]
-    assert len(FILES) > 400 and not found, "\n".join(found)
+    assert len(FILES) > 400 and not result, "\n".join(result)
 
 
 NAMES = {
@@ -165,10 +165,10 @@ def users_in(path, above, seen=()):
 
 @pytest.mark.parametrize("package", ["compensator_theory", "rcac_numeric"])
 def test_tests_of_a_package_import_no_user_of_it(package):
-    found = [
+    result = [
         way for path in (TESTS / package).rglob("*.py") for way in users_in(path, ABOVE[package])
     ]
-    assert not found, "\n".join(found)
+    assert not result, "\n".join(result)
 
 
 @pytest.mark.parametrize(

@@ -29,13 +29,13 @@ def blocks(path):
     if path.suffix == ".ipynb":
         cells = json.loads(text)["cells"]
         return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    found = []
+    result = []
     for code in BLOCK.findall(text):
         lines = code.splitlines()
         if ">>>" in code:
             lines = [line[4:] for line in lines if line.startswith((">>> ", "... "))]
-        found.append("\n".join(line for line in lines if not line.startswith((":", "%"))))
-    return found
+        result.append("\n".join(line for line in lines if not line.startswith((":", "%"))))
+    return result
 
 
 def is_there(module, name):
@@ -74,5 +74,5 @@ def test_what_is_asked_for_is_there(path):
             code += ast.parse(block).body
         except SyntaxError:  # a sketch, with dots where the reader's own words go
             continue
-    asked = set(asked_for(ast.Module(code, [])))
-    assert not {pair for pair in asked if not is_there(*pair)}
+    names = set(asked_for(ast.Module(code, [])))
+    assert not {pair for pair in names if not is_there(*pair)}

@@ -25,10 +25,10 @@ CELL = re.compile(
 
 def cells(page):
     """The options and the code of each cell; magics and lines of options left out."""
-    for found in CELL.finditer(page.read_text()):
-        lines = found["code"].splitlines()
+    for result in CELL.finditer(page.read_text()):
+        lines = result["code"].splitlines()
         yield (
-            found["head"] or "",
+            result["head"] or "",
             "\n".join(line for line in lines if not line.startswith((":", "%"))),
         )
 

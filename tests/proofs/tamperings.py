@@ -157,17 +157,17 @@ def of_the_review(root: Path) -> Iterator[Tampering]:
         "Variable magic : forall P : Prop, P.\nLemma unused : 1 = 2 :> nat.\nProof. exact: magic. Qed.\n"
         "Section UnitCircle."))  # fmt: skip
     flips = ("separation", "return_difference", "least_squares", "duality", "intercalation")
-    seen = set()
+    names = set()
     for package in ("properties", "counterexamples", "symbolic"):
         for file, node in definitions(root, package):
             module = Path(file).stem
-            wanted = (
+            expected = (
                 package != "symbolic" or module == "coefficients" or node.name == "regressor_layout"
             )
-            if not wanted and (module not in flips or module in seen):
+            if not expected and (module not in flips or module in names):
                 continue
-            if not wanted:
-                seen.add(module)
+            if not expected:
+                names.add(module)
             yield Tampering(f"{module}.{node.name} gutted", f"{package} gutted", gutted(file, node))
     yield Tampering(
         "an entry gone", "deleted", without_block(CHAPTER_7, '[[entry]]\nname = "lemma-1"')
@@ -289,8 +289,8 @@ def of_other_kinds() -> Iterator[Tampering]:
             ("a notation of a word changed", replaced(v, "degree_below p n := (size (p%R : {poly _}) <= n)", "degree_below p n := (size (p%R : {poly _}) <= n.+1)")),
         ],
     }  # fmt: skip
-    for kind, found in kinds.items():
-        for name, edit in found:
+    for kind, result in kinds.items():
+        for name, edit in result:
             yield Tampering(name, kind, edit)
 
 

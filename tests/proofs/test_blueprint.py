@@ -23,8 +23,8 @@ def sentences(entry):
     yield from (*entry.hypotheses, *entry.conclusion, entry.text, entry.difference)
     yield from (case.refutes for case in entry.counterexamples)
     for package, check in checks_of(entry):
-        found = resolve(package, check)
-        yield found.statement if isinstance(found, ForAll) else statement_of(found)
+        result = resolve(package, check)
+        yield result.statement if isinstance(result, ForAll) else statement_of(result)
 
 
 @pytest.mark.costly

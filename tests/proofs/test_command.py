@@ -21,18 +21,18 @@ def refuse(constant):
 
 
 def test_it_prints_statement_text_difference_and_evidence():
-    found = run("theorem-a1", "--quick")
-    assert found.exit_code == 0
-    words = " ".join(found.stdout.split())
+    outcome = run("theorem-a1", "--quick")
+    assert outcome.exit_code == 0
+    words = " ".join(outcome.stdout.split())
     for part in ("a_k is not 0", "l <= k is not needed", "polynomials.rank_of_m1", "refuted",
                  "Quick: a tenth of the examples", "1 entry"):  # fmt: skip
         assert part in words, part
 
 
 def test_json_is_one_strict_object():
-    found = run("B", "--quick", "--json")
-    assert found.exit_code == 0
-    record = json.loads(found.stdout, parse_constant=refuse)
+    outcome = run("B", "--quick", "--json")
+    assert outcome.exit_code == 0
+    record = json.loads(outcome.stdout, parse_constant=refuse)
     assert record["holds"] is True and record["effort"] == "quick"
     assert record["formal"]["status"] == "not asked"
     assert [entry["name"] for entry in record["entries"]] == [
@@ -49,9 +49,9 @@ def test_json_is_one_strict_object():
 
 def test_what_fails_is_named_and_the_exit_status_says_so(monkeypatch):
     monkeypatch.setattr(separation, "similarity", lambda: False)
-    found = run("separation")
-    assert found.exit_code == 1
-    assert "FAILS  separation: separation.similarity: the sides differ" in found.stdout
+    outcome = run("separation")
+    assert outcome.exit_code == 1
+    assert "FAILS  separation: separation.similarity: the sides differ" in outcome.stdout
     record = json.loads(run("separation", "--json").stdout)
     assert record["holds"] is False and record["entries"][0]["holds"] is False
 
@@ -63,14 +63,14 @@ def test_names_are_whole_on_a_narrow_terminal(monkeypatch):
 
 
 def test_unknown_names_are_refused():
-    found = run("lemma-7")
-    assert found.exit_code == 2 and "no entry or chapter lemma-7" in found.stderr
+    outcome = run("lemma-7")
+    assert outcome.exit_code == 2 and "no entry or chapter lemma-7" in outcome.stderr
 
 
 def test_names_only():
-    found = run("--list", "8")
-    assert found.exit_code == 0
-    assert [line.split()[1] for line in found.stdout.splitlines()] == [
+    outcome = run("--list", "8")
+    assert outcome.exit_code == 0
+    assert [line.split()[1] for line in outcome.stdout.splitlines()] == [
         "riccati-duality", "forward-riccati", "forward-riccati-limit", "forward-riccati-observer",
         "subsystem-recursion", "retrospective-input", "extended-performance",
         "unscented-transformation",
@@ -80,9 +80,9 @@ def test_names_only():
 
 def test_without_coq_it_says_so(monkeypatch):
     monkeypatch.setattr(rocq_build.shutil, "which", lambda tool: None)
-    found = run("lemma-1", "--quick", "--formal")
-    words = " ".join(found.stdout.split())
-    assert found.exit_code == 0
+    outcome = run("lemma-1", "--quick", "--formal")
+    words = " ".join(outcome.stdout.split())
+    assert outcome.exit_code == 0
     assert "The formal part was NOT compiled: coqc, coq_makefile, make not found" in words
     assert "machine-checked" not in words
     record = json.loads(run("lemma-1", "--quick", "--formal", "--json").stdout)
@@ -103,8 +103,8 @@ def test_without_hypothesis_it_says_what_to_install(monkeypatch):
     for module in [m for m in sys.modules if m.startswith("proofs.properties.polynomials")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setattr(builtins, "__import__", without)
-    found = run("lemma-1", "--quick")
-    assert found.exit_code == 2 and "pip install 'compensator-theory[test]'" in found.stderr
+    outcome = run("lemma-1", "--quick")
+    assert outcome.exit_code == 2 and "pip install 'compensator-theory[test]'" in outcome.stderr
 
 
 @pytest.mark.parametrize("formal", [True, False])
@@ -121,8 +121,8 @@ def test_an_axiom_fails(monkeypatch):
     answers = {"theorems.Diophantine.lemma_1": "rests on axioms: classic"}
     compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
     monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
-    found = run("lemma-1", "--quick", "--formal")
-    assert found.exit_code == 1 and "rests on axioms: classic" in found.stdout
+    outcome = run("lemma-1", "--quick", "--formal")
+    assert outcome.exit_code == 1 and "rests on axioms: classic" in outcome.stdout
 
 
 def test_the_formal_part_has_its_makefile():

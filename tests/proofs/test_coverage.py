@@ -12,20 +12,20 @@ from proofs.output.coverage import coverage, numbers, strength, table, unproved
 def used():
     """Equations that functions, modules or the kernel cite."""
     places = equations().items()
-    return [n for n, found in places if found.names or found.modules or found.kernel]
+    return [n for n, result in places if result.names or result.modules or result.kernel]
 
 
 def test_every_used_equation_is_in_a_statement_or_has_a_reason(used):
-    found = coverage(used, ledger())
-    assert {c.number for c in found} == set(used)
-    assert all(c.entries or c.why for c in found)
+    result = coverage(used, ledger())
+    assert {c.number for c in result} == set(used)
+    assert all(c.entries or c.why for c in result)
 
 
 def test_coverage_does_not_shrink(used):
     """Counts of today; a statement that is withdrawn, or loses its theorem, shows here."""
-    found = coverage(used, ledger())
-    assert sum(c.strength == "Coq" for c in found) >= 159
-    assert sum(c.strength != "none" for c in found) >= 159
+    result = coverage(used, ledger())
+    assert sum(c.strength == "Coq" for c in result) >= 159
+    assert sum(c.strength != "none" for c in result) >= 159
 
 
 def test_what_statements_are_about_is_used():
@@ -50,8 +50,8 @@ def test_what_statements_are_about_is_used():
 def test_a_wrong_reason_is_named(used, monkeypatch, tmp_path, text, words):
     path = tmp_path / "unproved.toml"
     path.write_text(text)
-    given = unproved(path)
-    monkeypatch.setattr(module, "unproved", lambda: given)
+    argument = unproved(path)
+    monkeypatch.setattr(module, "unproved", lambda: argument)
     with pytest.raises(LedgerError, match=words):
         coverage(used, ledger())
 
@@ -64,8 +64,8 @@ def test_two_reasons_for_one_equation_are_refused(tmp_path):
 
 
 def test_the_table_links_statements_and_names_functions(used):
-    found = [c for c in coverage(used, ledger()) if c.number == "2.43"]
-    text = table(found, {"2.43": ["rcac_numeric.UD"]})
+    result = [c for c in coverage(used, ledger()) if c.number == "2.43"]
+    text = table(result, {"2.43": ["rcac_numeric.UD"]})
     assert "| (2.43) | Coq |" in text and "[ud-update](#ud-update)" in text and "`UD`" in text
 
 

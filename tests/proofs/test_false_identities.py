@@ -87,8 +87,8 @@ def test_a_wrong_matrix_or_polynomial_is_noticed(monkeypatch, name, wrong, check
     evidence = Symbolic(f"coefficients.{check}", (1, 2))
     assert run_symbolic(evidence).status == "holds"
     monkeypatch.setattr(coefficients, name, wrong)
-    found = run_symbolic(evidence)
-    assert found.status == "fails" and "false for sizes" in found.detail
+    result = run_symbolic(evidence)
+    assert result.status == "fails" and "false for sizes" in result.detail
 
 
 @pytest.mark.costly
@@ -105,9 +105,9 @@ def test_a_wrong_matrix_or_polynomial_is_noticed(monkeypatch, name, wrong, check
 def test_a_false_property_is_refuted(monkeypatch, module, name, wrong, check):
     monkeypatch.setattr(module, name, wrong)
     short = module.__name__.split(".")[-1]
-    found = run_property(Property(f"{short}.{check}", 50))
-    assert found.status == "fails"
-    assert found.detail.startswith("false for ")
+    result = run_property(Property(f"{short}.{check}", 50))
+    assert result.status == "fails"
+    assert result.detail.startswith("false for ")
 
 
 @pytest.mark.parametrize(
@@ -124,8 +124,8 @@ def test_a_counterexample_that_is_none_is_noticed(monkeypatch, module, name, wro
     evidence = Counterexample("a wording", f"{short}.{check}")
     assert run_counterexample(evidence).status == "holds"
     monkeypatch.setattr(module, name, wrong)
-    found = run_counterexample(evidence)
-    assert found.status == "fails" and found.detail.startswith("not so: ")
+    result = run_counterexample(evidence)
+    assert result.status == "fails" and result.detail.startswith("not so: ")
 
 
 def test_the_smallest_refutation_is_shown_and_errors_confirm_nothing(monkeypatch):
@@ -142,8 +142,8 @@ def test_the_smallest_refutation_is_shown_and_errors_confirm_nothing(monkeypatch
         return 1 / 0
 
     monkeypatch.setattr(polynomials, "lemma_1", broken)
-    found = run_property(Property("polynomials.lemma_1", 5))
-    assert (found.status, found.detail) == ("fails", "ZeroDivisionError: division by zero")
+    result = run_property(Property("polynomials.lemma_1", 5))
+    assert (result.status, result.detail) == ("fails", "ZeroDivisionError: division by zero")
     monkeypatch.setattr(separation, "similarity", lambda: 1 / 0)
     assert run_symbolic(Symbolic("separation.similarity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: 1 / 0)

@@ -54,11 +54,11 @@ def test_every_check_is_named_by_an_entry_and_exists(package):
     ("kind", "check"), [(kind, check) for kind, checks in NAMED.items() for check in sorted(checks)]
 )
 def test_every_check_states_what_it_checks(kind, check):
-    found = resolve(kind, check)
-    statement = found.statement if isinstance(found, ForAll) else statement_of(found)
+    result = resolve(kind, check)
+    statement = result.statement if isinstance(result, ForAll) else statement_of(result)
     assert len(statement) > 15
-    if isinstance(found, ForAll):
-        assert found.name == check
+    if isinstance(result, ForAll):
+        assert result.name == check
 
 
 def test_names_are_unique_and_every_entry_has_evidence():
@@ -70,7 +70,7 @@ def test_names_are_unique_and_every_entry_has_evidence():
 
 
 def test_the_statements_that_the_software_rests_on_are_there():
-    wanted = {
+    expected = {
         "least-squares-update", "intercalation", "intercalation-scalar", "external-perturbation",
         "lemma-1", "proposition-1", "proposition-2", "proposition-3", "proposition-4",
         "proposition-5", "theorem-1-pairs", "theorem-1-transfer-functions",
@@ -81,7 +81,7 @@ def test_the_statements_that_the_software_rests_on_are_there():
         "small-gain-ellipsoid", "predictive-control-limit", "parity-interlacing",
         "all-compensators", "routh-hurwitz", "kharitonov", "schur-cohn",
     }  # fmt: skip
-    assert wanted <= {entry.name for entry in ENTRIES}
+    assert expected <= {entry.name for entry in ENTRIES}
 
 
 @pytest.mark.parametrize(

@@ -147,9 +147,9 @@ def test_an_older_compilation_answers_for_nothing(tmp_path):
     build(names, tmp_path)
     assert compile_formal_part(names, tmp_path).holds
     (tmp_path / "Base.v").write_text("Theorem base : 1 = 2. Proof. reflexivity. Qed.")
-    found = compile_formal_part(names, tmp_path)
-    assert found.status == "failed"
-    assert found.answers == {
+    result = compile_formal_part(names, tmp_path)
+    assert result.status == "failed"
+    assert result.answers == {
         "Base.base": "Base.v does not compile",
         "User.user": "User.v does not compile",
         "Alone.alone": "",
@@ -161,12 +161,14 @@ def test_an_older_compilation_answers_for_nothing(tmp_path):
 def test_coq_is_asked(folder):
     names = ["Proved.one_is_one", "Assumed.rests_on_it", "Assumed.nothing", "Absent.x"]
     build(names[:2], folder)
-    found = compile_formal_part(names, folder)
-    assert found.status == "compiled" and not found.holds
-    assert found.answers["Proved.one_is_one"] == ""
-    assert found.answers["Assumed.rests_on_it"].startswith("rests on axioms: Assumed.two_is_one")
-    assert found.answers["Assumed.nothing"] == "Assumed.v states no theorem nothing"
-    assert found.answers["Absent.x"] == "proofs/rocq has no file Absent.v"
+    formal_part = compile_formal_part(names, folder)
+    assert formal_part.status == "compiled" and not formal_part.holds
+    assert formal_part.answers["Proved.one_is_one"] == ""
+    assert formal_part.answers["Assumed.rests_on_it"].startswith(
+        "rests on axioms: Assumed.two_is_one"
+    )
+    assert formal_part.answers["Assumed.nothing"] == "Assumed.v states no theorem nothing"
+    assert formal_part.answers["Absent.x"] == "proofs/rocq has no file Absent.v"
 
 
 @pytest.mark.slow
@@ -174,9 +176,12 @@ def test_coq_is_asked(folder):
 def test_a_file_that_does_not_compile_fails_and_the_others_are_asked(folder):
     build(["Proved.one_is_one"], folder)
     (folder / "Wrong.v").write_text("Theorem wrong : 1 = 2. Proof. reflexivity. Qed.")
-    found = compile_formal_part(["Wrong.wrong", "Proved.one_is_one"], folder)
-    assert found.status == "failed" and "Wrong.v" in found.detail
-    assert found.answers == {"Wrong.wrong": "Wrong.v does not compile", "Proved.one_is_one": ""}
+    formal_part = compile_formal_part(["Wrong.wrong", "Proved.one_is_one"], folder)
+    assert formal_part.status == "failed" and "Wrong.v" in formal_part.detail
+    assert formal_part.answers == {
+        "Wrong.wrong": "Wrong.v does not compile",
+        "Proved.one_is_one": "",
+    }
 
 
 SUMS = """
@@ -235,14 +240,14 @@ def test_a_changed_statement_fails(sums, tmp_path, before, after, names, request
     assert before in SUMS
     (tmp_path / "Sums.v").write_text(SUMS.replace(before, after))
     assert defined(tmp_path) == ("Sums.twice",)
-    found = compile_formal_part(SUMMED, tmp_path)
-    assert "does not compile" not in found.detail, found.detail
-    changed_now = {name for name, reason in found.answers.items() if reason}
-    if found.status == "failed":
-        changed_now.add(found.detail.split()[0])
+    formal_part = compile_formal_part(SUMMED, tmp_path)
+    assert "does not compile" not in formal_part.detail, formal_part.detail
+    changed_now = {name for name, reason in formal_part.answers.items() if reason}
+    if formal_part.status == "failed":
+        changed_now.add(formal_part.detail.split()[0])
     assert changed_now == {f"Sums.{name}" for name in names.split()}
-    assert found.holds == (not names)
-    for reason in filter(None, found.answers.values()):
+    assert formal_part.holds == (not names)
+    for reason in filter(None, formal_part.answers.values()):
         assert reason == "says something else than proofs/rocq/types/Sums.txt"
 
 

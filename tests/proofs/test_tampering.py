@@ -22,9 +22,11 @@ CHECKS = list(dict.fromkeys(check for entry in ledger() for check in checks_of(e
 def tree(tmp_path_factory):
     """A copy of what the signatures are about."""
     root = tmp_path_factory.mktemp("tree")
-    kept = shutil.ignore_patterns("*.vo*", "*.glob", ".*", "__pycache__", "CoqMakefile*", "Check.v")
+    remaining = shutil.ignore_patterns(
+        "*.vo*", "*.glob", ".*", "__pycache__", "CoqMakefile*", "Check.v"
+    )
     for folder in ("proofs", "compensator_theory/strategies"):
-        shutil.copytree(ROOT / folder, root / folder, ignore=kept)
+        shutil.copytree(ROOT / folder, root / folder, ignore=remaining)
     return Tree(root)
 
 
@@ -71,7 +73,7 @@ def test_a_tampering_of_every_kind_is_caught(tree, edited, in_full):
     by_kind = defaultdict(list)
     for tampering in ALL:
         by_kind[tampering.kind].append(tampering)
-    chosen = ALL if in_full else [t for found in by_kind.values() for t in (found[0], found[-1])]
+    chosen = ALL if in_full else [t for result in by_kind.values() for t in (result[0], result[-1])]
     unseen = []
     texts = {p: p.read_bytes() for p in tree.root.rglob("*") if p.is_file()}
     for tampering in chosen:

@@ -17,8 +17,8 @@ from tests.support.example_calls import doors, is_array, numeric_array
 
 def of(package, takes):
     """The doors of a package but the results, which nobody makes: what they hold is computed."""
-    found = doors(package, takes)
-    return {k: v for k, v in found.items() if ".results." not in public_path(package, k)}
+    result = doors(package, takes)
+    return {k: v for k, v in result.items() if ".results." not in public_path(package, k)}
 
 
 DOORS = of("rcac_numeric", is_array)
@@ -58,12 +58,12 @@ def test_a_mask_is_a_gap_or_refused(name, array):
     at = tuple(size // 2 for size in value.shape)
     nan, sentinel, mask = value.copy(), value.copy(), np.zeros(value.shape, dtype=bool)
     nan[at], sentinel[at], mask[at] = np.nan, SENTINEL, True
-    found = answer(name, **{array: np.ma.masked_array(sentinel, mask)})
-    if isinstance(found, CompensatorError):
+    result = answer(name, **{array: np.ma.masked_array(sentinel, mask)})
+    if isinstance(result, CompensatorError):
         return
     as_nan = answer(name, **{array: nan})
     assert not isinstance(as_nan, CompensatorError), "NaN is refused and a mask is not"
-    assert pickle.dumps(found) == pickle.dumps(as_nan) or repr(found) == repr(as_nan)
+    assert pickle.dumps(result) == pickle.dumps(as_nan) or repr(result) == repr(as_nan)
 
 
 def hostile(shape):
@@ -84,10 +84,10 @@ def hostile(shape):
 def hostile_plants(plant):
     """The plant with one of its matrices replaced, and strongly non-normal but stable."""
     for name in ("A", "B", "C"):
-        for kind, given in hostile(getattr(plant, name).shape):
+        for kind, argument in hostile(getattr(plant, name).shape):
             changed = {
-                name: given,
-                **({"E_1": given} if name == "C" and plant.l_z == plant.l_y else {}),
+                name: argument,
+                **({"E_1": argument} if name == "C" and plant.l_z == plant.l_y else {}),
             }
             yield f"{name} {kind}", replaced(plant, exact=None, **changed)
     n = plant.n
@@ -103,12 +103,12 @@ def answered(name, kind, argument, given):
         warnings.simplefilter("ignore")
         warnings.simplefilter("error", RuntimeWarning)
         try:
-            found = answer(name, **{argument: given})
+            result = answer(name, **{argument: given})
         except (RuntimeWarning, np.linalg.LinAlgError, ArithmeticError) as error:
             raise AssertionError(f"{kind}: {type(error).__name__}: {error}") from error
-    if isinstance(found, StabilisingSolution | ContinuousSolution):
-        assert found.residual < 1e-8 and found.margin > 0, kind
-        assert np.isfinite(found.P).all() and np.isfinite(found.K).all(), kind
+    if isinstance(result, StabilisingSolution | ContinuousSolution):
+        assert result.residual < 1e-8 and result.margin > 0, kind
+        assert np.isfinite(result.P).all() and np.isfinite(result.K).all(), kind
 
 
 @pytest.mark.parametrize(
@@ -117,13 +117,13 @@ def answered(name, kind, argument, given):
 )
 def test_hostile_arrays_have_an_answer_or_an_error_of_ours(name, array):
     value = np.array(numeric_array(DOORS[name][1][array]))
-    for kind, given in hostile(value.shape):
-        answered(name, kind, array, given)
+    for kind, argument in hostile(value.shape):
+        answered(name, kind, array, argument)
 
 
 @pytest.mark.parametrize(
     ("name", "argument"), [(name, one) for name, (_, _, names) in PLANTS.items() for one in names]
 )
 def test_hostile_plants_have_an_answer_or_an_error_of_ours(name, argument):
-    for kind, given in hostile_plants(PLANTS[name][1][argument]):
-        answered(name, kind, argument, given)
+    for kind, value in hostile_plants(PLANTS[name][1][argument]):
+        answered(name, kind, argument, value)

@@ -86,8 +86,8 @@ def differs(door, index):
         row.name == "another letter alone" and door not in WITH_VARIABLE
     ):
         return False
-    got = outcome(door, row.make(), row.variable)
-    return got is not None and not same(got, canonical_outcome(door, index))
+    received = outcome(door, row.make(), row.variable)
+    return received is not None and not same(received, canonical_outcome(door, index))
 
 
 def test_every_function_of_a_plant_or_a_loop_is_a_door_of_the_table():

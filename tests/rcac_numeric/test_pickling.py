@@ -72,14 +72,14 @@ def _simulator():
 
 def _controller():
     plant = rcac.standard_plant("1/(q - 0.5)")
-    made = rcac.Controller(
+    controller = rcac.Controller(
         rcac.ControllerSettings(
             structure=rcac.iir(2), target=rcac.fir_target(plant), update=rcac.UD(1.0)
         )
     )
     for y in range(5):
-        made.step(y, y)
-    return made
+        controller.step(y, y)
+    return controller
 
 
 def _learner():
@@ -88,10 +88,10 @@ def _learner():
 
 def _scheduled():
     compensator = rcac.Compensator(past_u=[[[0.5]]], past_y=[[[1.0]], [[0.5]]])
-    made = rcac.GainSchedule([0, 1], [compensator] * 2).started()
+    schedule = rcac.GainSchedule([0, 1], [compensator] * 2).started()
     for y in range(5):
-        made.step([y])
-    return made
+        schedule.step([y])
+    return schedule
 
 
 # What holds a compiled object or moves: how it is made, and what the next steps of it say.

@@ -20,12 +20,12 @@ KEYWORD = re.compile(rf"{NAME}=(?! (?:to|of) )(?![=\s])|{NAME}= (?:to|of) (\w+)"
 
 def known():
     """Every public function or class, by its name with and without its package."""
-    found = {}
+    result = {}
     for package in reversed(PACKAGES):
         for name, one in public_objects(package).items():
-            found[name.rpartition(".")[2]] = one
-            found[f"{package}.{name}"] = one
-    return found
+            result[name.rpartition(".")[2]] = one
+            result[f"{package}.{name}"] = one
+    return result
 
 
 def wrong_advice(message, door, table):
@@ -36,9 +36,9 @@ def wrong_advice(message, door, table):
             spans.append((call.end(), _closing(message, call.end()), call[1]))
             if call[1] not in ECHOED and _function(call[1], table) is None:
                 wrong.append(f"{call[1]}(...) is nowhere public")
-    for found in KEYWORD.finditer(message):
-        keyword, of = found[1] or found[2], found[3]
-        inside = [name for first, last, name in spans if first <= found.start() < last]
+    for result in KEYWORD.finditer(message):
+        keyword, of = result[1] or result[2], result[3]
+        inside = [name for first, last, name in spans if first <= result.start() < last]
         if ECHOED & {*inside}:
             continue
         function = _function(of or inside[-1], table) if of or inside else door

@@ -36,11 +36,11 @@ def refused(answer):
 def contradictions(G, G_c, asked=None):
     """Ask margins, gains, locus, delays, norms and connections of the loop 1 + G G_c."""
     asked = asked or Asked()
-    found = []
+    result = []
 
     def require(condition, sentence):
         if not condition:
-            found.append(sentence)
+            result.append(sentence)
 
     closed = closed_loop_of_pair(G, G_c, -1)
     N, D = G.numerator * G_c.numerator, G.denominator * G_c.denominator
@@ -87,7 +87,7 @@ def contradictions(G, G_c, asked=None):
             near = any(abs(at - k) <= CLOSE * max(1, abs(k)) for k in reached)
             require(locus.crossings is None or near or _is_drop(end, L), "ends of the gains")
     elif L.reduced().denominator.degree() != 0 and not N.is_zero:
-        found.append("the refusal of the locus")
+        result.append("the refusal of the locus")
     if G.variable.name == "s":
         _delays(asked, require, N, D, closed, margins, is_stable, gains)
     if not refused(loop):
@@ -98,7 +98,7 @@ def contradictions(G, G_c, asked=None):
         if not refused(norm):
             at = loop.reduced()(1 if G.variable.name == "z" else 0)
             require(abs(float(at)) <= float(norm.enclosure) * (1 + CLOSE), "the norm")
-    return found
+    return result
 
 
 def _delays(asked, require, N, D, closed, margins, is_stable, gains):

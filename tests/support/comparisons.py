@@ -23,9 +23,9 @@ def steady(plant, settings, regressor, w, saturation=None):
     """
     while isinstance(settings.update, Gradient):
         run = tame(simulate(plant, settings, w, saturation=saturation))
-        told = book_loop(plant, [(settings, regressor)], w, saturation=saturation, forced=run)
+        message = book_loop(plant, [(settings, regressor)], w, saturation=saturation, forced=run)
         size = settings.update.step_size
-        if size * max(told["books"][0].curvatures) <= 2:
+        if size * max(message["books"][0].curvatures) <= 2:
             break
         settings = with_update(settings, step_size=size / 2)
     return settings

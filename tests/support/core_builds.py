@@ -135,8 +135,8 @@ class Core:
 
         self.library.troubles.restype = ctypes.POINTER(Trouble)
         noted = self.library.troubles(self.state)
-        found = {name: (*noted[i].counts, noted[i].worst) for i, name in enumerate(TROUBLES)}
-        return {name: counts for name, counts in found.items() if counts[0]}
+        result = {name: (*noted[i].counts, noted[i].worst) for i, name in enumerate(TROUBLES)}
+        return {name: counts for name, counts in result.items() if counts[0]}
 
     @property
     def growth(self):

@@ -154,8 +154,8 @@ def printing_of(samples, cases):
         first, *rest = text.splitlines()
         assert first == cls.__name__
         shown = [line.split()[0] for line in rest if re.match(r"  \S", line)]
-        held = [name for name in field_names(cls) if getattr(value, name) is not None]
-        assert set(shown) <= set(held) and shown == sorted(shown, key=held.index) and shown
+        stored = [name for name in field_names(cls) if getattr(value, name) is not None]
+        assert set(shown) <= set(stored) and shown == sorted(shown, key=stored.index) and shown
         assert max(map(len, rest)) <= 2 * WIDTH
 
     return test

@@ -28,7 +28,7 @@ class _Found(BaseException):
 
 def call_of(one):
     """The keyword arguments of the first call of `one` in its own example; None without one."""
-    code, found, me = code_of(one), [], threading.get_ident()
+    code, result, me = code_of(one), [], threading.get_ident()
     if code is None or not one.__doc__ or ">>>" not in one.__doc__:
         return None
 
@@ -37,7 +37,7 @@ def call_of(one):
             values = frame.f_locals
             names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
             if not code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS):
-                found.append({n: values[n] for n in names if n != "self"})
+                result.append({n: values[n] for n in names if n != "self"})
             raise _Found
 
     examples = doctest.DocTestParser().get_examples(one.__doc__)
@@ -54,7 +54,7 @@ def call_of(one):
         finally:
             sys.setprofile(None)
             os.chdir(before)
-    return found[0] if found else None
+    return result[0] if result else None
 
 
 def numeric_array(value):
@@ -70,23 +70,23 @@ def numeric_array(value):
 
 def doors(package, takes):
     """Name -> (callable, arguments, names of those that `takes` is true of) of what is public."""
-    found = {}
+    result = {}
     for name, (one, call) in example_calls(package).items():
         names = [k for k, v in call.items() if takes(v)]
         if names:
-            found[name] = one, call, names
-    return found
+            result[name] = one, call, names
+    return result
 
 
 @cache
 def example_calls(package):
     """Name -> (callable, arguments of the first call in its example) of all that is public."""
-    found = {}
+    result = {}
     for name, one in public_objects(package).items():
         call = call_of(one) if callable(one) else None
         if call:
-            found[name] = one, call
-    return found
+            result[name] = one, call
+    return result
 
 
 def is_array(value):

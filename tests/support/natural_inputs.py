@@ -67,7 +67,7 @@ def rational_in_flint(value):
 def polynomial_inputs(x):
     """The denominator of the plant, in every form, and what lists no coefficients."""
     d = NUMBERS[x][1]
-    wanted = exact.polynomial(d, x)
+    poly = exact.polynomial(d, x)
     up, symbol = d[::-1], sympy.Symbol(x)
     ring, _ = sympy.ring(x, sympy.QQ)
     first, second = (f"({x} - ({root}))" for root in NUMBERS[x][3])
@@ -97,12 +97,12 @@ def polynomial_inputs(x):
         "a printed text": lambda: f"{first}·{second}".replace("-", "−"),
         "a printed square": lambda: f"{x}² + ({d[1]})×{x} + {d[2]}".replace("-", "−"),
         "a text with a caret": lambda: f"{x}^2 + ({d[1]})*{x} + {d[2]}",
-        "an expression": wanted.as_expr,
+        "an expression": poly.as_expr,
         "an expression with floats": lambda: sum(float(c) * symbol**k for k, c in enumerate(up)),
-        "a Poly": lambda: sympy.Poly(wanted.as_expr(), symbol),
+        "a Poly": lambda: sympy.Poly(poly.as_expr(), symbol),
         "a named poly1d": lambda: np.poly1d(d, variable=x),
         "a named Polynomial": lambda: Polynomial(up, symbol=x),
-        "an element of a ring": lambda: ring.from_expr(wanted.as_expr()),
+        "an element of a ring": lambda: ring.from_expr(poly.as_expr()),
     }
     refused = {
         "Chebyshev's basis": lambda: Chebyshev(up),
@@ -117,8 +117,8 @@ def polynomial_inputs(x):
         "bytes": lambda: b"123",
     }
     return [
-        *(Natural(name, make, wanted, x) for name, make in listed.items()),
-        *(Natural(name, make, wanted) for name, make in shown.items()),
+        *(Natural(name, make, poly, x) for name, make in listed.items()),
+        *(Natural(name, make, poly) for name, make in shown.items()),
         *(Natural(name, make, REFUSED, x) for name, make in refused.items()),
     ]
 
@@ -128,57 +128,57 @@ def system_inputs(x):
     n, d, zeros, poles = NUMBERS[x]
     symbol, dt = sympy.Symbol(x), 0 if x == "s" else True
     timed = () if x == "s" else (True,)
-    wanted = exact.transfer_function((n, d), x)
+    G = exact.transfer_function((n, d), x)
     top, bottom = (f"{x} + ({n[1]})", f"{x}**2 + ({d[1]})*{x} + {d[2]}")
-    polys = [p.as_expr() for p in (wanted.numerator, wanted.denominator)]
+    polys = [p.as_expr() for p in (G.numerator, G.denominator)]
     ring, _ = sympy.ring(x, sympy.QQ)
     field, _ = sympy.field(x, sympy.QQ)
     lti = scipy.signal.lti if x == "s" else (lambda *parts: scipy.signal.dlti(*parts, dt=0.5))
-    sampled = wanted if x == "s" else replace(wanted, sample_time=sympy.Rational(1, 2))
+    sampled = G if x == "s" else replace(G, sample_time=sympy.Rational(1, 2))
     up = [part[::-1] for part in (n, d)]
-    one = exact.transfer_matrix([[wanted]])
+    one = exact.transfer_matrix([[G]])
     rows = [
-        Natural("text", lambda: f"({top})/({bottom})", wanted),
-        Natural("factors", lambda: f"({top})/(({x} - ({poles[0]}))*({x} - ({poles[1]})))", wanted),
-        Natural("printed", lambda: f"({top})/(({x} − ({poles[0]}))·({x} − ({poles[1]})))", wanted),
-        Natural("caret", lambda: f"({top})/({x}^2 + ({d[1]})*{x} + {d[2]})", wanted),
-        Natural("expression", lambda: polys[0] / polys[1], wanted),
-        Natural("ours", lambda: wanted, wanted),
-        Natural("our matrix", lambda: exact.transfer_matrix([[wanted]]), one),
-        Natural("pair of texts", lambda: (top, bottom), wanted),
-        Natural("pair of lists", lambda: (n, d), wanted, x),
-        Natural("pair of tuples", lambda: ((*n,), (*d,)), wanted, x),
-        Natural("pair of arrays", lambda: (np.array(n), np.array(d)), wanted, x),
-        Natural("pair with leading zeros", lambda: ([0, *n], d), wanted, x),
-        Natural("text and list", lambda: (top, d), wanted, x),
-        Natural("pair of Polys", lambda: tuple(sympy.Poly(p, symbol) for p in polys), wanted),
-        Natural("pair of poly1d", lambda: tuple(map(np.poly1d, (n, d))), wanted, x),
-        Natural("pair of Polynomials", lambda: tuple(map(Polynomial, up)), wanted, x),
+        Natural("text", lambda: f"({top})/({bottom})", G),
+        Natural("factors", lambda: f"({top})/(({x} - ({poles[0]}))*({x} - ({poles[1]})))", G),
+        Natural("printed", lambda: f"({top})/(({x} − ({poles[0]}))·({x} − ({poles[1]})))", G),
+        Natural("caret", lambda: f"({top})/({x}^2 + ({d[1]})*{x} + {d[2]})", G),
+        Natural("expression", lambda: polys[0] / polys[1], G),
+        Natural("ours", lambda: G, G),
+        Natural("our matrix", lambda: exact.transfer_matrix([[G]]), one),
+        Natural("pair of texts", lambda: (top, bottom), G),
+        Natural("pair of lists", lambda: (n, d), G, x),
+        Natural("pair of tuples", lambda: ((*n,), (*d,)), G, x),
+        Natural("pair of arrays", lambda: (np.array(n), np.array(d)), G, x),
+        Natural("pair with leading zeros", lambda: ([0, *n], d), G, x),
+        Natural("text and list", lambda: (top, d), G, x),
+        Natural("pair of Polys", lambda: tuple(sympy.Poly(p, symbol) for p in polys), G),
+        Natural("pair of poly1d", lambda: tuple(map(np.poly1d, (n, d))), G, x),
+        Natural("pair of Polynomials", lambda: tuple(map(Polynomial, up)), G, x),
         Natural("pair of flint's", lambda: tuple(
             flint.fmpq_poly([*map(rational_in_flint, part)])
-            for part in up), wanted, x),
-        Natural("pair of elements", lambda: tuple(map(ring.from_expr, polys)), wanted),
-        Natural("element of a field", lambda: field.from_expr(polys[0] / polys[1]), wanted),
-        Natural("pair of Series", lambda: (pd.Series(n), pd.Series(d)), wanted, x),
-        Natural("one entry", lambda: [[f"({top})/({bottom})"]], wanted),
-        Natural("one pair as entry", lambda: [[(n, d)]], wanted, x),
+            for part in up), G, x),
+        Natural("pair of elements", lambda: tuple(map(ring.from_expr, polys)), G),
+        Natural("element of a field", lambda: field.from_expr(polys[0] / polys[1]), G),
+        Natural("pair of Series", lambda: (pd.Series(n), pd.Series(d)), G, x),
+        Natural("one entry", lambda: [[f"({top})/({bottom})"]], G),
+        Natural("one pair as entry", lambda: [[(n, d)]], G, x),
         Natural("SymPy matrix of one", lambda: sympy.Matrix([[polys[0] / polys[1]]]), one),
-        Natural("object array", lambda: np.array([[f"({top})/({bottom})"]], dtype=object), wanted),
-        Natural("three levels", lambda: ([[n]], [[d]]), wanted, x),
-        Natural("three levels over one", lambda: ([[n]], d), wanted, x),
-        Natural("arrays of three levels", lambda: (np.array([[n]]), np.array([[d]])), wanted, x),
-        Natural("zeros and poles", lambda: {"zeros": zeros, "poles": poles}, wanted, x),
-        Natural("python-control", lambda: control.tf(n, d, *timed), wanted),
-        Natural("python-control zpk", lambda: control.zpk(zeros, poles, 1.0, *timed), wanted),
+        Natural("object array", lambda: np.array([[f"({top})/({bottom})"]], dtype=object), G),
+        Natural("three levels", lambda: ([[n]], [[d]]), G, x),
+        Natural("three levels over one", lambda: ([[n]], d), G, x),
+        Natural("arrays of three levels", lambda: (np.array([[n]]), np.array([[d]])), G, x),
+        Natural("zeros and poles", lambda: {"zeros": zeros, "poles": poles}, G, x),
+        Natural("python-control", lambda: control.tf(n, d, *timed), G),
+        Natural("python-control zpk", lambda: control.zpk(zeros, poles, 1.0, *timed), G),
         Natural("SciPy", lambda: lti(n, d), sampled),
         Natural("SciPy zpk", lambda: lti(zeros, poles, 1.0), sampled),
-        Natural("SymPy", lambda: TransferFunction(*polys, symbol), wanted),
+        Natural("SymPy", lambda: TransferFunction(*polys, symbol), G),
         Natural("SymPy series", lambda: Series(
-            TransferFunction(polys[0], 1, symbol), TransferFunction(1, polys[1], symbol)), wanted),
+            TransferFunction(polys[0], 1, symbol), TransferFunction(1, polys[1], symbol)), G),
     ]  # fmt: skip
     A, B, C = [[0, 1], [-d[2], -d[1]]], [[0], [1]], [[n[1], n[0]]]
     states = exact.Realisation(A, B, C, variable=x)
-    least = exact.minimal_realisation(wanted).realisation
+    least = exact.minimal_realisation(G).realisation
     arrays = tuple(map(np.array, (A, B, C)))
     timed_states = replace(states, sample_time=sympy.Rational(1, 2)) if x == "z" else states
     rows += [
@@ -197,7 +197,7 @@ def system_inputs(x):
             tuple(map(tuple, matrix)) for matrix in (A, B, C)), states, x),
         Natural("SymPy's matrices", lambda: tuple(map(sympy.Matrix, (A, B, C))), states, x),
         Natural("realisation", lambda: states, states),
-        Natural("minimal realisation", lambda: exact.minimal_realisation(wanted), least),
+        Natural("minimal realisation", lambda: exact.minimal_realisation(G), least),
         Natural("python-control ss", lambda: control.ss(A, B, C, 0, dt), states),
         Natural("SciPy ss", lambda: lti(*arrays, np.zeros((1, 1))), timed_states),
     ]  # fmt: skip
@@ -205,9 +205,9 @@ def system_inputs(x):
         rows.append(Natural("SymPy ss", lambda: StateSpace(
             *map(sympy.Matrix, (A, B, C)), sympy.zeros(1)), states))  # fmt: skip
     else:
-        held = exact.sampling.zero_order_hold("2/((s + 1)*(s + 2))", sympy.log(2))
+        stored = exact.sampling.zero_order_hold("2/((s + 1)*(s + 2))", sympy.log(2))
         rows += [
-            Natural("sampled plant", lambda: held, held.realisation),
+            Natural("sampled plant", lambda: stored, stored.realisation),
             Natural("(A, B, C, D, dt)", lambda: (*arrays, [[0]], 0.5), timed_states),
             Natural("(A, B, C, 0, dt) in z", lambda: [A, B, C, 0, 0.5], timed_states, "z"),
         ]

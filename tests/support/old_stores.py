@@ -88,10 +88,10 @@ def chunk(connection, store, number):
         ))  # fmt: skip
     connection.executemany(f"INSERT INTO run VALUES ({places(len(rows[0]))})", rows)
     failed = sum(outcome in FAILED for outcome in columns["outcome"])
-    found = digest([ORIGIN, (number, first, last, 0, failed, 0.25), rows])
+    result = digest([ORIGIN, (number, first, last, 0, failed, 0.25), rows])
     connection.execute(
         "UPDATE chunk SET state = 2, failed = ?, seconds = 0.25, digest = ? WHERE chunk = ?",
-        (failed, found, number),
+        (failed, result, number),
     )
 
 
@@ -107,9 +107,9 @@ def digest(value):
 def digest_of_signals(signals):
     if not signals:
         return None
-    found = blake2b(digest_size=16)
+    result = blake2b(digest_size=16)
     for name, shape, data in signals:
         head = json.dumps([name, shape, len(data)]).encode()
-        found.update(len(head).to_bytes(8, "little") + head)
-        found.update(data)
-    return found.hexdigest()
+        result.update(len(head).to_bytes(8, "little") + head)
+        result.update(data)
+    return result.hexdigest()

@@ -32,14 +32,14 @@ class Loop:
 
 def product(*factors):
     """Coefficients, the highest power first, of a product of polynomials."""
-    found = [Fraction(1)]
+    result = [Fraction(1)]
     for factor in factors:
-        longer = [Fraction(0)] * (len(found) + len(factor) - 1)
-        for i, a in enumerate(found):
+        longer = [Fraction(0)] * (len(result) + len(factor) - 1)
+        for i, a in enumerate(result):
             for j, b in enumerate(factor):
                 longer[i + j] += a * Fraction(b)
-        found = longer
-    return found
+        result = longer
+    return result
 
 
 def from_roots(roots):
@@ -113,20 +113,20 @@ class Drawn:
         polynomial = target_characteristic_polynomial(
             plant.problem, self.n_c, self.target(asked).exact
         )
-        found = place_poles(
+        placement = place_poles(
             plant.problem.transfer_function("yu"), polynomial, self.n_c, feedback=+1,
             numerator_degree=self.n_c - 1,
         )  # fmt: skip
         length = range(self.n_c, -1, -1)
         return tuple(
             [Fraction(int(c.p), int(c.q)) for c in map(side.nth, length)]
-            for side in (found.numerator, found.denominator)
+            for side in (placement.numerator, placement.denominator)
         )
 
     def difference(self, compensator):
         """How far the loop's polynomial is from the one asked for, over the unit circle."""
         D_c, N_c = compensator.denominator, compensator.numerator
-        own = [
+        ours = [
             a + b for a, b in zip(
                 product(self.denominator, D_c),
                 [-c for c in padded(product(self.numerator, N_c), len(self.poles) + self.delay
@@ -135,10 +135,10 @@ class Drawn:
             )
         ]  # fmt: skip
         stable = [z for z in self.zeros if abs(z) < 1]
-        wanted = padded_right(product(from_roots(stable), from_roots(self.asked)), len(own))
+        expected = padded_right(product(from_roots(stable), from_roots(self.asked)), len(ours))
         q = np.exp(1j * np.linspace(0, np.pi, 2001))
-        off = np.polyval(np.array([a - b for a, b in zip(own, wanted, strict=True)], float), q)
-        return float(np.max(np.abs(off) / np.abs(np.polyval(np.array(wanted, float), q))))
+        off = np.polyval(np.array([a - b for a, b in zip(ours, expected, strict=True)], float), q)
+        return float(np.max(np.abs(off) / np.abs(np.polyval(np.array(expected, float), q))))
 
 
 def padded(coefficients, degree):

@@ -95,15 +95,15 @@ def pole_polynomial(G):
 
 def divisors(matrix):
     """The monic gcds of all minors of one size, for each size: what defines the Smith form."""
-    found = []
+    result = []
     for size in range(1, min(matrix.shape) + 1):
         common = Poly(0, s)
         for minor in minors(matrix, size):
             common = common.gcd(Poly(minor, s))
         if common.is_zero:
             break
-        found.append(exact.polynomial(common.monic().as_expr(), "s"))
-    return found
+        result.append(exact.polynomial(common.monic().as_expr(), "s"))
+    return result
 
 
 def nonzero_point(*polynomials):

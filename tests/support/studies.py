@@ -68,8 +68,8 @@ def stored(study, path, chunk_size):
 
 def contents(folder):
     """Every file in a folder and below it, its bytes by its path there."""
-    found = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
-    return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+    result = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in result}
 
 
 def over_R_theta(values, measure, repetitions=1):

@@ -54,29 +54,29 @@ def calls(name):
     options = [keywords]
     if "variable" in set(names[len(arguments) :]) - set(keywords):
         options.append({**keywords, "variable": "s"})
-    for given, more in itertools.product(fixed, options):
-        for place, how in itertools.product(range(len(given)), ("times", "plus")):
+    for argument, more in itertools.product(fixed, options):
+        for place, how in itertools.product(range(len(argument)), ("times", "plus")):
 
-            def call(symbol, given=given, place=place, how=how, more=more):
+            def call(symbol, given=argument, place=place, how=how, more=more):
                 inner = mixed(given[place], how, symbol)
                 return (
                     None if inner is None else ([*given[:place], inner, *given[place + 1 :]], more)
                 )
 
-            yield call, names_given(given, more)
+            yield call, names_given(argument, more)
 
 
 def names_given(*arguments):
     """What the caller has named, variables included."""
-    found = symbols_in(arguments)
+    result = symbols_in(arguments)
     for value in arguments:
         if isinstance(value, str):
-            found |= set(re.findall(r"[^\W\d]\w*", value))
+            result |= set(re.findall(r"[^\W\d]\w*", value))
         elif type(value) in (list, tuple):
-            found |= names_given(*value)
+            result |= names_given(*value)
         elif isinstance(value, dict):
-            found |= names_given(*value.values())
-    return found
+            result |= names_given(*value.values())
+    return result
 
 
 def symbols_in(value):

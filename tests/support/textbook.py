@@ -195,12 +195,12 @@ class Book:
             self.theta = least_squares([(1.0, rows, goal)], self.R_theta, self.theta)
         elif isinstance(rule, rn.SlidingWindow):
             self.stages.append((rows, goal))
-            kept = self.stages[-rule.window :][::-1]
-            aged = [(rule.lambda_**age, *stage) for age, stage in enumerate(kept)]
+            remaining = self.stages[-rule.window :][::-1]
+            aged = [(rule.lambda_**age, *stage) for age, stage in enumerate(remaining)]
             self.theta = least_squares(aged, self.R_theta, self.c.theta_0)
         elif rule.process_noise is not None:
-            kept = np.abs(rows).any(axis=1) | (goal != 0)
-            C, y = rows[kept], goal[kept]  # measurements y = C theta + v, v of variance I
+            remaining = np.abs(rows).any(axis=1) | (goal != 0)
+            C, y = rows[remaining], goal[remaining]  # measurements y = C theta + v, v of variance I
             gain = self.P @ C.T @ np.linalg.inv(np.eye(len(C)) + C @ self.P @ C.T)
             self.theta = self.theta + gain @ (y - C @ self.theta)
             left = np.eye(len(self.P)) - gain @ C

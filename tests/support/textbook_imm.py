@@ -10,31 +10,31 @@ def interacting(modes, transitions, mu, y, u):
     Each mode is (A, B, C, D, Q, R, x_0, P_0); an entry of y that is NaN was not measured.
     """
     with mp.workdps(50):
-        made = [tuple(mp.matrix(np.atleast_2d(part).tolist()) for part in one) for one in modes]
-        beliefs = [(x.T if x.rows == 1 else x, P) for *_, x, P in made]
+        built = [tuple(mp.matrix(np.atleast_2d(part).tolist()) for part in one) for one in modes]
+        beliefs = [(x.T if x.rows == 1 else x, P) for *_, x, P in built]
         mu, total = [mp.mpf(float(value)) for value in mu], mp.mpf(0)
-        found = []
+        result = []
         for k in range(len(y)):
             there = np.flatnonzero(~np.isnan(y[k]))
             v = mp.matrix(u[k].tolist())
             if len(there):
                 densities = []
-                for j, (_, _, C, D, _, R, _, _) in enumerate(made):
+                for j, (_, _, C, D, _, R, _, _) in enumerate(built):
                     beliefs[j], density = corrected(*beliefs[j], C, D, R, y[k], v, there)
                     densities.append(density)
                 joint = [m * d for m, d in zip(mu, densities, strict=True)]
                 mu = [one / sum(joint) for one in joint]
                 total += mp.log(sum(joint))
-            found.append((*mixture(mu, beliefs), list(mu)))
+            result.append((*mixture(mu, beliefs), list(mu)))
             ahead = [[mu[i] * mp.mpf(float(transitions[i][j])) for i in range(len(mu))]
                      for j in range(len(mu))]  # fmt: skip
             mixed = [mixture([one / sum(row) for one in row], beliefs) for row in ahead]
             mu = [sum(row) for row in ahead]
             beliefs = [
                 (A * x + B * v, A * P * A.T + Q)
-                for (A, B, _, _, Q, *_), (x, P) in zip(made, mixed, strict=True)
+                for (A, B, _, _, Q, *_), (x, P) in zip(built, mixed, strict=True)
             ]
-        x, P, probabilities = zip(*found, strict=True)
+        x, P, probabilities = zip(*result, strict=True)
         arrays = [np.array([np.array(one.tolist(), float) for one in part]) for part in (x, P)]
         return arrays[0][..., 0], arrays[1], np.array(probabilities, float), float(total)
 

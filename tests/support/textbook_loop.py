@@ -82,8 +82,8 @@ def book_loop(plant, parts, w, *, shared_u=True, saturation=None, x_0=None, forc
             if b.c.form == "filter":
                 b.adapt(z)
         record["theta"].append(np.concatenate([b.theta for b in books]))
-        own = [b.control() for b in books]
-        u = sum(own)
+        ours = [b.control() for b in books]
+        u = sum(ours)
         u_a = actuated(saturation, u, u_a)
         record["u"].append(u)
         record["u_applied"].append(u_a)
@@ -92,7 +92,7 @@ def book_loop(plant, parts, w, *, shared_u=True, saturation=None, x_0=None, forc
         y, z = body.outputs(u_a, w_k)
         record["y"].append(y)
         record["z"].append(z)
-        for b, mine in zip(books, own, strict=True):
+        for b, mine in zip(books, ours, strict=True):
             b.apply(u_a if shared_u or len(books) == 1 else mine)
             if not first:
                 b.observe(y, r[: b.c.structure.l_r])
@@ -114,7 +114,7 @@ def r_position(plant):
 def assert_follows(run, parts, *, shared_u=True, tolerance=1e-9):
     """Every step of a kernel's run is what the text makes of the steps before it."""
     assert run.outcome == "completed"
-    told = book_loop(
+    message = book_loop(
         run.plant,
         parts,
         run.w,
@@ -125,11 +125,11 @@ def assert_follows(run, parts, *, shared_u=True, tolerance=1e-9):
     )
     size = max(1.0, np.abs(run.u_applied).max(), np.abs(run.y).max(), np.abs(run.z).max())
     for name in ("y", "z"):
-        assert np.abs(told[name] - getattr(run, name)).max() <= 1e-12 * size
+        assert np.abs(message[name] - getattr(run, name)).max() <= 1e-12 * size
     # What a rounding error of the data does to theta grows with the data, squared.
     scale = max(1.0, np.abs(run.theta).max()) * size**2
     for name in ("theta", "theta_final"):
-        assert np.abs(told[name] - getattr(run, name)).max() <= tolerance * scale, name
+        assert np.abs(message[name] - getattr(run, name)).max() <= tolerance * scale, name
     for name in ("u", "u_applied"):
-        assert np.abs(told[name] - getattr(run, name)).max() <= tolerance * scale * size, name
-    return told
+        assert np.abs(message[name] - getattr(run, name)).max() <= tolerance * scale * size, name
+    return message

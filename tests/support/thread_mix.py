@@ -57,10 +57,10 @@ def refused():
 
 
 def riccati(digits):
-    found = exact.solve_riccati(
+    solution = exact.solve_riccati(
         [[1, 1], [0, 2]], [[0], [1]], E_1=[[1, 0]], E_2=[[1]], time="discrete", digits=digits
     )
-    return *shown(found), found.residual
+    return *shown(solution), solution.residual
 
 
 CUBIC = exact.polynomial("3*q**5 - 2*q**3 + q**2/7 - 5*q + 1")

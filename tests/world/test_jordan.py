@@ -29,11 +29,11 @@ JORDAN = [
 @pytest.mark.parametrize(("A", "right"), JORDAN)
 def test_rational_jordan_blocks(A, right):
     """By hand: elementary divisors; and T^-1 A T is the form, multiplied out by SymPy."""
-    found = jordan_form(A)
-    blocks = sorted((str(p.as_expr()), exponent) for p, exponent in found.blocks)
+    form = jordan_form(A)
+    blocks = sorted((str(p.as_expr()), exponent) for p, exponent in form.blocks)
     assert blocks == sorted(right)
-    T = sp.Matrix(found.T)
-    assert T.inv() * sp.Matrix(A) * T == sp.Matrix(found.form)
+    T = sp.Matrix(form.T)
+    assert T.inv() * sp.Matrix(A) * T == sp.Matrix(form.form)
 
 
 SMITH = [
@@ -46,8 +46,8 @@ SMITH = [
 @pytest.mark.parametrize(("M", "right"), SMITH)
 def test_smith_forms(M, right):
     """By hand, from the gcds of the minors."""
-    found = [p.as_expr() for p in smith_form(M, "s").invariant_polynomials]
-    assert found == [sp.sympify(r) for r in right]
+    result = [p.as_expr() for p in smith_form(M, "s").invariant_polynomials]
+    assert result == [sp.sympify(r) for r in right]
 
 
 RANKS = [
@@ -83,12 +83,12 @@ def test_when_a_pair_is_uncontrollable(A, b, symbol, right):
     A, b = (sp.Matrix(M).applyfunc(sp.sympify) for M in (A, b))
     roots = set(sp.solve(b.row_join(A * b).det(), sp.Symbol(symbol)))
     assert roots == right  # the question itself
-    found = ct.exceptional_cases(ct.is_controllable, A, b)
-    assert found.is_complete
+    cases = ct.exceptional_cases(ct.is_controllable, A, b)
+    assert cases.is_complete
     for root in right:
         others = dict.fromkeys(map(str, sp.sympify(root).free_symbols), 5)
         at = {symbol: sp.sympify(root).subs(others), **others}
-        assert found.at(at).answer is False
+        assert cases.at(at).answer is False
 
 
 @pytest.mark.parametrize(
@@ -102,13 +102,13 @@ def test_when_a_pair_is_uncontrollable(A, b, symbol, right):
 )
 def test_a_parameter_may_have_any_name(name):
     """diag(p, name) with b = (p, name)': uncontrollable at 0, 0 and p = name, by hand."""
-    found = ct.exceptional_cases(ct.is_controllable, [["p", 0], [0, name]], [["p"], [name]])
-    assert found.is_complete
+    cases = ct.exceptional_cases(ct.is_controllable, [["p", 0], [0, name]], [["p"], [name]])
+    assert cases.is_complete
 
 
 def test_a_matrix_equation_has_no_variable():
-    found = ct.exceptional_cases(ct.solve_lyapunov, [["a"]], [[1]])
-    assert found.is_complete and found.at({"a": 2}).answer.X[0].subs("a", 2) == -sp.Rational(1, 4)
+    cases = ct.exceptional_cases(ct.solve_lyapunov, [["a"]], [[1]])
+    assert cases.is_complete and cases.at({"a": 2}).answer.X[0].subs("a", 2) == -sp.Rational(1, 4)
 
 
 TRIG = [

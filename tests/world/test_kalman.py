@@ -83,10 +83,10 @@ LIKELIHOODS = [
 def test_likelihood_and_state_in_sixty_digits(model, Q, R, P_0, y, within):
     """The textbook's recursion in mpmath, measurement by measurement."""
     n = np.atleast_2d(model.A).shape[0]
-    found = estimate(EKF(model, Q=Q, R=R, P_0=P_0), y)
+    estimates = estimate(EKF(model, Q=Q, R=R, P_0=P_0), y)
     x, likelihood = textbook(model.A, model.C, Q, R, P_0 * np.eye(n), y)
-    assert found.log_likelihood == pytest.approx(likelihood, rel=within)
-    assert found.x[-1] == pytest.approx(x, rel=1e-6, abs=1e-6)
+    assert estimates.log_likelihood == pytest.approx(likelihood, rel=within)
+    assert estimates.x[-1] == pytest.approx(x, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize("alpha", [1e-3, 0.5, 1.0])
@@ -99,29 +99,31 @@ def test_on_a_linear_model_all_filters_agree(alpha):
 
 def test_a_steady_filter_is_the_riccati_equation():
     """python-control #1173: its covariance after a measurement, from the DARE of the dual."""
-    found = estimate(EKF(CV, Q=1e-3, R=1, P_0=1), np.zeros(3000))
+    estimates = estimate(EKF(CV, Q=1e-3, R=1, P_0=1), np.zeros(3000))
     P = solve_riccati(CV.A.T, CV.C.T, 1e-3 * np.eye(2), 1, time="discrete").P
     after = P - P @ CV.C.T @ np.linalg.inv(CV.C @ P @ CV.C.T + 1) @ CV.C @ P
-    assert found.deviation[-1] ** 2 == pytest.approx(np.diag(after), rel=1e-8)
+    assert estimates.deviation[-1] ** 2 == pytest.approx(np.diag(after), rel=1e-8)
 
 
 def test_a_covariance_stays_definite():
     """filterpy #31, #218: no noise of the process, 5000 exact measurements."""
-    found = estimate(EKF(CV, Q=0, R=1e-8, P_0=1e12), np.arange(5000) * 0.1)
-    assert np.all(found.deviation[-1] > 0) and found.x[-1] == pytest.approx([499.9, 1], rel=1e-9)
+    estimates = estimate(EKF(CV, Q=0, R=1e-8, P_0=1e12), np.arange(5000) * 0.1)
+    assert np.all(estimates.deviation[-1] > 0) and estimates.x[-1] == pytest.approx(
+        [499.9, 1], rel=1e-9
+    )
 
 
 def test_a_measurement_without_noise():
     """filterpy #214: R = 0 in the UKF; the state is what is measured."""
-    found = estimate(UKF(CV, Q=np.diag([1e-3, 1e-3]), R=0, P_0=10), WALK)
-    assert found.x[-1, 0] == pytest.approx(WALK[-1], abs=1e-6)
+    estimates = estimate(UKF(CV, Q=np.diag([1e-3, 1e-3]), R=0, P_0=10), WALK)
+    assert estimates.x[-1, 0] == pytest.approx(WALK[-1], abs=1e-6)
 
 
 def test_a_model_with_abs():
     """filterpy #296."""
     model = NonlinearModel(lambda k, x, *_: np.abs(x - 0.01), lambda k, x, *_: x, n_x=1, l_y=1)
-    found = estimate(UKF(model, Q=1, R=1e-4), np.abs(WALK))
-    assert found.x[:, 0] == pytest.approx(np.abs(WALK), abs=1e-2)
+    estimates = estimate(UKF(model, Q=1, R=1e-4), np.abs(WALK))
+    assert estimates.x[:, 0] == pytest.approx(np.abs(WALK), abs=1e-2)
 
 
 MASKED = np.ma.masked_array([1.0, 2.0, 1e6, 3.0, 2.5], mask=[0, 0, 1, 0, 0])

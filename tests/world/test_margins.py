@@ -30,14 +30,14 @@ RIGHT = [
 @pytest.mark.parametrize(("loop", "gain", "phase", "within"), RIGHT)
 def test_margins(loop, gain, phase, within):
     """And at the margin the loop is on the edge: NumPy's eigenvalues of the closed loop."""
-    found = stability_margins(loop, feedback=-1)
-    assert found.is_stable
+    margins = stability_margins(loop, feedback=-1)
+    assert margins.is_stable
     if gain is not None:
-        assert found.gain_up.value == pytest.approx(gain, rel=within)
+        assert margins.gain_up.value == pytest.approx(gain, rel=within)
     if phase is not None:
-        least = min(abs(found.phase_lag.value), abs(found.phase_lead.value))
+        least = min(abs(margins.phase_lag.value), abs(margins.phase_lead.value))
         assert least == pytest.approx(phase, rel=within)
-    at_edge = control.feedback(loop * float(found.gain_up.value), 1)
+    at_edge = control.feedback(loop * float(margins.gain_up.value), 1)
     assert np.abs(at_edge.poles()).max() == pytest.approx(1, abs=1e-6)
 
 
@@ -53,12 +53,12 @@ def test_an_unstable_loop_has_none(loop, radius):
     """Eigenvalues of the closed loop; a margin of an unstable loop is none."""
     right = np.abs(control.feedback(loop, 1).poles()).max()
     try:
-        found = stability_margins(loop, feedback=-1)
+        margins = stability_margins(loop, feedback=-1)
     except CompensatorError as error:
         assert "unstable" in str(error) or "not stable" in str(error)
     else:
-        assert not found.is_stable
-        assert found.spectral_radius == pytest.approx(right, rel=1e-6)
+        assert not margins.is_stable
+        assert margins.spectral_radius == pytest.approx(right, rel=1e-6)
     assert right > 1 and (radius is None or right == pytest.approx(radius, rel=1e-3))
 
 

@@ -27,9 +27,9 @@ GAINS = [
 @pytest.mark.parametrize(("A", "B", "poles", "right"), GAINS)
 def test_regulator_gains(A, B, poles, right):
     """By hand: the characteristic polynomial of A + B K, compared."""
-    found = sp.Matrix(ct.regulator_gain(A, B, poles))
+    matrix = sp.Matrix(ct.regulator_gain(A, B, poles))
     want = sp.Matrix(right).applyfunc(sp.sympify)
-    assert (found - want).applyfunc(sp.simplify) == sp.zeros(*found.shape)
+    assert (matrix - want).applyfunc(sp.simplify) == sp.zeros(*matrix.shape)
 
 
 def test_an_aerospace_exercise():
@@ -42,8 +42,8 @@ def test_an_aerospace_exercise():
 def test_a_luenberger_double_pole():
     """NPTEL: oscillator at w, both poles at -10 w: gains 20 w and 99 w^2."""
     w = sp.Symbol("w")
-    found = ct.observer_gain([[0, 1], ["-w**2", 0]], [[1, 0]], ["-10*w", "-10*w"])
-    assert found == sp.Matrix([20 * w, 99 * w**2])
+    gain = ct.observer_gain([[0, 1], ["-w**2", 0]], [[1, 0]], ["-10*w", "-10*w"])
+    assert gain == sp.Matrix([20 * w, 99 * w**2])
 
 
 FAMILIES = [
@@ -61,8 +61,8 @@ def test_with_several_inputs_every_gain_is_given(A, B, poles):
     family = ct.state_feedback_family(A, B, poles)
     m, n = family.shape
     some = sp.Matrix(family.gain([[7 * i + 2 * j + 1 for j in range(n)] for i in range(m)]))
-    found = (s * sp.eye(len(A)) - sp.Matrix(A) - sp.Matrix(B) * some).det()
-    assert sp.simplify(found - sp.prod([s - pole for pole in poles])) == 0
+    result = (s * sp.eye(len(A)) - sp.Matrix(A) - sp.Matrix(B) * some).det()
+    assert sp.simplify(result - sp.prod([s - pole for pole in poles])) == 0
 
 
 PLACED = [
@@ -75,10 +75,10 @@ PLACED = [
 @pytest.mark.parametrize(("plant", "poles"), PLACED)
 def test_compensators(plant, poles):
     """The closed-loop polynomial, multiplied out by SymPy: D D_c + N N_c."""
-    found = ct.place_poles(plant, poles, feedback=-1)
+    placement = ct.place_poles(plant, poles, feedback=-1)
     v = sp.Symbol("z" if "z" in plant else "s")
     N, D = sp.fraction(sp.cancel(sp.sympify(plant, rational=True, locals={"s": v, "z": v})))
-    closed = sp.Poly(D * found.denominator.as_expr() + N * found.numerator.as_expr(), v)
+    closed = sp.Poly(D * placement.denominator.as_expr() + N * placement.numerator.as_expr(), v)
     want = sp.prod([v - sp.Rational(str(pole)) for pole in poles])
     assert sp.expand(closed.as_expr() / closed.LC() - want) == 0
 
@@ -113,16 +113,18 @@ HIDDEN = [
 @pytest.mark.parametrize(("A", "B", "right"), HIDDEN)
 def test_hidden_modes(A, B, right):
     """By hand: what the input does not reach."""
-    found = ct.uncontrollable_polynomial(A, B).as_expr()
-    assert sp.simplify(found - sp.sympify(right)) == 0
+    polynomial = ct.uncontrollable_polynomial(A, B).as_expr()
+    assert sp.simplify(polynomial - sp.sympify(right)) == 0
 
 
 def test_an_entry_may_be_called_s():
     """diag(s, s) with b = (1, 1)': the mode s is not reached, whatever the variable is called."""
     A, b = [["s", 0], [0, "s"]], [[1], [1]]
-    found = ct.uncontrollable_polynomial(A, b)
+    polynomial = ct.uncontrollable_polynomial(A, b)
     assert (
-        sp.expand(found.as_expr() - (found.gen - sp.Symbol("s"))) == 0 != found.gen - sp.Symbol("s")
+        sp.expand(polynomial.as_expr() - (polynomial.gen - sp.Symbol("s")))
+        == 0
+        != polynomial.gen - sp.Symbol("s")
     )
     with pytest.raises(ct.CompensatorError):
         ct.uncontrollable_polynomial(A, b, variable="s")
@@ -138,8 +140,8 @@ def test_a_pendulum_at_an_angle():
 
 def test_every_stabilising_compensator_of_a_lag():
     """Youla: b/(s - a) with symbols; the loop of the central one has the poles -1 and -2."""
-    found = ct.stabilising_compensators("b/(s - a)", [-1], [-2], feedback=-1, variable="s")
-    assert found.closed_loop_polynomial().as_expr() == s**2 + 3 * s + 2
+    result = ct.stabilising_compensators("b/(s - a)", [-1], [-2], feedback=-1, variable="s")
+    assert result.closed_loop_polynomial().as_expr() == s**2 + 3 * s + 2
 
 
 def test_an_uncontrollable_pair_is_named():

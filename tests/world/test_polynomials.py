@@ -74,10 +74,10 @@ def test_equal_numbers_cancel_or_are_refused(u, v):
 )
 def test_a_gcd_is_no_division_by_zero(u, v):
     try:
-        found = ct.bezout_identity(s + u, s + v, variable="s")
+        identity = ct.bezout_identity(s + u, s + v, variable="s")
     except ct.CompensatorError:
         return
-    assert not str(found).startswith("gcd = 1 ")
+    assert not str(identity).startswith("gcd = 1 ")
     assert number_of_common_roots(s + u, s + v, variable="s") != 0
 
 
@@ -96,9 +96,9 @@ FRACTIONS = [
 @pytest.mark.parametrize("fraction", FRACTIONS)
 def test_partial_fractions(fraction):
     """Oracle: SymPy adds the terms up again, over rationals."""
-    found = ct.partial_fractions(fraction, "s")
+    fractions = ct.partial_fractions(fraction, "s")
     whole = sp.sympify(fraction, rational=True) if isinstance(fraction, str) else fraction
-    total = found.polynomial.as_expr() + sum(term_of(term) for term in found.terms)
+    total = fractions.polynomial.as_expr() + sum(term_of(term) for term in fractions.terms)
     assert sp.simplify(total - whole) == 0
 
 
@@ -109,10 +109,10 @@ def term_of(term):
 def test_a_term_with_a_parameter_is_not_lost():
     """SymPy #12177: a(-t + (1-t)(2t-1))/(2t-1) = a(1-t) - a t/(2t-1)."""
     a = sp.Symbol("a")
-    given = a * (-t + (1 - t) * (2 * t - 1)) / (2 * t - 1)
-    found = ct.partial_fractions(given, "t")
-    total = found.polynomial.as_expr() + sum(term_of(term) for term in found.terms)
-    assert sp.simplify(total - given) == 0
+    argument = a * (-t + (1 - t) * (2 * t - 1)) / (2 * t - 1)
+    fractions = ct.partial_fractions(argument, "t")
+    total = fractions.polynomial.as_expr() + sum(term_of(term) for term in fractions.terms)
+    assert sp.simplify(total - argument) == 0
 
 
 ROOTS = [
@@ -125,15 +125,15 @@ ROOTS = [
 @pytest.mark.parametrize(("poly", "right"), ROOTS)
 def test_roots_with_their_multiplicities(poly, right):
     """By hand: each polynomial is written from its roots."""
-    found = {root.value.real: root.multiplicity for root in ct.certified_roots(poly)}
-    assert found == pytest.approx(right)
+    result = {root.value.real: root.multiplicity for root in ct.certified_roots(poly)}
+    assert result == pytest.approx(right)
     assert all(root.is_real for root in ct.certified_roots(poly))
 
 
 def test_legendre_64():
     """SymPy #7393: 64 simple real roots in (-1, 1), as the nodes of Gauss's rule."""
-    found = sorted(root.value.real for root in ct.certified_roots(sp.legendre(64, x)))
-    assert found == pytest.approx(np.polynomial.legendre.leggauss(64)[0], abs=1e-13)
+    ordered = sorted(root.value.real for root in ct.certified_roots(sp.legendre(64, x)))
+    assert ordered == pytest.approx(np.polynomial.legendre.leggauss(64)[0], abs=1e-13)
 
 
 def test_an_equation_without_a_solution():

@@ -44,8 +44,8 @@ HAND = [
 
 @pytest.mark.parametrize(("A", "B", "Q", "W", "right"), HAND)
 def test_dare_by_hand(A, B, Q, W, right):
-    found = rcac.solve_riccati(A, B, Q, W, time="discrete")
-    assert np.atleast_2d(found.P) == pytest.approx(np.atleast_2d(right), rel=1e-13, abs=1e-14)
+    solution = rcac.solve_riccati(A, B, Q, W, time="discrete")
+    assert np.atleast_2d(solution.P) == pytest.approx(np.atleast_2d(right), rel=1e-13, abs=1e-14)
 
 
 def kleinman(A, B, Q, W, S, K):
@@ -114,11 +114,11 @@ DIGITS = [
 @pytest.mark.parametrize(("A", "B", "Q", "W", "S"), DIGITS)
 def test_dare_in_sixty_digits(A, B, Q, W, S):
     """Kleinman's iteration in mpmath, which ends at the stabilising solution alone."""
-    found = rcac.solve_riccati(A, B, Q, W, S, time="discrete")
+    solution = rcac.solve_riccati(A, B, Q, W, S, time="discrete")
     cross = np.zeros((np.atleast_2d(A).shape[0], np.atleast_2d(W).shape[0])) if S is None else S
-    right = kleinman(A, B, Q, W, cross, found.K)
-    assert np.abs(found.P - right).max() <= 1e-8 * np.abs(right).max()
-    assert np.abs(found.poles).max() < 1
+    right = kleinman(A, B, Q, W, cross, solution.K)
+    assert np.abs(solution.P - right).max() <= 1e-8 * np.abs(right).max()
+    assert np.abs(solution.poles).max() < 1
 
 
 def test_a_zero_on_the_circle_is_named():
@@ -168,7 +168,7 @@ CARE = [
 def test_care(A, B, right):
     """By hand where A is diagonal; else SciPy."""
     n, m = np.shape(B)
-    found = rcac.solve_riccati(A, B, np.eye(n), np.eye(m), time="continuous")
+    solution = rcac.solve_riccati(A, B, np.eye(n), np.eye(m), time="continuous")
     want = (
         scipy.linalg.solve_continuous_are(
             np.array(A, float), np.array(B, float), np.eye(n), np.eye(m)
@@ -176,7 +176,7 @@ def test_care(A, B, right):
         if right is None
         else right
     )
-    assert pytest.approx(np.array(want), rel=1e-8, abs=1e-8 * np.abs(want).max()) == found.P
+    assert pytest.approx(np.array(want), rel=1e-8, abs=1e-8 * np.abs(want).max()) == solution.P
 
 
 def test_the_mode_that_is_named_is_one_of_the_plant():
@@ -234,10 +234,10 @@ EXACT = [
 @pytest.mark.parametrize(("A", "B", "Q", "W", "N", "time", "right"), EXACT)
 def test_exact_riccati(A, B, Q, W, N, time, right):
     """P[0, 0] by hand where it is known, else SciPy to 1e-12; R may be indefinite or 0."""
-    found = solve_riccati(A, B, Q, W, N, time=time)
-    P = np.array(sp.Matrix(found.P).evalf(30).tolist(), float)
+    solution = solve_riccati(A, B, Q, W, N, time=time)
+    P = np.array(sp.Matrix(solution.P).evalf(30).tolist(), float)
     if right is not None:
-        assert sp.simplify(sp.Matrix(found.P)[0, 0] - right) == 0
+        assert sp.simplify(sp.Matrix(solution.P)[0, 0] - right) == 0
     else:
         solver = {
             "discrete": scipy.linalg.solve_discrete_are,
@@ -250,10 +250,10 @@ def test_exact_riccati(A, B, Q, W, N, time, right):
 
 def test_a_formula_for_the_double_integrator():
     """Mathematica's manual: with weights q1, q2, r; numbers put in agree with SciPy."""
-    found = riccati_formula(
+    formula = riccati_formula(
         [[0, 1], [0, 0]], [[0], [1]], [["q1", 0], [0, "q2"]], [["r"]], time="continuous"
     )
-    P = np.array(sp.Matrix(found.P).subs({"q1": 2, "q2": 3, "r": 5}).evalf().tolist(), float)
+    P = np.array(sp.Matrix(formula.P).subs({"q1": 2, "q2": 3, "r": 5}).evalf().tolist(), float)
     want = scipy.linalg.solve_continuous_are([[0, 1], [0, 0]], [[0], [1]], np.diag([2, 3]), [[5]])
     assert pytest.approx(want, rel=1e-12) == P
 

@@ -53,9 +53,9 @@ HOLDS = [
 @pytest.mark.parametrize(("plant", "num", "den", "T", "step"), HOLDS)
 def test_zero_order_hold(plant, num, den, T, step):
     """Against python-control at three points."""
-    found = zero_order_hold(plant, step, variable="s")
-    G = found.transfer_function
-    values = found.exponentials
+    sampled = zero_order_hold(plant, step, variable="s")
+    G = sampled.transfer_function
+    values = sampled.exponentials
     for at in (2.0, -1.5, 0.7):
         number = G.as_expr().subs({z: at}).subs(dict(values)).evalf()
         assert complex(number) == pytest.approx(
@@ -65,8 +65,8 @@ def test_zero_order_hold(plant, num, den, T, step):
 
 def test_a_zero_at_the_origin_stays():
     """pc #1241: s/(s + 1) matched has its zero at 1 and a finite gain."""
-    found = matched("s/(s + 1)", "T")
-    G = found.transfer_function
+    sampled = matched("s/(s + 1)", "T")
+    G = sampled.transfer_function
     assert sp.simplify(G.as_expr().subs(z, 1)) == 0
 
 
@@ -82,10 +82,10 @@ OWN_H = [
 def test_the_step_is_no_letter_of_the_plant(ask, hold):
     """Refused, or another letter is taken for the step."""
     try:
-        found = ask(hold)
+        result = ask(hold)
     except CompensatorError:
         return
-    assert str(found.step) != "h"
+    assert str(result.step) != "h"
 
 
 STIFF = [
@@ -119,9 +119,9 @@ PADE = [
 def test_a_pade_approximant_is_sampled(delay, order, T):
     """Against python-control, at points of the circle."""
     system = control.tf([1], [1, 1]) * control.tf(*control.pade(delay, order))
-    found, want = plant_of(system, sample_time=T).to_control(), control.c2d(control.ss(system), T)
+    result, want = plant_of(system, sample_time=T).to_control(), control.c2d(control.ss(system), T)
     for at in (1.0, 1j, np.exp(0.3j)):
-        value = np.ravel(found(at))
+        value = np.ravel(result(at))
         assert np.abs(value).max() == pytest.approx(abs(want(at)), rel=1e-6)
 
 
@@ -139,8 +139,8 @@ TIMES = [
 
 @pytest.mark.parametrize(("dt", "asked"), TIMES)
 def test_sample_times_that_differ_by_rounding_are_equal(dt, asked):
-    found = plant_of(control.tf([0.5], [1, -0.5], dt), sample_time=asked)
-    assert found.sample_time == pytest.approx(dt, rel=1e-12)
+    plant = plant_of(control.tf([0.5], [1, -0.5], dt), sample_time=asked)
+    assert plant.sample_time == pytest.approx(dt, rel=1e-12)
 
 
 REFUSED = [

@@ -38,11 +38,11 @@ def test_stabilising_gains(plant, right):
     """Negative feedback; of 4.6.3.9 a manual prints 4298.67, an arithmetic slip: Routh has none."""
     text = plant if isinstance(plant, str) else ""
     try:
-        found = ct.stabilising_gains(plant, feedback=-1, variable="z" if "z" in text else "s")
+        gains = ct.stabilising_gains(plant, feedback=-1, variable="z" if "z" in text else "s")
     except ct.CompensatorError:
         assert not text  # to refuse an ambiguous polynomial is right too
         return
-    assert intervals(found) == right
+    assert intervals(gains) == right
 
 
 # The plant's own letter is the one that our gain has by default.
@@ -60,12 +60,12 @@ GAIN_K = [
 def test_the_gain_is_no_letter_of_the_plant(loop, values, right):
     """By Routh and Jury with numbers put in; a refusal or any other letter is right."""
     try:
-        found = ct.stabilising_gains(*loop, feedback=-1)
+        gains = ct.stabilising_gains(*loop, feedback=-1)
     except ct.CompensatorError:
         return
-    letter = getattr(found, "parameter", None)
+    letter = getattr(gains, "parameter", None)
     assert letter is None or str(letter) not in values
-    spare = {str(v) for v in sp.sympify(found.polynomial.as_expr()).free_symbols} - {
+    spare = {str(v) for v in sp.sympify(gains.polynomial.as_expr()).free_symbols} - {
         *values,
         "s",
         "z",
@@ -74,7 +74,7 @@ def test_the_gain_is_no_letter_of_the_plant(loop, values, right):
     inside = [R(a) + R(1, 100) if b == oo else (a + b) / 2 for a, b in right]
     variable = "z" if "z" in loop[0] else "s"
     for number in inside:
-        poly = found.polynomial.as_expr().subs(values).subs(dict.fromkeys(spare, number))
+        poly = gains.polynomial.as_expr().subs(values).subs(dict.fromkeys(spare, number))
         assert ct.decide_stability(poly, variable).is_stable
 
 
@@ -107,13 +107,13 @@ CONDITIONS = [
 @pytest.mark.parametrize(("poly", "stable", "unstable"), CONDITIONS)
 def test_conditions(poly, stable, unstable):
     """Lienard and Chipart; numbers on either side, whose roots NumPy finds."""
-    found = ct.stability_conditions(poly, variable="s")
+    conditions = ct.stability_conditions(poly, variable="s")
     for values, right in [(v, True) for v in stable] + [(v, False) for v in unstable]:
         roots = np.roots(
             [float(c) for c in sp.Poly(sp.sympify(poly).subs(values), sp.Symbol("s")).all_coeffs()]
         )
         assert bool(roots.real.max() < 0) is right  # the question itself
-        assert all(sp.sympify(c).subs(values) > 0 for c in found) is right
+        assert all(sp.sympify(c).subs(values) > 0 for c in conditions) is right
 
 
 OF_SYMBOLS = [
@@ -126,12 +126,12 @@ OF_SYMBOLS = [
 def test_conditions_with_functions_are_answered_or_refused(of):
     theta = sp.Symbol("theta")
     try:
-        found = ct.stability_conditions(
+        conditions = ct.stability_conditions(
             of(sp.Symbol("s"), sp.sin(theta), sp.cos(theta)), variable="s"
         )
     except ct.CompensatorError:
         return
-    assert len(list(found)) >= 1
+    assert len(list(conditions)) >= 1
 
 
 DELAYS = [
@@ -159,10 +159,10 @@ MARGINS = [
 @pytest.mark.parametrize(("loop", "gain", "phase"), MARGINS)
 def test_margins(loop, gain, phase):
     """By hand: a second-order loop has no phase crossover, whatever float64 finds at 1e15."""
-    found = ct.stability_margins(loop, feedback=-1, variable="s")
-    assert found.is_stable and found.gains.upper == gain
+    margins = ct.stability_margins(loop, feedback=-1, variable="s")
+    assert margins.is_stable and margins.gains.upper == gain
     if phase is not None:
-        least = min(float(c.phase_margin) for c in found.gain_crossovers)
+        least = min(float(c.phase_margin) for c in margins.gain_crossovers)
         assert np.degrees(least) == pytest.approx(phase, rel=1e-3)
 
 
@@ -191,17 +191,19 @@ ILL_POSED = [
 def test_an_ill_posed_loop_is_not_stable(loop):
     """1 + L is zero at infinity: u is not determined."""
     try:
-        found = ct.stability_margins(loop, feedback=-1)
+        margins = ct.stability_margins(loop, feedback=-1)
     except ct.CompensatorError as error:
         assert "well posed" in str(error) or "ill" in str(error)
         return
-    assert not found.is_stable
+    assert not margins.is_stable
 
 
 def test_an_unstable_loop_is_said_first():
     """JL #961: 50 times a third-order lag; Routh: stable for gains below 11.8."""
-    found = ct.stability_margins("50/(5*s**3 + 10.25*s**2 + 6.25*s + 1)", feedback=-1, variable="s")
-    assert not found.is_stable and "not stable" in str(found)
+    margins = ct.stability_margins(
+        "50/(5*s**3 + 10.25*s**2 + 6.25*s + 1)", feedback=-1, variable="s"
+    )
+    assert not margins.is_stable and "not stable" in str(margins)
 
 
 BREAKS = [
@@ -219,13 +221,13 @@ BREAKS = [
 @pytest.mark.parametrize(("loop", "right"), BREAKS)
 def test_where_branches_meet(loop, right):
     """By hand: the derivative of the gain, set to zero; positive gains."""
-    found = {
+    result = {
         b.value.real: float(b.gain) if isinstance(b.gain, sp.Expr | int) else float(b.gain.value)
         for b in ct.root_locus(loop, feedback=-1).breaks
     }
     for at, gain in right.items():
-        near = min(found, key=lambda value: abs(value - at))
-        assert near == pytest.approx(at) and found[near] == pytest.approx(gain)
+        near = min(result, key=lambda value: abs(value - at))
+        assert near == pytest.approx(at) and result[near] == pytest.approx(gain)
 
 
 HURWITZ = [

@@ -33,10 +33,10 @@ THERE_AND_BACK = [
 @pytest.mark.parametrize(("given", "order"), THERE_AND_BACK)
 def test_a_realisation_gives_its_transfer_function_back(given, order):
     """By hand: the degree; a constant has no state, a motor no zeros."""
-    found = ct.realisation(given, "s")
-    assert found.n == order
+    system = ct.realisation(given, "s")
+    assert system.n == order
     want = sp.sympify(given, rational=True, locals={"s": s})
-    assert same(found.transfer_function().as_expr(), want)
+    assert same(system.transfer_function().as_expr(), want)
 
 
 def test_three_systems_in_series():
@@ -68,11 +68,11 @@ def test_operations_of_several_inputs(operation):
     F, G, H, J = [[-1, 2], [0, -4]], [[1, 1], [0, 2]], [[1, 0], [3, 1]], [[1, 0], [0, 2]]
     ours, theirs = operation(ct.realisation((A, B, C, D), "s"), ct.realisation((F, G, H, J), "s"))
     want = theirs(control.ss(A, B, C, D), control.ss(F, G, H, J))(0.7j)
-    found = np.array(
+    values = np.array(
         ours.transfer_matrix().as_matrix().subs(s, sp.I * sp.Rational(7, 10)).evalf().tolist(),
         complex,
     )
-    assert found == pytest.approx(want, abs=1e-12)
+    assert values == pytest.approx(want, abs=1e-12)
 
 
 DEGREES = [
@@ -90,21 +90,21 @@ DEGREES = [
 def test_mcmillan_degrees(given, right):
     """By hand, from the minors; of num and den as MATLAB and python-control take them."""
     try:
-        found = ct.mcmillan_degree(given, "s")
+        result = ct.mcmillan_degree(given, "s")
     except ct.CompensatorError:
         assert isinstance(given, tuple)  # refused is right too: such a nest is ambiguous
         return
-    assert found == right
+    assert result == right
     if not isinstance(given, tuple):
         assert ct.minimal_realisation(given, "s").order == right
 
 
 def test_num_and_den_have_the_shape_of_python_control():
     """One output, two inputs."""
-    given = ([[[1], [2]], [[3], [4]]], [[[1, 1], [1, 2]], [[1, 3], [1, 4]]])
-    want = control.tf(*given)(1.0)
-    found = ct.transfer_matrix(control.tf(*given)).as_matrix().subs(s, 1)
-    assert np.array(found.evalf().tolist(), float) == pytest.approx(want.real)
+    argument = ([[[1], [2]], [[3], [4]]], [[[1, 1], [1, 2]], [[1, 3], [1, 4]]])
+    want = control.tf(*argument)(1.0)
+    G = ct.transfer_matrix(control.tf(*argument)).as_matrix().subs(s, 1)
+    assert np.array(G.evalf().tolist(), float) == pytest.approx(want.real)
 
 
 REDUCED = [
@@ -147,19 +147,19 @@ LOOPS = [
 @pytest.mark.parametrize(("plant", "controller", "degree"), LOOPS)
 def test_a_closed_loop_has_the_least_degree(plant, controller, degree):
     """Plant and controller have so many poles, and the loop no more."""
-    found = ct.feedback_connection(plant, controller, feedback=-1, variable="s")
-    assert sp.degree(sp.fraction(sp.cancel(found.as_expr()))[1], s) <= degree
-    assert found.order <= degree
+    loop = ct.feedback_connection(plant, controller, feedback=-1, variable="s")
+    assert sp.degree(sp.fraction(sp.cancel(loop.as_expr()))[1], s) <= degree
+    assert loop.order <= degree
 
 
 def test_feedback_keeps_the_sample_time():
     """JL #125."""
-    found = ct.feedback_connection(
+    loop = ct.feedback_connection(
         ct.transfer_function(control.tf([1], [1, -0.5], 1)),
         ct.transfer_function(control.tf([1], [1, 0], 1)),
         feedback=-1,
     )
-    assert str(found.variable) == "z"
+    assert str(loop.variable) == "z"
 
 
 ZEROS = [
@@ -203,8 +203,8 @@ def test_poles_and_zeros(given, zeros, poles):
     assert sorted(map(complex, (r.value for r in G.zeros())), key=str) == pytest.approx(
         sorted(map(complex, zeros), key=str)
     )
-    found = sorted((r.value for r in G.poles()), key=lambda v: (v.real, v.imag))
-    assert found == pytest.approx(sorted(map(complex, poles), key=lambda v: (v.real, v.imag)))
+    ordered = sorted((r.value for r in G.poles()), key=lambda v: (v.real, v.imag))
+    assert ordered == pytest.approx(sorted(map(complex, poles), key=lambda v: (v.real, v.imag)))
 
 
 DOORS = [

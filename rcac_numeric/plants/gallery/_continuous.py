@@ -68,8 +68,8 @@ class ContinuousPlant(Value):
 
     def poles(self) -> ComplexArray:
         """Eigenvalues of A, rad/s, largest modulus first."""
-        found = np.linalg.eigvals(self.A).astype(np.complex128)
-        return found[np.lexsort((-found.imag, -found.real, -np.abs(found)))]
+        poles = np.linalg.eigvals(self.A).astype(np.complex128)
+        return poles[np.lexsort((-poles.imag, -poles.real, -np.abs(poles)))]
 
     def zeros(self) -> ComplexArray:
         """Invariant zeros from u to y, rad/s, from certified isolation."""

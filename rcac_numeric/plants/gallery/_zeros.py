@@ -78,8 +78,8 @@ def plant_zeros(plant: Plant) -> ComplexArray:
         raise InputError("G_zu = 0: every number is a zero. Choose an output that u acts on.")
     if polynomial.degree() < 1:
         return np.zeros(0, dtype=np.complex128)
-    found = exact.certified_roots(polynomial)
-    values = [complex(root.value) for root in found for _ in range(root.multiplicity)]
+    roots = exact.certified_roots(polynomial)
+    values = [complex(root.value) for root in roots for _ in range(root.multiplicity)]
     return np.array(sorted(values, key=lambda z: (-abs(z), -z.real, -z.imag)))
 
 

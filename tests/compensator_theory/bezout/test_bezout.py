@@ -62,16 +62,16 @@ def test_the_cauchy_index_adds_the_signs_of_residues(p, q, r, t):
 @given(polynomials(), polynomials(), polynomials(max_degree=2))
 def test_subresultants(p, q, factor):
     p, q = sorted((p * factor, q * factor), key=lambda e: -e.degree())
-    found = subresultants(p, q)
+    result = subresultants(p, q)
     g = p.gcd(q)
-    nonzero = [k for k, c in enumerate(found.principal_coefficients) if c != 0]
+    nonzero = [k for k, c in enumerate(result.principal_coefficients) if c != 0]
     assert nonzero[0] == g.degree()
-    assert found.gcd.monic() == g.monic()
+    assert result.gcd.monic() == g.monic()
     if p.degree() > 0:
-        assert found.principal_coefficients[0] == (
+        assert result.principal_coefficients[0] == (
             resultant(p, q) if q.degree() or p.degree() else 1
         )
-    for k, chain in enumerate(found.chain):  # S_k = u a + v b with deg v < deg a - k
+    for k, chain in enumerate(result.chain):  # S_k = u a + v b with deg v < deg a - k
         assert chain.is_zero or chain.degree() <= k or k == q.degree()
         assert chain.rem(g).is_zero
 
@@ -80,19 +80,19 @@ def test_subresultants(p, q, factor):
 def test_the_subresultants_of_sympy_up_to_a_factor(p, q, factor):
     """SymPy's remainder sequence holds the regular ones, by another normalisation."""
     p, q = sorted((p * factor, q * factor), key=lambda e: -e.degree())
-    found = subresultants(p, q)
+    chain = subresultants(p, q)
     for theirs in p.subresultants(q)[2:]:
         k = theirs.degree()
-        if k < q.degree() and found.principal_coefficients[k] != 0:
-            assert found.chain[k].monic() == theirs.monic()
+        if k < q.degree() and chain.principal_coefficients[k] != 0:
+            assert chain.chain[k].monic() == theirs.monic()
 
 
 @given(polynomials(min_degree=1), polynomials(), polynomials(max_degree=3))
 def test_the_gcd_from_the_null_space(p, q, factor):
     p, q = p * factor, q * factor
-    found = gcd_from_null_space(p, q)
-    assert found.gcd == p.gcd(q).monic() and found.nullity == found.gcd.degree()
-    assert (found.cofactors[0] * found.gcd, found.cofactors[1] * found.gcd) == (p, q)
+    gcd = gcd_from_null_space(p, q)
+    assert gcd.gcd == p.gcd(q).monic() and gcd.nullity == gcd.gcd.degree()
+    assert (gcd.cofactors[0] * gcd.gcd, gcd.cofactors[1] * gcd.gcd) == (p, q)
 
 
 def test_the_examples_of_the_notes():
@@ -101,9 +101,9 @@ def test_the_examples_of_the_notes():
     assert bezout_matrix(D, N).det() == -12 and resultant(D, N) == 12
     assert cauchy_index(N, D) == 0
     p, q = "(s - 1)*(s - 2)*(s - 3)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)"
-    found = subresultants(p, q)
-    assert found.principal_coefficients == (0, 0, 21, 1)
-    assert found.chain[2] == polynomial("21*s**2 - 63*s + 42")
+    chain = subresultants(p, q)
+    assert chain.principal_coefficients == (0, 0, 21, 1)
+    assert chain.chain[2] == polynomial("21*s**2 - 63*s + 42")
     null = gcd_from_null_space(p, q)
     assert null.nullity == 2 and null.gcd == polynomial("s**2 - 3*s + 2")
 
@@ -111,8 +111,8 @@ def test_the_examples_of_the_notes():
 def test_symbols():
     B = bezout_matrix("s**2 + a", "s + b", variable="s")
     assert sympy.expand(B.det() + resultant("s**2 + a", "s + b", variable="s")) == 0
-    found = subresultants("s**2 + a", "s + b", variable="s")
-    assert found.principal_coefficients[0] == a + b**2
+    chain = subresultants("s**2 + a", "s + b", variable="s")
+    assert chain.principal_coefficients[0] == a + b**2
     assert gcd_from_null_space("(s + a)*(s + b)", "(s + a)*s", variable="s").gcd == polynomial(
         "s + a", "s"
     )
@@ -148,21 +148,21 @@ def test_the_identity_with_symbols_is_that_of_euclid(one, two, common):
     assume(all(not p.is_zero for p in factors))
     p, q = (sympy.Poly(sympy.expand((f * factors[2]).as_expr()), s) for f in factors[:2])
     assume((p.free_symbols | q.free_symbols) - {s})
-    found = bezout_identity(p, q, variable="s")
+    identity = bezout_identity(p, q, variable="s")
     field = p.unify(q)[0].domain.get_field()
     expected = p.set_domain(field).gcdex(q.set_domain(field))
     scaled = [side.set_domain(field).quo_ground(expected[2].LC()) for side in expected]
-    for ours, theirs in zip((found.x, found.y, found.gcd), scaled, strict=True):
+    for ours, theirs in zip((identity.x, identity.y, identity.gcd), scaled, strict=True):
         assert sympy.cancel(ours.as_expr() - theirs.as_expr()) == 0
-    assert found.certificate.holds
+    assert identity.certificate.holds
 
 
 def test_the_identity_with_four_symbols():
     a, b, c, d = sympy.symbols("a:d")
     p, q = s**4 + d * s**3 + c * s**2 + b * s + a + 7, s**3 + c * s**2 + b * s + a + d
-    found = bezout_identity(p, q, variable="s")
+    identity = bezout_identity(p, q, variable="s")
     at = {a: 2, b: -1, c: 3, d: 5}
     there = bezout_identity(p.subs(at), q.subs(at), variable="s")
-    assert [found.x.as_expr().subs(at), found.y.as_expr().subs(at)] == [
+    assert [identity.x.as_expr().subs(at), identity.y.as_expr().subs(at)] == [
         there.x.as_expr(), there.y.as_expr()
     ]  # fmt: skip

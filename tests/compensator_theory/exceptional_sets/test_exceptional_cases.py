@@ -175,7 +175,7 @@ def points_of(found, values):
 @pytest.mark.parametrize("name", CASES)
 def test_cases_are_what_a_construction_answers_at_points(name, in_full):
     function, template, agree = CASES[name]
-    seen = {"answered": 0, "refused": 0, "open": 0}
+    observed = {"answered": 0, "refused": 0, "open": 0}
 
     @settings(
         max_examples=150 if in_full else 3, database=None, derandomize=not in_full,
@@ -187,16 +187,16 @@ def test_cases_are_what_a_construction_answers_at_points(name, in_full):
         st.randoms(use_true_random=False),
     )
     def holds(parts, values, random):
-        found = analysed(name, parts)
-        points = list(dict.fromkeys(points_of(found, values)))
+        result = analysed(name, parts)
+        points = list(dict.fromkeys(points_of(result, values)))
         for point in random.sample(points, min(len(points), 8)):
             at = exactly(point)
-            (case,) = [case for case in found.cases if case.contains(at)]
-            assert found.at(at) == case
+            (case,) = [case for case in result.cases if case.contains(at)]
+            assert result.at(at) == case
             if case.status == "open" or case.is_generic:
-                seen["open"] += 1
+                observed["open"] += 1
                 continue
-            seen[case.status] += 1
+            observed[case.status] += 1
             arguments, options = template(*at_numbers(parts, point))
             if case.status == "refused":
                 with pytest.raises(case.error):
@@ -205,7 +205,7 @@ def test_cases_are_what_a_construction_answers_at_points(name, in_full):
                 assert agree(case.answer, function(*arguments, **options), point), (parts, point)
 
     holds()
-    assert seen["answered"] and seen["open"] < sum(seen.values()) / 5, seen
+    assert observed["answered"] and observed["open"] < sum(observed.values()) / 5, observed
 
 
 def conditions(found):
@@ -214,23 +214,23 @@ def conditions(found):
 
 def test_a_solution_where_the_resultant_vanishes_and_what_was_free():
     """s - a and s - b have 1 as gcd but for a = b, where c must be the common root."""
-    found = exceptional_cases(exact.solve_diophantine, "s - a", "s - b", "s - c", variable="s")
-    assert conditions(found) == [
+    cases = exceptional_cases(exact.solve_diophantine, "s - a", "s - b", "s - c", variable="s")
+    assert conditions(cases) == [
         ("a - b != 0", "answered"),
         ("a = b, b - c != 0", "refused"),
         ("a = c, b = c", "answered"),
     ]
-    assert found.is_complete and found.generic == found.at({"a": 1, "b": 2, "c": "1/3"})
-    assert found.at({a: 1, "b": 1, c: 1}).answer.dx == exact.polynomial("1", "s")
+    assert cases.is_complete and cases.generic == cases.at({"a": 1, "b": 2, "c": "1/3"})
+    assert cases.at({a: 1, "b": 1, c: 1}).answer.dx == exact.polynomial("1", "s")
 
 
 def test_algebraic_values():
-    found = exceptional_cases(
+    cases = exceptional_cases(
         exact.forms.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s"
     )
-    values = [value for case in found.cases[1:] for _, value in case.values]
+    values = [value for case in cases.cases[1:] for _, value in case.values]
     assert {sympy.expand(v**2) for v in values} == {2, 3} and len(values) == 4
-    assert all(len(case.answer.elementary_divisors) == 2 for case in found.cases[1:])
+    assert all(len(case.answer.elementary_divisors) == 2 for case in cases.cases[1:])
     cubic = exceptional_cases(exact.forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s")
     assert [case.values[0][1] for case in cubic.cases[1:]] == [sympy.CRootOf(s**3 - s - 1, 0)]
     assert exceptional_cases(exact.forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s").is_complete
@@ -241,12 +241,12 @@ def test_what_is_left_open_says_why():
     assert circle.cases[1].status == "open" and "linear in no symbol" in circle.cases[1].reason
     assert circle.at({"a": "3/5", "b": "4/5"}) == circle.cases[1] and not circle.is_complete
     with exact.budget(field_degree=2):
-        found = exceptional_cases(exact.forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s")
-        assert "field_degree" in found.cases[1].reason
+        cases = exceptional_cases(exact.forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s")
+        assert "field_degree" in cases.cases[1].reason
     few = exceptional_cases(exact.forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2)
     assert [case.status for case in few.cases] == ["answered", "answered", "open"]
-    found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
-    assert "drops out" in found.cases[1].reason
+    cases = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
+    assert "drops out" in cases.cases[1].reason
     named = exceptional_cases(
         exact.solve_diophantine, "s - x", "s - y", "1", variable="s", least="y"
     )
@@ -262,15 +262,15 @@ def test_assumptions_of_symbols_exclude_cases():
     positive = sympy.Symbol("a", positive=True)
     left, right = exact.polynomial(s - positive, "s"), exact.polynomial(s + positive, "s")
     assert len(exceptional_cases(exact.solve_diophantine, left, right, 1).cases) == 1
-    found = exceptional_cases(exact.solve_diophantine, left, exact.polynomial(s - 4 / positive), 1)
-    assert [case.values for case in found.cases[1:]] == [((positive, 2),)]
+    cases = exceptional_cases(exact.solve_diophantine, left, exact.polynomial(s - 4 / positive), 1)
+    assert [case.values for case in cases.cases[1:]] == [((positive, 2),)]
 
 
 def test_systems_and_matrices_are_substituted():
     G = exact.transfer_function("(s - a)/((s - 1)*(s - b))", "s")
-    found = exceptional_cases(exact.minimal_realisation, G)
-    assert [len(case.answer.realisation.A.tolist()) for case in found.cases] == [2, 1, 1, 1][
-        : len(found.cases)
+    cases = exceptional_cases(exact.minimal_realisation, G)
+    assert [len(case.answer.realisation.A.tolist()) for case in cases.cases] == [2, 1, 1, 1][
+        : len(cases.cases)
     ]
     matrix = sympy.Matrix([[a, 0], [0, b]])
     plant = exact.Realisation(matrix, [[1], [c]], [[1, 1]])
@@ -287,8 +287,8 @@ def test_a_function_of_several_constructions():
     def both(plant, matrix):
         return exact.place_poles(plant, [-1], feedback=-1), exact.forms.smith_form(matrix, "s")
 
-    found = exceptional_cases(both, "k/(s + a)", [["s", "a*k"], [0, "s"]])
-    assert conditions(found) == [
+    cases = exceptional_cases(both, "k/(s + a)", [["s", "a*k"], [0, "s"]])
+    assert conditions(cases) == [
         ("k != 0, a != 0", "answered"), ("k = 0, a - 1 != 0", "refused"),
         ("a = 1, k = 0", "answered"), ("a = 0, k != 0", "answered"),
     ]  # fmt: skip
@@ -334,8 +334,8 @@ def test_an_error_of_the_function_is_named():
 
 
 def test_latex():
-    found = exceptional_cases(exact.place_poles, "b/(s + a)", [-1], feedback=-1)
-    text = found._repr_latex_()
+    cases = exceptional_cases(exact.place_poles, "b/(s + a)", [-1], feedback=-1)
+    text = cases._repr_latex_()
     assert text.startswith(r"$\displaystyle \begin{cases} ") and text.count("$") == 2
     assert r"\text{NotCoprimeError}" in text and r"b \neq 0" in text
 
@@ -421,18 +421,18 @@ FORMULAS = {
 @pytest.mark.parametrize("name", FORMULAS)
 def test_plain_answers_say_where_they_hold(name):
     """Each case, evaluated at points in it, is the answer that numbers give there."""
-    function, given = functools.reduce(getattr, name.split("."), exact), FORMULAS[name]
+    function, argument = functools.reduce(getattr, name.split("."), exact), FORMULAS[name]
     takes = inspect.signature(function).parameters
-    options = {"variable": "s"} if "variable" in takes and "s" not in given else {}
+    options = {"variable": "s"} if "variable" in takes and "s" not in argument else {}
     if "feedback" in takes:
         options["feedback"] = -1
-    found = exceptional_cases(function, *given, **options)
+    cases = exceptional_cases(function, *argument, **options)
     compared = 0
     for point in ((0, 1), (1, 1), (0, 0), (2, 0), (3, 5), (-1, 2)):
         values = dict(zip((a, b), map(sympy.Integer, point), strict=True))
         try:
-            case = found.at({k: v for k, v in values.items() if str(k) in names_in(given)})
-            there = function(*substituted(given, values), **options)
+            case = cases.at({k: v for k, v in values.items() if str(k) in names_in(argument)})
+            there = function(*substituted(argument, values), **options)
         except CompensatorError:
             continue
         generic = substituted(case.answer, values)

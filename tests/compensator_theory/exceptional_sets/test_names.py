@@ -9,12 +9,12 @@ from tests.support.symbolic_inputs import PUBLIC, calls
 
 def statuses(name, call, symbol):
     """How the cases end; None where the function cannot be asked so."""
-    given = call(symbol)
+    answer = call(symbol)
     try:
-        if given is None:
+        if answer is None:
             return None
-        found = exact.exceptional_cases(PUBLIC[name], *given[0], cases=5, **given[1])
-        return sorted(case.status for case in found.cases)
+        cases = exact.exceptional_cases(PUBLIC[name], *answer[0], cases=5, **answer[1])
+        return sorted(case.status for case in cases.cases)
     except exact.CompensatorError:
         return None
 
@@ -23,14 +23,14 @@ def statuses(name, call, symbol):
 @pytest.mark.parametrize("name", sorted(set(GOOD) - NOT_DOORS - {"exceptional_cases"}))
 def test_parameters_may_be_called_as_variables_are(name):
     left = 2
-    for call, given in calls(name):
+    for call, argument in calls(name):
         usual = statuses(name, call, "c_user") if left else None
         if usual is None:
             continue
         left -= 1
-        for letter in {"q", "z", "s", "y", "x"} - given:
-            found = statuses(name, call, letter)
-            assert found in (usual, None), (letter, found, usual)
+        for letter in {"q", "z", "s", "y", "x"} - argument:
+            result = statuses(name, call, letter)
+            assert result in (usual, None), (letter, result, usual)
 
 
 @pytest.mark.parametrize("letter", "aqzs")
@@ -46,5 +46,5 @@ def test_symbols_of_an_answer_are_no_arguments():
     hold, matched = exact.sampling.zero_order_hold, exact.sampling.matched
     (case,) = exact.exceptional_cases(hold, "1/(s**2 + w**2)", "T", variable="s").cases
     assert case.conditions == "always"
-    found = exact.exceptional_cases(matched, "(s + a)/(s + b)", "T", variable="s")
-    assert found.is_complete and found.at({"a": 0, "b": 1, "T": 1}).status == "answered"
+    cases = exact.exceptional_cases(matched, "(s + a)/(s + b)", "T", variable="s")
+    assert cases.is_complete and cases.at({"a": 0, "b": 1, "T": 1}).status == "answered"

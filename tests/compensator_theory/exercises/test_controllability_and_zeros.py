@@ -11,10 +11,10 @@ def test_two_pendulums_on_one_cart():
     """Two inverted pendulums on a cart, g/l_i = a, b: when does one force control both?"""
     A = [[0, 1, 0, 0], ["a", 0, 0, 0], [0, 0, 0, 1], [0, 0, "b", 0]]
     B = [[0], ["a"], [0], ["b"]]
-    found = ct.exceptional_cases(ct.uncontrollable_polynomial, A, B, variable="s")
-    assert equal(found.at({"a": 2, "b": 3}).answer, 1)
+    cases = ct.exceptional_cases(ct.uncontrollable_polynomial, A, B, variable="s")
+    assert equal(cases.at({"a": 2, "b": 3}).answer, 1)
     # the difference of equal pendulums obeys d'' = a d, and no force
-    assert equal(found.at({"a": 2, "b": 2}).answer, "s**2 - b")
+    assert equal(cases.at({"a": 2, "b": 2}).answer, "s**2 - b")
 
 
 def test_balanced_bridge():
@@ -36,11 +36,11 @@ def test_equal_eigenvalues_and_one_input():
 def test_four_kinds_of_states():
     """Split diag(-1, -2, -3, -4) with B = (1, 1, 0, 0)' and C = (1, 0, 1, 0) as Kalman does."""
     A = sympy.diag(-1, -2, -3, -4)
-    found = ct.kalman_decomposition((A, [[1], [1], [0], [0]], [[1, 0, 1, 0]]), "s")
-    assert found.dimensions == (1, 1, 1, 1)
-    assert equal(found.minimal.transfer_function(), "1/(s + 1)")
-    assert equal(found.input_decoupling, "(s + 3)*(s + 4)")
-    assert equal(found.output_decoupling, "(s + 2)*(s + 4)")
+    decomposition = ct.kalman_decomposition((A, [[1], [1], [0], [0]], [[1, 0, 1, 0]]), "s")
+    assert decomposition.dimensions == (1, 1, 1, 1)
+    assert equal(decomposition.minimal.transfer_function(), "1/(s + 1)")
+    assert equal(decomposition.input_decoupling, "(s + 3)*(s + 4)")
+    assert equal(decomposition.output_decoupling, "(s + 2)*(s + 4)")
 
 
 def test_cancellation_in_controllable_form():
@@ -59,9 +59,9 @@ def test_controllability_indices():
 def test_zero_in_the_right_half_plane():
     """Where does [[1/(s + 1), 2/(s + 3)], [1/(s + 1), 1/(s + 1)]] block an input, and which?"""
     G = [["1/(s + 1)", "2/(s + 3)"], ["1/(s + 1)", "1/(s + 1)"]]
-    found = ct.transmission_zeros(G)
-    assert equal(found.polynomial, "s - 1")  # det G = (1 - s)/((s + 1)^2 (s + 3))
-    (direction,) = found.directions
+    zeros = ct.transmission_zeros(G)
+    assert equal(zeros.polynomial, "s - 1")  # det G = (1 - s)/((s + 1)^2 (s + 3))
+    (direction,) = zeros.directions
     assert equal(sympy.Matrix([[1, 1]]) * sympy.Matrix(direction.input), [[0]])  # both rows of G(1)
 
 
@@ -71,8 +71,8 @@ def test_zero_in_the_right_half_plane():
 def test_quadruple_tank(share, zeros):
     """Four equal tanks, a share g of each pump to the lower tank: where are the zeros?"""
     direct, crossed = f"({share})/(s + 1)", f"(1 - {share})/(s + 1)**2"
-    found = ct.transmission_zeros([[direct, crossed], [crossed, direct]])
-    assert equal(found.polynomial, zeros)  # (s + 1)^2 = ((1 - g)/g)^2
+    result = ct.transmission_zeros([[direct, crossed], [crossed, direct]])
+    assert equal(result.polynomial, zeros)  # (s + 1)^2 = ((1 - g)/g)^2
 
 
 def test_input_decoupling_zero_of_a_series_connection():
@@ -86,9 +86,9 @@ def test_input_decoupling_zero_of_a_series_connection():
 def test_zeros_do_not_move_with_feedback():
     """Do the invariant zeros of (A + B K, B, C) depend on K?"""
     A = [["k_1", "1 + k_2"], ["k_1 - 2", "k_2 - 3"]]
-    found = ct.invariant_zeros((A, [[1], [1]], [[1, 0]]), "s")
+    zeros = ct.invariant_zeros((A, [[1], [1]], [[1, 0]]), "s")
     # C adj(sI - A) B = s + 3 + 1 at K = 0, A_0 = [[0, 1], [-2, -3]]
-    assert equal(found.polynomial, "s + 4")
+    assert equal(zeros.polynomial, "s + 4")
 
 
 def test_more_outputs_than_inputs():

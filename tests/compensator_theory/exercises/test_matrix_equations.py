@@ -22,9 +22,9 @@ def test_gramian_as_an_integral():
     """The controllability Gramian of x_1' = -x_1 + u, x_2' = -2 x_2 + u by its integral."""
     x = sympy.Matrix([sympy.exp(-t), sympy.exp(-2 * t)])
     integral = (x * x.T).applyfunc(lambda e: sympy.integrate(e, (t, 0, sympy.oo)))
-    found = ct.gramians(([[-1, 0], [0, -2]], [[1], [1]], [[1, 1]]), "s")
-    assert equal(found.controllability, integral)
-    assert equal(found.observability, integral)
+    gramian_pair = ct.gramians(([[-1, 0], [0, -2]], [[1], [1]], [[1, 1]]), "s")
+    assert equal(gramian_pair.controllability, integral)
+    assert equal(gramian_pair.observability, integral)
 
 
 def test_stein_equation_of_a_first_order_recursion():
@@ -43,8 +43,8 @@ def test_stein_equation_of_a_nilpotent_matrix():
 
 def test_sylvester_equation_by_diagonals():
     """Solve Sylvester's equation for two diagonal matrices."""
-    found = ct.solve_sylvester([[1, 0], [0, 2]], [[3, 0], [0, 5]], [["c", "d"], ["e", "f"]])
-    assert equal(found.X, [["-c/4", "-d/6"], ["-e/5", "-f/7"]])  # -c_ij/(a_i + b_j)
+    solution = ct.solve_sylvester([[1, 0], [0, 2]], [[3, 0], [0, 5]], [["c", "d"], ["e", "f"]])
+    assert equal(solution.X, [["-c/4", "-d/6"], ["-e/5", "-f/7"]])  # -c_ij/(a_i + b_j)
 
 
 def test_common_eigenvalue_in_a_sylvester_equation():
@@ -56,23 +56,23 @@ def test_common_eigenvalue_in_a_sylvester_equation():
 def test_solutions_that_are_not_unique():
     """All X that commute with a Jordan block of size 2."""
     J = sympy.Matrix([[3, 1], [0, 3]])
-    found = ct.solve_sylvester(J, -J, [[0, 0], [0, 0]])
-    assert not found.is_unique
-    assert len(found.homogeneous) == 2  # polynomials in the block
-    assert all(equal(J * X, X * J) for X in found.homogeneous)
+    solution = ct.solve_sylvester(J, -J, [[0, 0], [0, 0]])
+    assert not solution.is_unique
+    assert len(solution.homogeneous) == 2  # polynomials in the block
+    assert all(equal(J * X, X * J) for X in solution.homogeneous)
 
 
 def test_h2_norm_of_a_second_order_plant():
     """The squared H2 norm of w^2/(s^2 + 2 d w s + w^2)."""
-    found = ct.gramians("w**2/(s**2 + 2*d*w*s + w**2)", "s")
-    assert equal(found.norm_squared, "w/(4*d)")
+    gramian_pair = ct.gramians("w**2/(s**2 + 2*d*w*s + w**2)", "s")
+    assert equal(gramian_pair.norm_squared, "w/(4*d)")
 
 
 def test_h2_norm_by_parseval():
     """The squared H2 norm of (s + 3)/((s + 1)(s + 2)) by its impulse response."""
     g = 2 * sympy.exp(-t) - sympy.exp(-2 * t)  # partial fractions
-    found = ct.gramians("(s + 3)/((s + 1)*(s + 2))").norm_squared
-    assert found == sympy.integrate(sympy.expand(g**2), (t, 0, sympy.oo))
+    gramian_pair = ct.gramians("(s + 3)/((s + 1)*(s + 2))").norm_squared
+    assert gramian_pair == sympy.integrate(sympy.expand(g**2), (t, 0, sympy.oo))
 
 
 def test_discrete_h2_norm():
@@ -88,12 +88,12 @@ def test_h2_norm_of_an_unstable_plant():
 
 def test_hankel_singular_values_of_an_all_pass():
     """The Hankel singular values of (1 - s)/(1 + s)."""
-    found = ct.gramians("(1 - s)/(1 + s)").hankel_polynomial()  # squares of them as roots
-    assert sympy.roots(found) == {1: 1}  # those of a stable all-pass are one
+    gramian_pair = ct.gramians("(1 - s)/(1 + s)").hankel_polynomial()  # squares of them as roots
+    assert sympy.roots(gramian_pair) == {1: 1}  # those of a stable all-pass are one
 
 
 def test_tracking_of_a_sine():
     """The state and the input with which 1/(s + 1) follows a sine exactly."""
-    found = ct.solve_regulator_equations("1/(s + 1)", [[0, 1], [-1, 0]], [[-1, 0]])
-    assert equal(found.Pi, [[1, 0]])
-    assert equal(found.Gamma, [[1, 1]])  # sin' + sin = cos + sin
+    solution = ct.solve_regulator_equations("1/(s + 1)", [[0, 1], [-1, 0]], [[-1, 0]])
+    assert equal(solution.Pi, [[1, 0]])
+    assert equal(solution.Gamma, [[1, 1]])  # sin' + sin = cos + sin

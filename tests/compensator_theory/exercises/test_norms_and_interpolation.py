@@ -27,8 +27,8 @@ def test_norm_of_a_lag():
 )
 def test_resonance(damping, peak):
     """The resonant peak of 1/(s^2 + 2 d s + 1)."""
-    found = h_infinity_norm(f"1/(s**2 + 2*({damping})*s + 1)").value
-    assert equal(found, peak)  # 1/(2 d sqrt(1 - d^2)) where 2 d^2 < 1, else at rest
+    norm = h_infinity_norm(f"1/(s**2 + 2*({damping})*s + 1)").value
+    assert equal(norm, peak)  # 1/(2 d sqrt(1 - d^2)) where 2 d^2 < 1, else at rest
 
 
 def test_norm_of_an_all_pass():
@@ -73,9 +73,9 @@ def test_lossless_circuit():
 
 def test_schwarz_lemma():
     """The least norm of a stable f with f(1) = 0 and f(2) = 1/2."""
-    found = nevanlinna_pick([1, 2], [0, "1/2"])
-    assert equal(least(found), Rational(3, 2) ** 2)  # f = g (s - 1)/(s + 1), g(2) = 3/2
-    assert not found.is_feasible
+    interpolation = nevanlinna_pick([1, 2], [0, "1/2"])
+    assert equal(least(interpolation), Rational(3, 2) ** 2)  # f = g (s - 1)/(s + 1), g(2) = 3/2
+    assert not interpolation.is_feasible
 
 
 def test_pick_matrix_of_two_points():
@@ -86,24 +86,24 @@ def test_pick_matrix_of_two_points():
 
 def test_interpolation_at_a_pair_of_points():
     """The least norm of a stable real f with f(1) = 0 and f(1 + i) = 1."""
-    found = nevanlinna_pick([1, "1 + j", "1 - j"], [0, 1, 1])
+    interpolation = nevanlinna_pick([1, "1 + j", "1 - j"], [0, 1, 1])
     # f = g (s - 1)/(s + 1), g(1 + i) = 1 - 2 i: 2 (x - 5)^2 = |x + 3 + 4 i|^2
-    assert equal(least(found), 25)
+    assert equal(least(interpolation), 25)
 
 
 def test_derivative_data():
     """The least norm of a stable f with f(1) = 0 and f'(1) = 1."""
-    found = nevanlinna_pick([1], [[0, 1]], 3)
-    assert equal(least(found), 4)  # f = g (s - 1)/(s + 1), f'(1) = g(1)/2
-    f = found.interpolant().as_expr()
+    interpolation = nevanlinna_pick([1], [[0, 1]], 3)
+    assert equal(least(interpolation), 4)  # f = g (s - 1)/(s + 1), f'(1) = g(1)/2
+    f = interpolation.interpolant().as_expr()
     assert (f.subs(s, 1), sympy.diff(f, s).subs(s, 1)) == (0, 1)
-    assert decide_bounded_real(found.interpolant() / 3).holds
+    assert decide_bounded_real(interpolation.interpolant() / 3).holds
 
 
 def test_sensitivity_with_an_unstable_pole_and_zero():
     """The least norm of the sensitivity of a plant with the zero 2 and the pole 1."""
-    found = nevanlinna_pick([2, 1], [1, 0])  # S = 1 at zeros, 0 at poles
-    assert equal(least(found), 3**2)  # |z + p|/|z - p|
+    interpolation = nevanlinna_pick([2, 1], [1, 0])  # S = 1 at zeros, 0 at poles
+    assert equal(least(interpolation), 3**2)  # |z + p|/|z - p|
 
 
 def test_model_matching_with_one_zero():
@@ -113,9 +113,9 @@ def test_model_matching_with_one_zero():
 
 def test_model_matching_with_two_zeros():
     """The least norm of 1/(s + 2) - (s - 1)(s - 2)/(s + 3)^2 Q over stable Q."""
-    found = nevanlinna_pick([1, 2], ["1/3", "1/4"])
+    interpolation = nevanlinna_pick([1, 2], ["1/3", "1/4"])
     # det of the Pick matrix: x^2 - 11 x/48 + 1/144 = 0
-    assert equal(least(found), (11 + sqrt(57)) / 96)
+    assert equal(least(interpolation), (11 + sqrt(57)) / 96)
 
 
 def test_discrete_interpolation():

@@ -19,8 +19,8 @@ def test_observer_of_a_double_integrator():
 
 def test_observer_of_an_oscillator():
     """The F that gives x'' = -omega^2 x, measured in place, a double pole at -a."""
-    found = ct.observer_gain([[0, 1], ["-omega**2", 0]], [[1, 0]], ["-a", "-a"])
-    assert equal(found, [["2*a"], ["a**2 - omega**2"]])
+    gain = ct.observer_gain([[0, 1], ["-omega**2", 0]], [[1, 0]], ["-a", "-a"])
+    assert equal(gain, [["2*a"], ["a**2 - omega**2"]])
 
 
 def test_duality():
@@ -40,9 +40,11 @@ def test_two_outputs_have_a_family():
 
 def test_luenberger_observer_of_the_speed():
     """Estimate the speed of a double integrator from its place by one state with pole -a."""
-    found = ct.reduced_order_observer(DOUBLE_INTEGRATOR, ["-a"], variable="s")
+    observer = ct.reduced_order_observer(DOUBLE_INTEGRATOR, ["-a"], variable="s")
     # z' = -a z - a^2 y + u and the speed is z + a y
-    assert equal([found.N[0], found.J[0], found.H[0], found.E[0]], ["-a", "-a**2", 1, "a"])
+    assert equal(
+        [observer.N[0], observer.J[0], observer.H[0], observer.E[0]], ["-a", "-a**2", 1, "a"]
+    )
 
 
 def test_order_of_a_functional_observer():
@@ -50,11 +52,12 @@ def test_order_of_a_functional_observer():
     # two decoupled double integrators, both places measured: the sum of the speeds
     A = sympy.diag(*[sympy.Matrix([[0, 1], [0, 0]])] * 2)
     B, C = [[0, 0], [1, 0], [0, 0], [0, 1]], [[1, 0, 0, 0], [0, 0, 1, 0]]
-    found = ct.functional_observer((A, B, C), [[0, 1, 0, 1]], [-5], variable="s")
-    assert equal(found.error_polynomial, "s + 5")
+    observer = ct.functional_observer((A, B, C), [[0, 1, 0, 1]], [-5], variable="s")
+    assert equal(observer.error_polynomial, "s + 5")
     # the sum of two Luenberger observers z_i' = -5 z_i - 25 y_i + u_i
     assert equal(
-        sympy.Matrix.hstack(found.N, found.J, found.H, found.E), [[-5, -25, -25, 1, 1, 5, 5]]
+        sympy.Matrix.hstack(observer.N, observer.J, observer.H, observer.E),
+        [[-5, -25, -25, 1, 1, 5, 5]],
     )
 
 
@@ -72,21 +75,23 @@ def test_unknown_input_that_is_measured():
     # x_1 is the integral of the output, so that the pole 0 cannot be moved
     with pytest.raises(InputError, match=r"the root\(s\) of s cannot be moved"):
         ct.functional_observer((A, B, C), [[1, 0]], [-1], variable="s", unknown_inputs=[[0], [1]])
-    found = ct.functional_observer((A, B, C), [[1, 0]], [], variable="s", unknown_inputs=[[0], [1]])
-    assert equal([found.N[0], found.J[0], found.error_polynomial], [0, 1, "s"])
+    observer = ct.functional_observer(
+        (A, B, C), [[1, 0]], [], variable="s", unknown_inputs=[[0], [1]]
+    )
+    assert equal([observer.N[0], observer.J[0], observer.error_polynomial], [0, 1, "s"])
 
 
 def test_compensator_of_a_double_integrator():
     """The observer-based compensator of 1/s^2 with regulator poles -1 and observer poles -2."""
-    found = ct.observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -1], [-2, -2], variable="s")
+    compensator = ct.observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -1], [-2, -2], variable="s")
     # K = -(1, 2), F = (4, 4)', and G_c = K (sI - A - B K + F C)^-1 F
-    assert equal(found.transfer_function, "-(12*s + 4)/(s**2 + 6*s + 13)")
+    assert equal(compensator.transfer_function, "-(12*s + 4)/(s**2 + 6*s + 13)")
 
 
 def test_separation():
     """Are the poles of the loop those of the regulator and of the observer together?"""
-    found = ct.observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -2], [-3, -5], variable="s")
-    loop = ct.closed_loop_matrix(found.plant, found.compensator)
+    compensator = ct.observer_based_compensator(DOUBLE_INTEGRATOR, [-1, -2], [-3, -5], variable="s")
+    loop = ct.closed_loop_matrix(compensator.plant, compensator.compensator)
     assert equal(loop.charpoly(s).as_expr(), "(s + 1)*(s + 2)*(s + 3)*(s + 5)")
 
 
@@ -98,6 +103,8 @@ def test_undetectable_mode():
 
 def test_compensator_with_a_reduced_observer():
     """A double integrator with u = -(1, 2) x and a Luenberger observer at -3: the compensator."""
-    found = ct.reduced_order_observer(DOUBLE_INTEGRATOR, [-3], variable="s").compensator([[-1, -2]])
+    observer = ct.reduced_order_observer(DOUBLE_INTEGRATOR, [-3], variable="s").compensator(
+        [[-1, -2]]
+    )
     # u = -y - 2 (z + 3 y), z' = -3 z - 9 y + u: (s^2)(s + 5) + 7 s + 3 = (s + 1)^2 (s + 3)
-    assert equal(found.transfer_function(), "-(7*s + 3)/(s + 5)")
+    assert equal(observer.transfer_function(), "-(7*s + 3)/(s + 5)")

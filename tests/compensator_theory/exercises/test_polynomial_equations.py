@@ -24,8 +24,8 @@ def test_discriminant_of_a_quadratic():
 
 def test_discriminant_of_a_cubic():
     """When has s^3 + p s + q a double root?"""
-    found = ct.resultant("s**3 + p*s + q", "3*s**2 + p", variable="s")
-    assert equal(found, "4*p**3 + 27*q**2")  # Cardano
+    result = ct.resultant("s**3 + p*s + q", "3*s**2 + p", variable="s")
+    assert equal(result, "4*p**3 + 27*q**2")  # Cardano
 
 
 def test_elimination():
@@ -35,9 +35,9 @@ def test_elimination():
 
 def test_sylvester_matrix_of_two_quadratics():
     """The determinant of the Sylvester matrix of (s - 1)(s - 2) and (s - 4)(s - 7)."""
-    found = sylvester_m1("(s - 1)*(s - 2)", "(s - 4)*(s - 7)")
-    assert found.shape == (4, 4)
-    assert found.det() == (1 - 4) * (1 - 7) * (2 - 4) * (2 - 7)  # the product of the differences
+    result = sylvester_m1("(s - 1)*(s - 2)", "(s - 4)*(s - 7)")
+    assert result.shape == (4, 4)
+    assert result.det() == (1 - 4) * (1 - 7) * (2 - 4) * (2 - 7)  # the product of the differences
 
 
 def test_common_roots_with_multiplicity():
@@ -48,22 +48,22 @@ def test_common_roots_with_multiplicity():
 
 def test_greatest_common_divisor():
     """The greatest common divisor of (s - 1)^2 (s + 2) and (s - 1)(s + 3), and the quotients."""
-    found = gcd_from_null_space("(s - 1)**2*(s + 2)", "(s - 1)*(s + 3)")
-    assert equal(found.gcd, "s - 1")
-    assert equal(list(found.cofactors), ["(s - 1)*(s + 2)", "s + 3"])
+    gcd = gcd_from_null_space("(s - 1)**2*(s + 2)", "(s - 1)*(s + 3)")
+    assert equal(gcd.gcd, "s - 1")
+    assert equal(list(gcd.cofactors), ["(s - 1)*(s + 2)", "s + 3"])
 
 
 def test_bezout_identity():
     """Write 1 as a combination of s^2 + 1 and s + 2."""
-    found = ct.bezout_identity("s**2 + 1", "s + 2")  # s^2 + 1 = (s + 2)(s - 2) + 5
-    assert equal([found.x, found.y], ["1/5", "(2 - s)/5"])
+    identity = ct.bezout_identity("s**2 + 1", "s + 2")  # s^2 + 1 = (s + 2)(s - 2) + 5
+    assert equal([identity.x, identity.y], ["1/5", "(2 - s)/5"])
 
 
 def test_all_solutions_of_a_diophantine_equation():
     """All polynomials x and y with (s - 1) x + s y = 1."""
-    found = ct.solve_diophantine("s - 1", "s", 1)
-    x, y = found.member("t")  # one for each polynomial t
-    assert equal([found.x, found.y], [-1, 1])
+    solution = ct.solve_diophantine("s - 1", "s", 1)
+    x, y = solution.member("t")  # one for each polynomial t
+    assert equal([solution.x, solution.y], [-1, 1])
     assert equal(sympy.expand("(s - 1)") * x.as_expr() + sympy.Symbol("s") * y.as_expr(), 1)
 
 
@@ -76,24 +76,24 @@ def test_unsolvable_diophantine_equation():
 def test_matrix_diophantine_equation():
     """Solve A X + B Y = I for a left coprime pair, and count the degrees of freedom."""
     A, B = sympy.Matrix([["s", 1], [0, "s"]]), sympy.Matrix([[0], [1]])
-    found = ct.solve_matrix_diophantine(A.tolist(), B.tolist(), [[1, 0], [0, 1]], variable="s")
-    X, Y = (sympy.Matrix(part.as_matrix()) for part in (found.X, found.Y))
+    solution = ct.solve_matrix_diophantine(A.tolist(), B.tolist(), [[1, 0], [0, 1]], variable="s")
+    X, Y = (sympy.Matrix(part.as_matrix()) for part in (solution.X, solution.Y))
     assert equal(A * X + B * Y, sympy.eye(2))
-    assert found.kernel.indices == (2,)  # [A, B] (1, -s, s^2)' = 0
+    assert solution.kernel.indices == (2,)  # [A, B] (1, -s, s^2)' = 0
 
 
 def test_subresultants_find_the_degree():
     """The degree of the gcd of s^4 - 1 and s^6 - 1 by vanishing principal subresultants."""
-    found = subresultants("s**6 - 1", "s**4 - 1")
-    assert [bool(c) for c in found.principal_coefficients[:3]] == [False, False, True]
-    assert equal(found.gcd.monic(), "s**2 - 1")
+    chain = subresultants("s**6 - 1", "s**4 - 1")
+    assert [bool(c) for c in chain.principal_coefficients[:3]] == [False, False, True]
+    assert equal(chain.gcd.monic(), "s**2 - 1")
 
 
 def test_bezout_matrix_and_companion():
     """The Bezout matrix of p and 1 for p = s^3 + a s^2 + b s + c."""
-    found = bezout_matrix("s**3 + a*s**2 + b*s + c", "1", variable="s")
+    result = bezout_matrix("s**3 + a*s**2 + b*s + c", "1", variable="s")
     # (p(s) - p(t))/(s - t): coefficient of s^i t^j is p_(i + j + 1)
-    assert equal(found, [["b", "a", 1], ["a", 1, 0], [1, 0, 0]])
+    assert equal(result, [["b", "a", 1], ["a", 1, 0], [1, 0, 0]])
 
 
 def test_real_roots_by_a_cauchy_index():

@@ -33,16 +33,16 @@ def test_sampled_double_integrator():
 
 def test_sampled_lag():
     """1/(s + a) with a zero-order hold."""
-    found = with_exponentials(zero_order_hold("1/(s + a)"))
+    result = with_exponentials(zero_order_hold("1/(s + a)"))
     a = sympy.Symbol("a")
-    assert equal(found, (1 - exp(-a * h)) / (a * (z - exp(-a * h))))
+    assert equal(result, (1 - exp(-a * h)) / (a * (z - exp(-a * h))))
 
 
 def test_sampled_double_pole():
     """1/(s + 1)^2 with a zero-order hold."""
-    found, x = with_exponentials(zero_order_hold("1/(s + 1)**2")), exp(-h)
+    result, x = with_exponentials(zero_order_hold("1/(s + 1)**2")), exp(-h)
     # the step response 1 - (1 + t) e^-t at h and 2 h
-    assert equal(found, ((1 - x - h * x) * z + x * (x - 1 + h)) / (z - x) ** 2)
+    assert equal(result, ((1 - x - h * x) * z + x * (x - 1 + h)) / (z - x) ** 2)
 
 
 def test_sampled_oscillator():
@@ -52,44 +52,44 @@ def test_sampled_oscillator():
 
 def test_pathological_step():
     """Half a period of s^2 + 1 as the step: is the sampled plant controllable?"""
-    found = zero_order_hold("1/(s**2 + 1)", pi).realisation
-    assert is_controllable(found.A, found.B) is False  # z = -1 twice, one of them hidden
-    assert equal(found.transfer_function().reduced(), "2/(z + 1)")
+    sampled = zero_order_hold("1/(s**2 + 1)", pi).realisation
+    assert is_controllable(sampled.A, sampled.B) is False  # z = -1 twice, one of them hidden
+    assert equal(sampled.transfer_function().reduced(), "2/(z + 1)")
 
 
 def test_irrational_step():
     """1/((s + 1)(s + 2)) with a zero-order hold and the step log(3)."""
-    found = zero_order_hold("1/((s + 1)*(s + 2))", log(3)).transfer_function
+    sampled = zero_order_hold("1/((s + 1)*(s + 2))", log(3)).transfer_function
     # (1 - 1/3)/(z - 1/3) - (1 - 1/9)/2/(z - 1/9)
     assert equal(
-        found, Rational(2, 3) / (z - Rational(1, 3)) - Rational(4, 9) / (z - Rational(1, 9))
+        sampled, Rational(2, 3) / (z - Rational(1, 3)) - Rational(4, 9) / (z - Rational(1, 9))
     )
 
 
 def test_first_order_hold_of_a_double_integrator():
     """1/s^2 with a first-order hold."""
-    found = first_order_hold("1/s**2").transfer_function
-    assert equal(found, "h**2*(z**2 + 4*z + 1)/(6*(z - 1)**2)")  # the cubes of the ramp
+    result = first_order_hold("1/s**2").transfer_function
+    assert equal(result, "h**2*(z**2 + 4*z + 1)/(6*(z - 1)**2)")  # the cubes of the ramp
 
 
 def test_tustin_of_a_lag():
     """Tustin's rule for 1/(s + a)."""
-    found = tustin("1/(s + a)").transfer_function
-    assert equal(found, "h*(z + 1)/((2 + a*h)*z - (2 - a*h))")
+    sampled = tustin("1/(s + a)").transfer_function
+    assert equal(sampled, "h*(z + 1)/((2 + a*h)*z - (2 - a*h))")
 
 
 def test_tustin_of_a_pi_controller():
     """Tustin's rule for k_p + k_i/s: the trapezoidal rule."""
-    found = tustin("k_p + k_i/s", variable="s").transfer_function
-    assert equal(found, "k_p + k_i*h*(z + 1)/(2*(z - 1))")
+    sampled = tustin("k_p + k_i/s", variable="s").transfer_function
+    assert equal(sampled, "k_p + k_i*h*(z + 1)/(2*(z - 1))")
 
 
 def test_matched_lead():
     """Match the pole and the zero of (s + 1)/(s + 3) with the step log(2)."""
-    found = matched("(s + 1)/(s + 3)", log(2)).transfer_function
+    sampled = matched("(s + 1)/(s + 3)", log(2)).transfer_function
     # zero 1/2, pole 1/8, gain at rest 1/3
     assert equal(
-        found,
+        sampled,
         Rational(1, 3)
         * (1 - Rational(1, 8))
         / (1 - Rational(1, 2))
@@ -106,5 +106,5 @@ def test_sampling_zeros_of_euler_and_frobenius():
 
 def test_zeros_of_a_sampled_triple_integrator():
     """The zeros of 1/s^3 with a zero-order hold, for any step."""
-    found = zero_order_hold("1/s**3").transfer_function
-    assert equal(found, "h**3*(z**2 + 4*z + 1)/(6*(z - 1)**3)")
+    sampled = zero_order_hold("1/s**3").transfer_function
+    assert equal(sampled, "h**3*(z**2 + 4*z + 1)/(6*(z - 1)**3)")

@@ -26,15 +26,17 @@ def test_sensitivity_of_an_integrator():
 
 def test_compensator_of_a_wanted_sensitivity():
     """The compensator of 1/(s - 1) whose sensitivity is s (s - 1)/(s + 1)^2."""
-    found = compensator_from_sensitivity("1/(s - 1)", "s*(s - 1)/(s + 1)**2", feedback=-1)
-    assert equal(found.reduced(), "(3*s + 1)/s")  # (1/S - 1)/P
+    compensator = compensator_from_sensitivity("1/(s - 1)", "s*(s - 1)/(s + 1)**2", feedback=-1)
+    assert equal(compensator.reduced(), "(3*s + 1)/s")  # (1/S - 1)/P
 
 
 def test_sensitivity_that_cancels_an_unstable_pole():
     """The compensator of 1/(s - 1) whose sensitivity is (s + 1)/(s + 2): is the loop stable?"""
-    found = compensator_from_sensitivity("1/(s - 1)", "(s + 1)/(s + 2)", feedback=-1)
-    assert equal(found, "(s - 1)/(s + 1)")  # S(1) is not 0: the pole 1 is cancelled
-    loop = sympy.expand((s - 1) * found.denominator.as_expr() + found.numerator.as_expr())
+    compensator = compensator_from_sensitivity("1/(s - 1)", "(s + 1)/(s + 2)", feedback=-1)
+    assert equal(compensator, "(s - 1)/(s + 1)")  # S(1) is not 0: the pole 1 is cancelled
+    loop = sympy.expand(
+        (s - 1) * compensator.denominator.as_expr() + compensator.numerator.as_expr()
+    )
     assert not ct.decide_stability(loop, time="continuous").is_stable
 
 
@@ -55,15 +57,15 @@ def test_compensator_that_does_not_stabilise():
 def test_every_stable_parameter_stabilises(Q):
     """Does each stable parameter give a compensator that stabilises 1/(s^2 - 1)?"""
     every = ct.stabilising_compensators("1/(s**2 - 1)", [-1, -2], [-3, -3], feedback=-1)
-    found = every.compensator(Q).transfer_function().reduced()
-    assert loop_is_stable("1/(s**2 - 1)", found.as_expr())
+    result = every.compensator(Q).transfer_function().reduced()
+    assert loop_is_stable("1/(s**2 - 1)", result.as_expr())
 
 
 def test_doubly_coprime_fractions():
     """Doubly coprime fractions of 1/(s - 1): does Bezout's identity hold?"""
-    found = ct.doubly_coprime_fractions("1/(s - 1)", [-1], [-2])
+    result = ct.doubly_coprime_fractions("1/(s - 1)", [-1], [-2])
     names = ("N_r", "M_r", "N_l", "M_l", "U_r", "V_r", "U_l", "V_l")
-    N_r, M_r, N_l, M_l, U_r, V_r, U_l, V_l = (getattr(found, n).as_matrix()[0, 0] for n in names)
+    N_r, M_r, N_l, M_l, U_r, V_r, U_l, V_l = (getattr(result, n).as_matrix()[0, 0] for n in names)
     assert equal(N_r / M_r, "1/(s - 1)")
     assert equal(N_l / M_l, "1/(s - 1)")
     # positive feedback: u = (U/V) y
@@ -73,11 +75,11 @@ def test_doubly_coprime_fractions():
 
 def test_coprime_fraction_of_a_matrix():
     """A left coprime fraction of [[1/s, 1/s], [0, 1/(s + 1)]] and its order."""
-    found = ct.coprime_fractions([["1/s", "1/s"], [0, "1/(s + 1)"]])
-    D, N = (sympy.Matrix(part.as_matrix()) for part in (found.D_l, found.N_l))
-    assert found.order == 2
+    fractions = ct.coprime_fractions([["1/s", "1/s"], [0, "1/(s + 1)"]])
+    D, N = (sympy.Matrix(part.as_matrix()) for part in (fractions.D_l, fractions.N_l))
+    assert fractions.order == 2
     assert equal(D.inv() * N, [["1/s", "1/s"], [0, "1/(s + 1)"]])
-    assert equal(found.pole_polynomial, "s*(s + 1)")
+    assert equal(fractions.pole_polynomial, "s*(s + 1)")
 
 
 @pytest.mark.parametrize(
@@ -97,23 +99,23 @@ def test_parity_interlacing(plant, strongly):
 
 def test_stable_compensator():
     """Find a stable compensator of (s - 3)/((s - 1)(s + 2))."""
-    found = ct.stable_compensator("(s - 3)/((s - 1)*(s + 2))", feedback=-1).compensator
-    assert ct.decide_stability(found.denominator, time="continuous").is_stable
-    assert loop_is_stable("(s - 3)/((s - 1)*(s + 2))", found.as_expr())
+    compensator = ct.stable_compensator("(s - 3)/((s - 1)*(s + 2))", feedback=-1).compensator
+    assert ct.decide_stability(compensator.denominator, time="continuous").is_stable
+    assert loop_is_stable("(s - 3)/((s - 1)*(s + 2))", compensator.as_expr())
 
 
 def test_two_plants_at_once():
     """Does one compensator stabilise 1/(s - 1) and 1/(s - 5)?"""
-    found = ct.decide_simultaneous_stabilisability("1/(s - 1)", "1/(s - 5)", feedback=-1)
-    assert found.is_stabilisable  # u = -6 y does
-    assert all(loop_is_stable(f"1/(s - {a})", found.compensator.as_expr()) for a in (1, 5))
+    decision = ct.decide_simultaneous_stabilisability("1/(s - 1)", "1/(s - 5)", feedback=-1)
+    assert decision.is_stabilisable  # u = -6 y does
+    assert all(loop_is_stable(f"1/(s - {a})", decision.compensator.as_expr()) for a in (1, 5))
 
 
 def test_two_plants_of_opposite_sign():
     """Does one compensator stabilise 1/(s - 1) and -1/(s - 1)?"""
-    found = ct.decide_simultaneous_stabilisability("1/(s - 1)", "-1/(s - 1)", feedback=-1)
+    decision = ct.decide_simultaneous_stabilisability("1/(s - 1)", "-1/(s - 1)", feedback=-1)
     assert (
-        not found.is_stabilisable
+        not decision.is_stabilisable
     )  # at s = 0: -1 + c and -1 - c of opposite sign to both at infinity
 
 

@@ -21,38 +21,41 @@ def test_routh_for_a_cubic():
 
 def test_hurwitz_determinants_of_a_quartic():
     """The third Hurwitz determinant of s^4 + a s^3 + b s^2 + c s + d."""
-    found = hurwitz_determinants("s**4 + a*s**3 + b*s**2 + c*s + d", variable="s")
-    assert equal(found[2], "a*b*c - c**2 - a**2*d")
+    result = hurwitz_determinants("s**4 + a*s**3 + b*s**2 + c*s + d", variable="s")
+    assert equal(result[2], "a*b*c - c**2 - a**2*d")
 
 
 def test_roots_in_the_right_half_plane():
     """How many roots of s^5 + 2 s^4 + 3 s^3 + 6 s^2 + 5 s + 3 are unstable?"""
     poly = "s**5 + 2*s**4 + 3*s**3 + 6*s**2 + 5*s + 3"
     roots = sympy.Poly(poly).nroots(n=50)
-    found = ct.count_roots(poly, time="continuous")
-    assert found.unstable == sum(bool(sympy.re(root) > 0) for root in roots) == 2
-    assert found.boundary == 0
+    counts = ct.count_roots(poly, time="continuous")
+    assert counts.unstable == sum(bool(sympy.re(root) > 0) for root in roots) == 2
+    assert counts.boundary == 0
 
 
 def test_row_of_zeros():
     """Count the roots of s^6 + 2 s^5 + 8 s^4 + 12 s^3 + 20 s^2 + 16 s + 16."""
-    found = ct.count_roots(
+    counts = ct.count_roots(
         "s**6 + 2*s**5 + 8*s**4 + 12*s**3 + 20*s**2 + 16*s + 16", time="continuous"
     )
     # (s^2 + 2)(s^2 + 4)(s^2 + 2 s + 2)
-    assert (found.stable, found.boundary, found.unstable) == (2, 4, 0)
+    assert (counts.stable, counts.boundary, counts.unstable) == (2, 4, 0)
 
 
 def test_triangle_of_jury():
     """When is z^2 + a z + b stable?"""
-    found = ct.stability_conditions("z**2 + a*z + b")
-    assert set(found) == {*sympy.sympify("1 - b, 1 + a + b, 1 - a + b")}
+    conditions = ct.stability_conditions("z**2 + a*z + b")
+    assert set(conditions) == {*sympy.sympify("1 - b, 1 + a + b, 1 - a + b")}
 
 
 def test_reflection_coefficients_of_an_autoregression():
     """The absolute reflection coefficients of z^2 + z + 1/3."""
-    found = reflection_coefficients("z**2 + z + 1/3")
-    assert [abs(c) for c in found] == [sympy.Rational(1, 3), sympy.Rational(3, 4)]  # b, a/(1 + b)
+    coefficients = reflection_coefficients("z**2 + z + 1/3")
+    assert [abs(c) for c in coefficients] == [
+        sympy.Rational(1, 3),
+        sympy.Rational(3, 4),
+    ]  # b, a/(1 + b)
 
 
 @pytest.mark.parametrize(
@@ -74,21 +77,21 @@ def test_gain_of_an_integrator_and_two_lags():
 
 def test_gain_with_a_parameter():
     """For which k, in terms of a, is k/(s (s + 1)(s + a)) stable under unity feedback?"""
-    found = ct.stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1, variable="s")
+    gains = ct.stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1, variable="s")
     for a, top in ((1, 2), (3, 12), ("1/2", "3/4")):  # a (a + 1)
         low, high = (
             sympy.Rational(top) * sympy.Rational(99, 100),
             sympy.Rational(top) * sympy.Rational(101, 100),
         )
-        assert (a, low) in found
-        assert (a, high) not in found
-    assert ("-1", 1) not in found
+        assert (a, low) in gains
+        assert (a, high) not in gains
+    assert ("-1", 1) not in gains
 
 
 def test_conditional_stability():
     """For which k is k (s + 2)^2/s^3 stable under unity feedback?"""
-    found = ct.stabilising_gains("(s + 2)**2/s**3", feedback=-1)
-    assert intervals(found) == [(1, sympy.oo)]  # s^3 + k s^2 + 4 k s + 4 k: 4 k^2 > 4 k
+    gains = ct.stabilising_gains("(s + 2)**2/s**3", feedback=-1)
+    assert intervals(gains) == [(1, sympy.oo)]  # s^3 + k s^2 + 4 k s + 4 k: 4 k^2 > 4 k
 
 
 def test_integrator_with_one_step_delay():
@@ -100,34 +103,34 @@ def test_integrator_with_one_step_delay():
 
 def test_degree_of_stability():
     """For which k have all roots of s^2 + 4 s + k real parts below -1?"""
-    found = ct.stability_intervals("(s - 1)**2 + 4*(s - 1) + k", "k")
-    assert intervals(found) == [(3, sympy.oo)]  # s^2 + 2 s + k - 3
+    result = ct.stability_intervals("(s - 1)**2 + 4*(s - 1) + k", "k")
+    assert intervals(result) == [(3, sympy.oo)]  # s^2 + 2 s + k - 3
 
 
 @pytest.mark.parametrize(("last", "stable"), [("39/10", True), (4, False)])
 def test_kharitonov_for_a_cubic(last, stable):
     """Are all s^3 + [2, 3] s^2 + [2, 5] s + [1, c] Hurwitz?"""
-    found = ct.decide_interval_stability([1, (2, 3), (2, 5), (1, last)])
-    assert found.is_stable is stable  # the worst: 2 * 2 > c
+    decision = ct.decide_interval_stability([1, (2, 3), (2, 5), (1, last)])
+    assert decision.is_stable is stable  # the worst: 2 * 2 > c
 
 
 def test_all_pi_controllers():
     """All PI controllers k_p + k_i/s that stabilise 1/(s + 1)^3."""
-    found = ct.stability_region("s*(s + 1)**3 + k_p*s + k_i", "k_p", "k_i")
+    region = ct.stability_region("s*(s + 1)**3 + k_p*s + k_i", "k_p", "k_i")
     for k_p in range(8):
         limit = sympy.Rational((8 - k_p) * (1 + k_p), 9)  # Routh
-        assert (k_p, limit * sympy.Rational(99, 100)) in found
-        assert (k_p, limit) not in found
-        assert (k_p, 0) not in found
-    assert (8, "1/1000") not in found
+        assert (k_p, limit * sympy.Rational(99, 100)) in region
+        assert (k_p, limit) not in region
+        assert (k_p, 0) not in region
+    assert (8, "1/1000") not in region
 
 
 def test_all_pid_controllers_of_a_double_integrator():
     """All PID controllers that stabilise 1/s^2."""
-    found = ct.stability_region("s**3 + k_d*s**2 + k_p*s + k_i", "k_d", "k_p", "k_i")
+    region = ct.stability_region("s**3 + k_d*s**2 + k_p*s + k_i", "k_d", "k_p", "k_i")
     for point in ((1, 2, 1), (1, 2, "5/2"), (-1, 2, 1), (3, "1/2", "7/5"), (3, "1/2", "8/5")):
         k_d, k_p, k_i = map(sympy.Rational, point)
-        assert (point in found) is bool(k_d > 0 and k_i > 0 and k_d * k_p > k_i)
+        assert (point in region) is bool(k_d > 0 and k_i > 0 and k_d * k_p > k_i)
 
 
 def test_leading_coefficient_may_vanish():

@@ -39,12 +39,12 @@ def companion(p):
 def invariant_lists(draw):
     """Monic polynomials, each a divisor of the next, of degrees 1 or more."""
     factors = st.sampled_from([s, s - 1, s + 2, s**2 + 1])
-    found, last = [], sympy.Integer(1)
+    result, last = [], sympy.Integer(1)
     for _ in range(draw(st.integers(1, 3))):
-        last = sympy.expand(last * draw(factors if not found else factors | st.just(1)))
-        if sum(Poly(p, s).degree() for p in [*found, last]) <= 6:
-            found.append(last)
-    return found
+        last = sympy.expand(last * draw(factors if not result else factors | st.just(1)))
+        if sum(Poly(p, s).degree() for p in [*result, last]) <= 6:
+            result.append(last)
+    return result
 
 
 @fewer(2)
@@ -53,35 +53,35 @@ def test_frobenius_form_of_what_was_disguised(invariants, data):
     blocks = sympy.diag(*map(companion, invariants))
     S = Matrix(data.draw(unimodular_matrices(blocks.rows)))
     A = S * blocks * S.inv()
-    found = frobenius_form(A)
-    assert [p.as_expr() for p in found.invariant_polynomials] == invariants
-    assert found.form == blocks
-    assert found.T.det() != 0 and found.T * found.form == A * found.T
-    assert found.is_cyclic == (len(invariants) == 1)
+    form = frobenius_form(A)
+    assert [p.as_expr() for p in form.invariant_polynomials] == invariants
+    assert form.form == blocks
+    assert form.T.det() != 0 and form.T * form.form == A * form.T
+    assert form.is_cyclic == (len(invariants) == 1)
 
 
 @fewer(2)
 @given(st.integers(1, 3).flatmap(lambda n: matrices(n, n)))
 def test_frobenius_form_against_ranks_and_smith(A):
     """The minimal polynomial is the shortest relation between powers of A."""
-    found, n = frobenius_form(A), A.rows
-    assert found.T * found.form == A * found.T and found.T.det() != 0
+    result, n = frobenius_form(A), A.rows
+    assert result.T * result.form == A * result.T and result.T.det() != 0
     powers = [Matrix(n * n, 1, list(A**k)) for k in range(n + 1)]
     degree = next(k for k in range(1, n + 1) if Matrix.hstack(*powers[: k + 1]).rank() <= k)
-    assert found.minimal_polynomial.degree() == degree
+    assert result.minimal_polynomial.degree() == degree
     relation = sum(
-        (c * A**k for k, c in enumerate(reversed(found.minimal_polynomial.all_coeffs()))),
+        (c * A**k for k, c in enumerate(reversed(result.minimal_polynomial.all_coeffs()))),
         sympy.zeros(n),
     )
     assert relation.is_zero_matrix
     smith = smith_form(s * sympy.eye(n) - A).invariant_polynomials
-    assert tuple(p for p in smith if p.degree()) == found.invariant_polynomials
+    assert tuple(p for p in smith if p.degree()) == result.invariant_polynomials
 
 
 def test_frobenius_form_with_symbols():
     a = sympy.Symbol("a")
-    found = frobenius_form([[0, "a"], [0, 0]])
-    assert found.is_cyclic and found.exceptional == (a,)
+    form = frobenius_form([[0, "a"], [0, 0]])
+    assert form.is_cyclic and form.exceptional == (a,)
     assert len(frobenius_form([[0, 0], [0, 0]]).invariant_polynomials) == 2  # a = 0
     family = frobenius_form([["a", 0], [0, "a"]])
     assert not family.is_cyclic and family.exceptional == ()
@@ -117,15 +117,15 @@ def pencils(draw):
 @given(pencils())
 def test_kronecker_form_of_what_was_disguised(case):
     A, E, right, left, finite, infinite = case
-    found = kronecker_form(A, E)
-    assert found.certificate.holds
-    assert sorted(found.right_indices) == right and sorted(found.left_indices) == left
-    assert [p.as_expr() for p in found.invariant_polynomials] == finite
-    assert sorted(found.infinite_orders) == infinite
-    assert found.right_basis.certificate.holds and found.left_basis.certificate.holds
+    form = kronecker_form(A, E)
+    assert form.certificate.holds
+    assert sorted(form.right_indices) == right and sorted(form.left_indices) == left
+    assert [p.as_expr() for p in form.invariant_polynomials] == finite
+    assert sorted(form.infinite_orders) == infinite
+    assert form.right_basis.certificate.holds and form.left_basis.certificate.holds
     full = rank(sympy.Rational(7, 11) * E - A)
-    assert sum(right) + sum(left) + found.finite_polynomial.degree() + sum(infinite) == full
-    assert found.is_regular == (not right and not left)
+    assert sum(right) + sum(left) + form.finite_polynomial.degree() + sum(infinite) == full
+    assert form.is_regular == (not right and not left)
 
 
 @given(pencils())
@@ -133,24 +133,24 @@ def test_kronecker_form_of_what_was_disguised(case):
 def test_indices_against_ranks_of_toeplitz_matrices(case):
     """The numbers of polynomial vectors of degree < k in the kernel, as a definition of indices."""
     A, E, *_ = case
-    found = kronecker_form(A, E)
-    assert found.certificate.holds
+    form = kronecker_form(A, E)
+    assert form.certificate.holds
     rows, columns = A.shape
     for k in range(1, 4):
         wide = sympy.zeros((k + 1) * rows, k * columns)
         for j in range(k):
             wide[j * rows : (j + 1) * rows, j * columns : (j + 1) * columns] = -A
             wide[(j + 1) * rows : (j + 2) * rows, j * columns : (j + 1) * columns] = E
-        assert wide.cols - rank(wide) == sum(max(0, k - e) for e in found.right_indices)
+        assert wide.cols - rank(wide) == sum(max(0, k - e) for e in form.right_indices)
 
 
 @fewer(3)
 @given(polynomial_matrices(), st.data())
 def test_popov_form_is_unique(P, data):
-    found = popov_form(P)
-    F, n = found.form, P.shape[0]
-    assert (found.U @ P).as_matrix() == F.as_matrix()
-    assert (found.U @ found.U_inverse).as_matrix() == sympy.eye(n)
+    form = popov_form(P)
+    F, n = form.form, P.shape[0]
+    assert (form.U @ P).as_matrix() == F.as_matrix()
+    assert (form.U @ form.U_inverse).as_matrix() == sympy.eye(n)
     mixed = Matrix(data.draw(unimodular_matrices(n)))
     for i in range(1, n):
         mixed[i, :] += (s + data.draw(st.integers(-1, 1))) * mixed[0, :]
@@ -158,17 +158,17 @@ def test_popov_form_is_unique(P, data):
     assert popov_form(other).form == F  # whatever basis the rows are given in
     assert hermite_form(F).form == hermite_form(P).form  # the same module
     degrees = [[-1 if e.is_zero else e.degree() for e in row] for row in F.rows]
-    assert found.rank == P.as_matrix().rank() == sum(max(row) >= 0 for row in degrees)
-    for i, p in enumerate(found.pivots):
-        assert F[i, p].LC() == 1 and degrees[i][p] == max(degrees[i]) == found.row_degrees[i]
+    assert form.rank == P.as_matrix().rank() == sum(max(row) >= 0 for row in degrees)
+    for i, p in enumerate(form.pivots):
+        assert F[i, p].LC() == 1 and degrees[i][p] == max(degrees[i]) == form.row_degrees[i]
         assert all(degrees[j][p] < degrees[i][p] for j in range(n) if j != i)
-    if P.shape[0] == P.shape[1] == found.rank:
-        assert sum(found.row_degrees) == P.determinant().degree()
+    if P.shape[0] == P.shape[1] == form.rank:
+        assert sum(form.row_degrees) == P.determinant().degree()
 
 
 def test_popov_form_with_symbols():
-    found = popov_form([["a*s", 1], ["s", "s"]], "s")
-    assert found.certificate.holds and sympy.Symbol("a") in found.exceptional
+    form = popov_form([["a*s", 1], ["s", "s"]], "s")
+    assert form.certificate.holds and sympy.Symbol("a") in form.exceptional
     assert popov_form([["s", 1]]).form == polynomial_matrix([["s", 1]])
 
 
@@ -186,8 +186,8 @@ def test_bad_input(call):
 
 
 def test_the_examples_of_the_notes():
-    found = frobenius_form([[3, -1, 2, -1], [1, 1, 2, -1], [-1, 1, 1, 1], [-2, 2, -2, 4]])
-    assert found.invariant_polynomials == (
+    form = frobenius_form([[3, -1, 2, -1], [1, 1, 2, -1], [-1, 1, 1, 1], [-2, 2, -2, 4]])
+    assert form.invariant_polynomials == (
         polynomial("s - 2"), polynomial("(s - 2)**2*(s - 3)"),
     )  # fmt: skip
 
@@ -200,11 +200,11 @@ def test_frobenius_form_of_a_large_cyclic_matrix(seed):
     minimal = A.minpoly()
     assume(minimal.degree() == n)
     with at_most(400_000):
-        found = frobenius_form([[int(entry) for entry in row] for row in A.tolist()])
-    assert found.certificate.holds and found.is_cyclic
-    assert found.minimal_polynomial.all_coeffs() == [int(c) for c in reversed(minimal.coeffs())]
-    T = flint.fmpz_mat(n, n, [int(entry) for entry in found.T])
-    companion_matrix = flint.fmpz_mat(n, n, [int(entry) for entry in found.form])
+        form = frobenius_form([[int(entry) for entry in row] for row in A.tolist()])
+    assert form.certificate.holds and form.is_cyclic
+    assert form.minimal_polynomial.all_coeffs() == [int(c) for c in reversed(minimal.coeffs())]
+    T = flint.fmpz_mat(n, n, [int(entry) for entry in form.T])
+    companion_matrix = flint.fmpz_mat(n, n, [int(entry) for entry in form.form])
     assert T.rank() == n and T * companion_matrix == A * T
 
 

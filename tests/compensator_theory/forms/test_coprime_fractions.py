@@ -41,21 +41,21 @@ def is_unimodular(matrix):
 @pytest.mark.costly
 @given(polynomial_matrices())
 def test_the_hermite_form(P):
-    found = hermite_form(P)
-    U, H = found.U.as_matrix(), found.form.as_matrix()
+    form = hermite_form(P)
+    U, H = form.U.as_matrix(), form.form.as_matrix()
     assert expanded(U * P.as_matrix() - H).is_zero_matrix
-    assert expanded(U * found.U_inverse.as_matrix()) == eye(P.shape[0])
-    assert found.rank == len(divisors(P.as_matrix())) and found.certificate.holds
+    assert expanded(U * form.U_inverse.as_matrix()) == eye(P.shape[0])
+    assert form.rank == len(divisors(P.as_matrix())) and form.certificate.holds
     last = -1
-    for i, row in enumerate(found.form.rows):
+    for i, row in enumerate(form.form.rows):
         columns = [j for j, entry in enumerate(row) if not entry.is_zero]
-        assert bool(columns) == (i < found.rank)
+        assert bool(columns) == (i < form.rank)
         if columns:
             assert columns[0] > last and row[columns[0]].is_monic
             last = columns[0]
             for above in range(i):
-                degree = found.form[above, last].degree()
-                assert found.form[above, last].is_zero or degree < row[last].degree()
+                degree = form.form[above, last].degree()
+                assert form.form[above, last].is_zero or degree < row[last].degree()
 
 
 @given(polynomial_matrices(), st.lists(st.integers(-2, 2), min_size=3, max_size=3))
@@ -71,59 +71,61 @@ def test_the_hermite_form_is_unique(P, numbers):
 
 @given(polynomial_matrices())
 def test_row_degrees_add_up_to_the_largest_degree_of_a_minor(P):
-    found = row_reduced_form(P)
-    assert expanded(found.U.as_matrix() * P.as_matrix() - found.form.as_matrix()).is_zero_matrix
-    assert is_unimodular(found.U.as_matrix())
-    assert found.rank == len(divisors(P.as_matrix()))
-    assert found.leading_matrix.rank() == found.rank
-    if found.rank:
-        top = found.form.as_matrix()[: found.rank, :]
-        largest = max(Poly(m, s).degree() for m in minors(top, found.rank) if m != 0)
-        assert sum(found.row_degrees) == largest
-    if found.rank == P.shape[0] == P.shape[1]:
-        assert sum(found.row_degrees) == Poly(P.as_matrix().det(), s).degree()
+    form = row_reduced_form(P)
+    assert expanded(form.U.as_matrix() * P.as_matrix() - form.form.as_matrix()).is_zero_matrix
+    assert is_unimodular(form.U.as_matrix())
+    assert form.rank == len(divisors(P.as_matrix()))
+    assert form.leading_matrix.rank() == form.rank
+    if form.rank:
+        top = form.form.as_matrix()[: form.rank, :]
+        largest = max(Poly(m, s).degree() for m in minors(top, form.rank) if m != 0)
+        assert sum(form.row_degrees) == largest
+    if form.rank == P.shape[0] == P.shape[1]:
+        assert sum(form.row_degrees) == Poly(P.as_matrix().det(), s).degree()
 
 
 @given(polynomial_matrices())
 def test_every_form_has_the_invariants_of_its_matrix(P):
     right = divisors(P.as_matrix())
     for form in (smith_form, hermite_form, row_reduced_form, popov_form):
-        found = form(P)
-        assert list(accumulate(found.invariant_polynomials, mul)) == right
-        assert found.is_verified and found.rank == len(right)
+        result = form(P)
+        assert list(accumulate(result.invariant_polynomials, mul)) == right
+        assert result.is_verified and result.rank == len(right)
 
 
 @given(transfer_matrices(extra=1))
 def test_both_fractions_are_the_transfer_matrix(G):
-    found = ct.coprime_fractions(G)
+    fractions = ct.coprime_fractions(G)
     poles = pole_polynomial(G)
     point = nonzero_point(G.denominator, poles)
     value = Matrix(G.numerator_matrix().subs(s, point)) / G.denominator.eval(point)
-    D_r, N_r, D_l, N_l = (Matrix(x(point)) for x in (found.D_r, found.N_r, found.D_l, found.N_l))
+    D_r, N_r, D_l, N_l = (
+        Matrix(x(point)) for x in (fractions.D_r, fractions.N_r, fractions.D_l, fractions.N_l)
+    )
     assert N_r * D_r.inv() == value == D_l.inv() * N_l
     N, d = G.numerator_matrix(), G.denominator.as_expr()
-    assert expanded(N * found.D_r.as_matrix() - d * found.N_r.as_matrix()).is_zero_matrix
-    assert expanded(found.D_l.as_matrix() * N - d * found.N_l.as_matrix()).is_zero_matrix
+    assert expanded(N * fractions.D_r.as_matrix() - d * fractions.N_r.as_matrix()).is_zero_matrix
+    assert expanded(fractions.D_l.as_matrix() * N - d * fractions.N_l.as_matrix()).is_zero_matrix
 
 
 @pytest.mark.costly
 @given(transfer_matrices(extra=1))
 def test_they_are_coprime_and_of_least_degree(G):
-    found = ct.coprime_fractions(G)
-    right = found.D_r.as_matrix().col_join(found.N_r.as_matrix())
-    left = found.D_l.as_matrix().row_join(found.N_l.as_matrix())
+    fractions = ct.coprime_fractions(G)
+    right = fractions.D_r.as_matrix().col_join(fractions.N_r.as_matrix())
+    left = fractions.D_l.as_matrix().row_join(fractions.N_l.as_matrix())
     assert divisors(right)[-1] == divisors(left)[-1] == ct.polynomial(1, "s")
     poles = pole_polynomial(G)
-    for D in (found.D_r, found.D_l):
+    for D in (fractions.D_r, fractions.D_l):
         assert exact.monic(D.determinant()) == poles
-    assert found.pole_polynomial == poles and found.order == poles.degree()
+    assert fractions.pole_polynomial == poles and fractions.order == poles.degree()
 
 
 @given(transfer_matrices(extra=1))
 def test_the_bezout_identities_multiplied_out_by_sympy(G):
-    found = ct.coprime_fractions(G)
+    fractions = ct.coprime_fractions(G)
     D_r, N_r, D_l, N_l, X_r, Y_r, X_l, Y_l = (
-        getattr(found, name).as_matrix()
+        getattr(fractions, name).as_matrix()
         for name in ("D_r", "N_r", "D_l", "N_l", "X_r", "Y_r", "X_l", "Y_l")
     )
     p, m = G.shape
@@ -132,7 +134,10 @@ def test_the_bezout_identities_multiplied_out_by_sympy(G):
     assert expanded(left * right) == eye(p + m) == expanded(right * left)
     for i in range(m):
         for j in range(p):
-            assert found.Y_r[i, j].is_zero or found.Y_r[i, j].degree() < found.D_l[j, j].degree()
+            assert (
+                fractions.Y_r[i, j].is_zero
+                or fractions.Y_r[i, j].degree() < fractions.D_l[j, j].degree()
+            )
 
 
 @given(transfer_matrices())
@@ -148,15 +153,15 @@ def test_what_numerator_and_denominator_share_does_not_matter(G):
 
 
 def test_the_example_of_the_notes():
-    found = ct.coprime_fractions(G_OF_THE_NOTES)
+    fractions = ct.coprime_fractions(G_OF_THE_NOTES)
     D_r = Matrix([[s**2 + 3 * s + 2, -s - 1], [0, s + 1]])
     N_r = Matrix([[s + 2, 1], [-1, 1]])
-    Z = (found.D_r.as_matrix().inv() * D_r).applyfunc(sympy.cancel)
-    assert is_unimodular(Z) and expanded(found.N_r.as_matrix() * Z - N_r).is_zero_matrix
+    Z = (fractions.D_r.as_matrix().inv() * D_r).applyfunc(sympy.cancel)
+    assert is_unimodular(Z) and expanded(fractions.N_r.as_matrix() * Z - N_r).is_zero_matrix
     D_l, N_l = Matrix([[-s - 1, 0], [0, s**2 + 3 * s + 2]]), Matrix([[-1, -2], [-1, s + 1]])
-    W = (D_l * found.D_l.as_matrix().inv()).applyfunc(sympy.cancel)
-    assert is_unimodular(W) and expanded(W * found.N_l.as_matrix() - N_l).is_zero_matrix
-    assert found.order == 3
+    W = (D_l * fractions.D_l.as_matrix().inv()).applyfunc(sympy.cancel)
+    assert is_unimodular(W) and expanded(W * fractions.N_l.as_matrix() - N_l).is_zero_matrix
+    assert fractions.order == 3
     # The Bezout identity there, X D_r + Y N_r = I, with our class.
     X, Y = (
         ct.polynomial_matrix([[0, "-1/2"], [0, "-1/2"]], "s"),
@@ -168,17 +173,17 @@ def test_the_example_of_the_notes():
 
 
 def test_symbols_say_where_they_hold():
-    found = ct.coprime_fractions("(s - a)/(s*(s - b))", "s")
-    assert set(found.exceptional) == {a, a - b} and found.certificate.holds
+    fractions = ct.coprime_fractions("(s - a)/(s*(s - b))", "s")
+    assert set(fractions.exceptional) == {a, a - b} and fractions.certificate.holds
     assert ct.coprime_fractions("(s - a)/(s*(s - a))", "s").order == 1
     row = row_reduced_form([["a*s", "s"], ["b*s + 1", "s"]], "s")
     assert row.exceptional == (a - b,) and row.row_degrees == (1, 1)
 
 
 def test_scalars_agree_with_the_scalar_identity():
-    found = ct.coprime_fractions("(s + 5)/(s**2 + 3*s + 2)")
+    fractions = ct.coprime_fractions("(s + 5)/(s**2 + 3*s + 2)")
     scalar = exact.bezout_identity("s**2 + 3*s + 2", "s + 5")
-    assert found.X_r[0, 0] == scalar.x and found.Y_r[0, 0] == scalar.y
+    assert fractions.X_r[0, 0] == scalar.x and fractions.Y_r[0, 0] == scalar.y
     assert ct.coprime_fractions([[2, "s"]], "s").order == 0
 
 
@@ -189,8 +194,8 @@ def test_the_scalar_identity_is_that_of_the_matrix(pair):
     scalar = exact.bezout_identity(D, N)
     x, y, gcd = sympy.gcdex(D, N)
     assert gcd == 1 and scalar.gcd == gcd and (scalar.x, scalar.y) == (x, y)
-    found = ct.coprime_fractions([[(N, D)]], "s")
-    assert (found.X_r[0, 0], found.Y_r[0, 0]) == (x, y)
+    fractions = ct.coprime_fractions([[(N, D)]], "s")
+    assert (fractions.X_r[0, 0], fractions.Y_r[0, 0]) == (x, y)
 
 
 @pytest.mark.parametrize(

@@ -26,11 +26,11 @@ def improper(draw):
 @fewer(3)
 @given(improper())
 def test_the_matrix_comes_back_and_no_mode_is_hidden(G):
-    found = ct.descriptor_realisation(G)
-    assert found.transfer_matrix().as_matrix().equals(G.as_matrix())
-    assert found.is_controllable and found.is_observable
-    assert found.is_impulse_controllable and found.is_impulse_observable
-    slow = found.slow_part()
+    system = ct.descriptor_realisation(G)
+    assert system.transfer_matrix().as_matrix().equals(G.as_matrix())
+    assert system.is_controllable and system.is_observable
+    assert system.is_impulse_controllable and system.is_impulse_observable
+    slow = system.slow_part()
     strictly_proper = slow.transfer_matrix()
     assert slow.n == ct.mcmillan_degree(strictly_proper)
     # The poles at infinity: those of G(1/w) at w = 0, counted by the ranks of E.
@@ -44,13 +44,13 @@ def test_the_matrix_comes_back_and_no_mode_is_hidden(G):
                 )[1]
                 order = sympy.Poly(bottom, s).monoms()[-1][0] if bottom.has(s) else 0
                 at_infinity = max(at_infinity, order)
-    assert found.E.rank() == slow.n + at_infinity
+    assert system.E.rank() == slow.n + at_infinity
 
 
 def test_a_pid_controller_with_symbols():
     k_p, k_i, k_d = sympy.symbols("k_p k_i k_d")
-    found = ct.descriptor_realisation("k_p + k_i/s + k_d*s", "s")
-    assert sympy.cancel(found.transfer_function().as_expr() - k_p - k_i / s - k_d * s) == 0
-    assert found.index == 2
+    system = ct.descriptor_realisation("k_p + k_i/s + k_d*s", "s")
+    assert sympy.cancel(system.transfer_function().as_expr() - k_p - k_i / s - k_d * s) == 0
+    assert system.index == 2
     cases = str(ct.exceptional_cases(ct.descriptor_realisation, "k_p + k_i/s + k_d*s", "s"))
     assert "k_d = 0" in cases and "k_i = 0" in cases

@@ -42,12 +42,12 @@ def pairs():
 
 @given(pairs())
 def test_partial_fractions(G):
-    found = ct.partial_fractions(G)
-    assert found.certificate.holds
-    for term in found.terms:
+    fractions = ct.partial_fractions(G)
+    assert fractions.certificate.holds
+    for term in fractions.terms:
         assert term.numerator.degree() < term.factor.degree() and term.factor.is_irreducible
-    whole = found.polynomial.as_expr() + sum(
-        term.numerator.as_expr() / term.factor.as_expr() ** term.power for term in found.terms
+    whole = fractions.polynomial.as_expr() + sum(
+        term.numerator.as_expr() / term.factor.as_expr() ** term.power for term in fractions.terms
     )
     assert sympy.together(whole - sympy.apart(G.as_expr(), s)).expand() == 0
 
@@ -61,9 +61,9 @@ def test_published_expansions():
 
 
 def test_symbols():
-    found = ct.partial_fractions(ct.transfer_function("1/((s + a)*(s + b))", "s"))
+    fractions = ct.partial_fractions(ct.transfer_function("1/((s + a)*(s + b))", "s"))
     a, b = sympy.symbols("a b")
-    assert {sympy.simplify(t.numerator.as_expr() * (a - b)) for t in found.terms} == {1, -1}
+    assert {sympy.simplify(t.numerator.as_expr() * (a - b)) for t in fractions.terms} == {1, -1}
 
 
 def test_bad_input():

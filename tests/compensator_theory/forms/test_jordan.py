@@ -48,13 +48,13 @@ def zero(matrix):
 @given(disguised())
 def test_blocks_that_were_disguised_are_found(case):
     blocks, A = case
-    found = jordan_form(A)
-    assert Counter((Poly(f.as_expr(), s), k) for f, k in found.blocks) == blocks
-    assert found.T.det() != 0 and found.T * found.form * found.T.inv() == A
-    for factor, _ in found.blocks:  # ranks of powers, by SymPy
+    form = jordan_form(A)
+    assert Counter((Poly(f.as_expr(), s), k) for f, k in form.blocks) == blocks
+    assert form.T.det() != 0 and form.T * form.form * form.T.inv() == A
+    for factor, _ in form.blocks:  # ranks of powers, by SymPy
         value = sum((c * A**i for i, c in enumerate(reversed(factor.all_coeffs()))), A * 0)
         for k in range(1, 4):
-            lost = sum(min(k, length) for f, length in found.blocks if f == factor)
+            lost = sum(min(k, length) for f, length in form.blocks if f == factor)
             assert A.rows - (value**k).rank() == lost * factor.degree()
 
 
@@ -62,18 +62,18 @@ def test_blocks_that_were_disguised_are_found(case):
 @given(disguised(), st.sampled_from(["real", "complex"]))
 def test_every_root_has_its_chain(case, over):
     blocks, A = case
-    found = jordan_form(A, over=over)
-    assert zero(A * found.T - found.T * found.form)
+    form = jordan_form(A, over=over)
+    assert zero(A * form.T - form.T * form.form)
     with mpmath.workdps(40):  # SymPy's determinants of floats answered 0 where it is -512
-        assert abs(mpmath.det(sympy.lambdify([], found.T, "mpmath")())) > 1e-25
+        assert abs(mpmath.det(sympy.lambdify([], form.T, "mpmath")())) > 1e-25
     if over == "real":
-        assert not found.form.has(sympy.I) and not found.T.has(sympy.I)
+        assert not form.form.has(sympy.I) and not form.T.has(sympy.I)
     else:
         lengths = Counter()
         start = 0
         for i in range(A.rows):
-            if i + 1 == A.rows or found.form[i, i + 1] == 0:
-                lengths[sympy.expand(found.form[i, i]), i + 1 - start] += 1
+            if i + 1 == A.rows or form.form[i, i + 1] == 0:
+                lengths[sympy.expand(form.form[i, i]), i + 1 - start] += 1
                 start = i + 1
         expected = Counter()
         for (f, k), times in blocks.items():
@@ -115,11 +115,11 @@ SYMBOLIC = [
 @given(st.sampled_from(SYMBOLIC), st.sampled_from(["rational", "complex"]), st.data())
 def test_a_form_with_symbols_holds_at_every_point_that_is_not_excepted(matrix, over, data):
     """A similarity to what is a Jordan form, whatever the symbols are, decided by balls."""
-    found, A = jordan_form(matrix, over=over), Matrix(matrix)
+    result, A = jordan_form(matrix, over=over), Matrix(matrix)
     values = {x: sympy.Rational(data.draw(st.integers(-6, 6)), 2) for x in A.free_symbols}
-    if any(f.subs(values) == 0 for f in found.exceptional):
+    if any(f.subs(values) == 0 for f in result.exceptional):
         return
-    there, T, J = (M.subs(values) for M in (A, found.T, found.form))
+    there, T, J = (M.subs(values) for M in (A, result.T, result.form))
     assert zero(there * T - T * J) and is_proven_nonsingular(Matrix(T))
     if over == "complex":
         above = {J[i, i + 1] for i in range(A.rows - 1)}
@@ -130,10 +130,10 @@ def test_a_form_with_symbols_holds_at_every_point_that_is_not_excepted(matrix, o
 def test_the_eigenvalues_of_a_damped_oscillator():
     """w (-d +- sqrt(d^2 - 1)), and a chain where d = 1: from any text."""
     w, d = sympy.symbols("w d")
-    found = jordan_form([[0, 1], ["-w**2", "-2*d*w"]], over="complex")
-    roots = {sympy.expand(found.form[i, i].subs({w: 2, d: 3})) for i in (0, 1)}
+    form = jordan_form([[0, 1], ["-w**2", "-2*d*w"]], over="complex")
+    roots = {sympy.expand(form.form[i, i].subs({w: 2, d: 3})) for i in (0, 1)}
     assert roots == {-6 + 4 * sympy.sqrt(2), -6 - 4 * sympy.sqrt(2)}
-    assert set(found.exceptional) == {w, d - 1, d + 1}
+    assert set(form.exceptional) == {w, d - 1, d + 1}
     cases = exceptional_cases(jordan_form, [[0, 1], ["-w**2", "-2*d*w"]], over="complex")
     assert "(s + w)**2" in str(cases)
 

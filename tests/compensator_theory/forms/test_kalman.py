@@ -32,28 +32,28 @@ def krylov(A, B):
 
 
 def test_a_known_plant_with_every_kind_of_state():
-    found = ct.kalman_decomposition(HIDDEN, variable="s")
-    assert found.dimensions == (1, 1, 1, 1)
-    assert [str(p.as_expr()) for p in found.block_polynomials] == [
+    decomposition = ct.kalman_decomposition(HIDDEN, variable="s")
+    assert decomposition.dimensions == (1, 1, 1, 1)
+    assert [str(p.as_expr()) for p in decomposition.block_polynomials] == [
         "s + 1",
         "s + 2",
         "s + 3",
         "s + 4",
     ]
-    assert found.input_decoupling == exact.polynomial("(s + 3)*(s + 4)")
-    assert found.output_decoupling == exact.polynomial("(s + 1)*(s + 3)")
-    assert found.minimal.characteristic_polynomial == exact.polynomial("s + 2")
-    assert found.is_minimal is False and found.certificate.holds
+    assert decomposition.input_decoupling == exact.polynomial("(s + 3)*(s + 4)")
+    assert decomposition.output_decoupling == exact.polynomial("(s + 1)*(s + 3)")
+    assert decomposition.minimal.characteristic_polynomial == exact.polynomial("s + 2")
+    assert decomposition.is_minimal is False and decomposition.certificate.holds
 
 
 @given(realisations())
 def test_dimensions_are_ranks(plant):
     """The oracle counts by ranks of the two Kalman matrices and of their product."""
-    found = ct.kalman_decomposition(plant)
+    decomposition = ct.kalman_decomposition(plant)
     A, B, C = map(Matrix, (plant.A, plant.B, plant.C))
     reached, shown = krylov(A, B), krylov(A.T, C.T).T
     both = (shown * reached).rank()  # dim R - dim (R and N)
-    assert found.dimensions == (
+    assert decomposition.dimensions == (
         reached.rank() - both,
         both,
         plant.n - reached.rank() - shown.rank() + both,
@@ -63,26 +63,26 @@ def test_dimensions_are_ranks(plant):
 
 @given(realisations())
 def test_the_basis_and_the_zero_blocks(plant):
-    found = ct.kalman_decomposition(plant)
-    new, T = found.realisation, Matrix(found.T)
+    decomposition = ct.kalman_decomposition(plant)
+    new, T = decomposition.realisation, Matrix(decomposition.T)
     assert T.det() != 0
     assert (plant.A * T - T * new.A).is_zero_matrix and (plant.C * T - new.C).is_zero_matrix
     assert (plant.B - T * new.B).is_zero_matrix
-    first, second, third, _ = np.cumsum(found.dimensions)
+    first, second, third, _ = np.cumsum(decomposition.dimensions)
     assert new.A[first:, :first].is_zero_matrix and new.A[second:, :second].is_zero_matrix
     assert new.A[third:, :third].is_zero_matrix and new.B[second:, :].is_zero_matrix
     assert new.A[first:second, second:third].is_zero_matrix
     assert new.C[:, :first].is_zero_matrix and new.C[:, second:third].is_zero_matrix
-    assert found.input_decoupling == plant.uncontrollable_modes
-    assert found.output_decoupling == plant.unobservable_modes
+    assert decomposition.input_decoupling == plant.uncontrollable_modes
+    assert decomposition.output_decoupling == plant.unobservable_modes
 
 
 @fewer(2)
 @given(realisations())
 def test_the_minimal_part_has_the_same_transfer_matrix(plant):
-    found = ct.minimal_realisation(plant)
-    small = found.realisation
-    assert small.is_minimal and found.certificate.holds
+    minimal = ct.minimal_realisation(plant)
+    small = minimal.realisation
+    assert small.is_minimal and minimal.certificate.holds
     point = sympy.Rational(1001, 7)  # above the size of every eigenvalue
 
     def value(r):
@@ -95,11 +95,14 @@ def test_the_minimal_part_has_the_same_transfer_matrix(plant):
 @given(transfer_matrices())
 def test_the_least_order_is_the_mcmillan_degree_by_minors(G):
     poles = pole_polynomial(G)
-    found = ct.minimal_realisation(G)
-    assert found.order == ct.mcmillan_degree(G) == poles.degree()
-    assert found.realisation.characteristic_polynomial == poles
-    assert found.realisation.is_minimal
-    assert not found.order or krylov(found.realisation.A, found.realisation.B).rank() == found.order
+    minimal = ct.minimal_realisation(G)
+    assert minimal.order == ct.mcmillan_degree(G) == poles.degree()
+    assert minimal.realisation.characteristic_polynomial == poles
+    assert minimal.realisation.is_minimal
+    assert (
+        not minimal.order
+        or krylov(minimal.realisation.A, minimal.realisation.B).rank() == minimal.order
+    )
 
 
 @pytest.mark.costly
@@ -123,8 +126,8 @@ def test_markov_parameters_of_the_realisation_fill_the_hankel_matrix(G):
 
 
 def test_the_example_of_the_notes():
-    found = ct.minimal_realisation(G_OF_THE_NOTES)
-    assert found.realisation == exact.Realisation(
+    minimal = ct.minimal_realisation(G_OF_THE_NOTES)
+    assert minimal.realisation == exact.Realisation(
         [[-1, 0, 0], [0, 0, 1], [0, -2, -3]], [[1, 2], [0, 1], [-1, -2]], [[1, 0, 0], [0, 1, 0]]
     )
     assert [ct.hankel_matrix(G_OF_THE_NOTES, k, k).rank() for k in (1, 2, 3)] == [2, 3, 3]
@@ -142,9 +145,11 @@ def test_python_control_agrees(G):
 
 
 def test_symbols_say_where_they_hold():
-    found = ct.kalman_decomposition(([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]), variable="s")
-    assert found.dimensions == (0, 2, 0, 0) and found.is_minimal is None
-    assert set(found.exceptional) == {a - b, sympy.Symbol("c")}
+    decomposition = ct.kalman_decomposition(
+        ([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]]), variable="s"
+    )
+    assert decomposition.dimensions == (0, 2, 0, 0) and decomposition.is_minimal is None
+    assert set(decomposition.exceptional) == {a - b, sympy.Symbol("c")}
     equal = ct.kalman_decomposition(([["a", 0], [0, "a"]], [[1], ["c"]], [[1, 1]]), variable="s")
     assert equal.dimensions == (0, 1, 1, 0) and equal.is_minimal is False
     assert equal.exceptional == (

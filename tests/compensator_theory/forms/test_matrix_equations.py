@@ -44,30 +44,30 @@ def stacked(column, degree):
 @fewer(2)
 @given(polynomial_matrices())
 def test_a_minimal_basis_spans_every_degree(P):
-    found = minimal_basis(P)
-    for degree in range(max(found.indices, default=0) + 2):
+    basis = minimal_basis(P)
+    for degree in range(max(basis.indices, default=0) + 2):
         system = toeplitz(P, degree)
         nullity = system.cols - rank(system)
-        assert nullity == sum(max(0, degree - index + 1) for index in found.indices)
-    assert tuple(sorted(found.indices)) == found.indices
+        assert nullity == sum(max(0, degree - index + 1) for index in basis.indices)
+    assert tuple(sorted(basis.indices)) == basis.indices
 
 
 @fewer(2)
 @given(polynomial_matrices(max_size=2))
 def test_a_minimal_basis_loses_rank_nowhere(P):
-    found = minimal_basis(P)
+    basis = minimal_basis(P)
     ranks = divisors(P.as_matrix())
-    assert len(found.indices) == P.shape[1] - len(ranks)
-    if found.basis is None:
+    assert len(basis.indices) == P.shape[1] - len(ranks)
+    if basis.basis is None:
         return
-    M = found.basis.as_matrix()
+    M = basis.basis.as_matrix()
     assert (P.as_matrix() * M).applyfunc(sympy.expand).is_zero_matrix
     assert divisors(M)[-1] == ct.polynomial("1", "s")  # at no point, by the gcd of all minors
     if ranks:  # right and left indices add up to the degree of the minors without their gcd
         largest = max(Poly(m, s).degree() for m in minors(P.as_matrix(), len(ranks)) if m != 0)
         content = divisors(P.as_matrix())[-1].degree()
         left = minimal_basis(P.T).indices
-        assert sum(found.indices) + sum(left) == largest - content
+        assert sum(basis.indices) + sum(left) == largest - content
 
 
 @st.composite
@@ -90,35 +90,35 @@ def test_the_solution_of_least_degree(drawn, side):
     A, B, X, Y = drawn
     C = A @ X + B @ Y
     given_ = (A, B, C) if side == "right" else (A.T, B.T, C.T)
-    found = ct.solve_matrix_diophantine(*given_, side=side)
-    assert found.certificate.holds
-    x, y = (found.X, found.Y) if side == "right" else (found.X.T, found.Y.T)
+    solution = ct.solve_matrix_diophantine(*given_, side=side)
+    assert solution.certificate.holds
+    x, y = (solution.X, solution.Y) if side == "right" else (solution.X.T, solution.Y.T)
     assert A @ x + B @ y == C
     joined = ct.polynomial_matrix(A.as_matrix().row_join(B.as_matrix()), "s")
-    for j, degree in enumerate(found.degrees):
+    for j, degree in enumerate(solution.degrees):
         if degree > 0:
             system = toeplitz(joined, degree - 1)
             size = max(joined.degree, 0) + degree
-            wanted = C.as_matrix()[:, j]
-            if max((Poly(e, s).degree() for e in wanted if e != 0), default=0) < size:
-                extended = system.row_join(stacked(wanted, size - 1))
+            expected = C.as_matrix()[:, j]
+            if max((Poly(e, s).degree() for e in expected if e != 0), default=0) < size:
+                extended = system.row_join(stacked(expected, size - 1))
                 assert rank(extended) > rank(system)  # nothing of a lower degree solves it
         system = toeplitz(joined, max(degree, 0))
         nullity = system.cols - rank(system)
-        assert nullity == found.number_of_parameters(max(degree, 0))
+        assert nullity == solution.number_of_parameters(max(degree, 0))
 
 
 @fewer(3)
 @given(equations())
 def test_every_solution_is_a_member(drawn):
     A, B, X, Y = drawn
-    found = ct.solve_matrix_diophantine(A, B, A @ X + B @ Y)
-    if found.is_unique:
-        assert (found.X, found.Y) == (X, Y)
+    solution = ct.solve_matrix_diophantine(A, B, A @ X + B @ Y)
+    if solution.is_unique:
+        assert (solution.X, solution.Y) == (X, Y)
         return
-    difference = (X - found.X).as_matrix().col_join((Y - found.Y).as_matrix())
-    T = found.kernel.left_inverse @ ct.polynomial_matrix(difference, "s")
-    assert found.member(T) == (X, Y)
+    difference = (X - solution.X).as_matrix().col_join((Y - solution.Y).as_matrix())
+    T = solution.kernel.left_inverse @ ct.polynomial_matrix(difference, "s")
+    assert solution.member(T) == (X, Y)
 
 
 @given(polynomial_matrices(max_size=2), st.integers(-3, 3))
@@ -134,27 +134,27 @@ def test_the_example_of_the_notes():
     """D_l D_c + N_l N_c = diag((s+3)^2, (s+4)^3): of degree 1 a line of answers for each column."""
     fractions = ct.coprime_fractions(G_OF_THE_NOTES)
     C = ct.polynomial_matrix([["-(s + 3)**2", 0], [0, "(s + 4)**3"]], "s")
-    found = ct.solve_matrix_diophantine(fractions.D_l, fractions.N_l, C)
-    assert found.degrees == (1, 1) and found.number_of_parameters(1) == 1
+    solution = ct.solve_matrix_diophantine(fractions.D_l, fractions.N_l, C)
+    assert solution.degrees == (1, 1) and solution.number_of_parameters(1) == 1
     D_c = ct.polynomial_matrix([["-s - 3", "11/2"], [0, "s + 9"]])
     N_c = ct.polynomial_matrix([["-2*s - 2", "-(11*s + 65)/2"], [-2, "27/2"]])
     minus = ct.polynomial_matrix([[-1, 0], [0, 1]], "s")  # their D_l has the other sign in row 1
     right = minus @ ct.polynomial_matrix([["(s + 3)**2", 0], [0, "(s + 4)**3"]])
     assert fractions.D_l @ D_c + fractions.N_l @ N_c == right
-    delta = (D_c - found.X).as_matrix().col_join((N_c - found.Y).as_matrix())
-    T = found.kernel.left_inverse @ ct.polynomial_matrix(delta, "s")
-    assert found.member(T) == (D_c, N_c)
+    delta = (D_c - solution.X).as_matrix().col_join((N_c - solution.Y).as_matrix())
+    T = solution.kernel.left_inverse @ ct.polynomial_matrix(delta, "s")
+    assert solution.member(T) == (D_c, N_c)
 
 
 def test_forneys_example():
-    found = minimal_basis([["s**2 + 1", "s", "s**3"]])
-    assert found.indices == (1, 2)
+    basis = minimal_basis([["s**2 + 1", "s", "s**3"]])
+    assert basis.indices == (1, 2)
     assert minimal_basis([["s"]]).basis is None and str(minimal_basis([["s"]])) == "0"
 
 
 def test_symbols_say_where_they_hold():
-    found = ct.solve_matrix_diophantine([["s - a"]], [["s - b"]], [["1"]], variable="s")
-    assert a - b in found.exceptional and found.certificate.holds
+    solution = ct.solve_matrix_diophantine([["s - a"]], [["s - b"]], [["1"]], variable="s")
+    assert a - b in solution.exceptional and solution.certificate.holds
     assert a - b in minimal_basis([["s - a", "s - b"]], "s").exceptional
 
 

@@ -64,23 +64,23 @@ pairs = sizes.flatmap(
 @given(pairs)
 def test_invariants_are_those_of_both_smith_forms(pair):
     A, E = pair
-    found = kronecker_form(A, E)
-    assert found.certificate.holds
+    form = kronecker_form(A, E)
+    assert form.certificate.holds
     finite = smith_form(s * E - A, "s").invariant_polynomials
-    assert tuple(p for p in finite if p.degree()) == found.invariant_polynomials
+    assert tuple(p for p in finite if p.degree()) == form.invariant_polynomials
     infinite = smith_form(E - s * A, "s").invariant_polynomials
     powers = [min(m[0] for m, _ in p.terms()) for p in infinite]
-    assert tuple(k for k in powers if k) == found.infinite_orders
-    assert len(found.right_indices) == A.cols - len(finite)
-    assert len(found.left_indices) == A.rows - len(finite)
+    assert tuple(k for k in powers if k) == form.infinite_orders
+    assert len(form.right_indices) == A.cols - len(finite)
+    assert len(form.left_indices) == A.rows - len(finite)
 
 
 @fewer(2)
 @given(pairs)
 def test_bases_are_minimal_and_have_left_inverses(pair):
     """Independent leading coefficients, and no loss of rank anywhere, are Forney's definition."""
-    found = kronecker_form(*pair)
-    for basis in (found.right_basis, found.left_basis):
+    form = kronecker_form(*pair)
+    for basis in (form.right_basis, form.left_basis):
         if basis.basis is None:
             continue
         P, M, W = (m.as_matrix() for m in (basis.matrix, basis.basis, basis.left_inverse))
@@ -108,10 +108,10 @@ def test_bases_are_minimal_and_have_left_inverses(pair):
 )  # fmt: skip
 def test_hidden_blocks_are_found(right, left, finite, infinite):
     A, E = hidden(random.Random(str((right, left))), right, left, finite, infinite)
-    found = kronecker_form(A, E)
-    assert found.right_indices == tuple(sorted(right))
-    assert found.left_indices == tuple(sorted(left))
-    assert found.infinite_orders == tuple(sorted(infinite))
+    form = kronecker_form(A, E)
+    assert form.right_indices == tuple(sorted(right))
+    assert form.left_indices == tuple(sorted(left))
+    assert form.infinite_orders == tuple(sorted(infinite))
     sizes = {}
     for size, value in finite:
         sizes.setdefault(value, []).append(size)
@@ -119,40 +119,40 @@ def test_hidden_blocks_are_found(right, left, finite, infinite):
     for k in range(max(map(len, sizes.values()), default=0)):
         powers = [(v, sorted(o)[::-1][k]) for v, o in sizes.items() if k < len(o)]
         expected.append(sympy.Poly(sympy.prod((s - v) ** o for v, o in powers), s, domain="QQ"))
-    assert list(found.invariant_polynomials) == expected[::-1]
+    assert list(form.invariant_polynomials) == expected[::-1]
 
 
 @pytest.mark.parametrize("shape", [(16, 17), (20, 21), (17, 16), (24, 24), (10, 14)])
 def test_dense_pencils_are_generic(shape):
     rows, columns = shape
     A, E = dense(rows, columns)
-    found = kronecker_form(A, E)
+    form = kronecker_form(A, E)
     more = abs(rows - columns)
     small = min(rows, columns)
     generic = tuple(sorted((small + k) // more for k in range(more))) if more else ()
-    assert (found.right_indices if columns > rows else found.left_indices) == generic
-    assert found.infinite_orders == ()
+    assert (form.right_indices if columns > rows else form.left_indices) == generic
+    assert form.infinite_orders == ()
     point = sympy.Rational(3, 7)
     if not more:
         at_point = (point * Matrix(E) - Matrix(A)).det(method="domain-ge") / Matrix(E).det(
             method="domain-ge"
         )
-        assert found.finite_polynomial.eval(point) == at_point
+        assert form.finite_polynomial.eval(point) == at_point
     else:
-        assert found.right_basis.certificate.holds and found.left_basis.certificate.holds
+        assert form.right_basis.certificate.holds and form.left_basis.certificate.holds
 
 
 def test_a_basis_is_the_vector_of_minors():
     """For one vector more than rows, all minors with signs are a null vector, the shortest one."""
     A, E = map(Matrix, dense(4, 5, seed=2))
-    found = minimal_basis(s * E - A, "s").basis.as_matrix()
+    basis = minimal_basis(s * E - A, "s").basis.as_matrix()
     minors = [
         (-1) ** j * sympy.Poly((s * E - A)[:, [k for k in range(5) if k != j]].det(), s)
         for j in range(5)
     ]
     for i in range(1, 5):
-        assert sympy.Poly(found[i], s) * minors[0] == sympy.Poly(found[0], s) * minors[i]
-    assert max(sympy.Poly(e, s).degree() for e in found) == 4
+        assert sympy.Poly(basis[i], s) * minors[0] == sympy.Poly(basis[0], s) * minors[i]
+    assert max(sympy.Poly(e, s).degree() for e in basis) == 4
 
 
 def test_the_budget_is_asked():
@@ -168,9 +168,11 @@ def test_the_budget_is_asked():
 def test_numbers_from_their_residues(numbers):
     modulus = next(primes()) ** 8
     residues = [x.numerator * pow(x.denominator, -1, modulus) % modulus for x in numbers]
-    found = whole(residues, modulus)
-    for x, y in zip(numbers, found, strict=True):
-        assert all(x * other == y * given for given, other in zip(numbers, found, strict=True))
+    result = whole(residues, modulus)
+    for x, y in zip(numbers, result, strict=True):
+        assert all(
+            x * other == y * argument for argument, other in zip(numbers, result, strict=True)
+        )
 
 
 def test_a_residue_that_belongs_to_no_short_number():

@@ -21,34 +21,34 @@ def test_against_euclid(first, second, right, least):
         with pytest.raises(NoSolutionError, match="share the factor"):
             solve_diophantine(first, second, right, least=least)
         return
-    found = solve_diophantine(first, second, right, least=least)
-    assert (first * found.x + second * found.y - right).is_zero
+    solution = solve_diophantine(first, second, right, least=least)
+    assert (first * solution.x + second * solution.y - right).is_zero
     scale = right.quo(g)
     if least == "y":  # the one solution modulo a/g
-        assert found.y == (v * scale).rem(first.quo(g))
+        assert solution.y == (v * scale).rem(first.quo(g))
     else:
-        assert found.x == (u * scale).rem(second.quo(g))
+        assert solution.x == (u * scale).rem(second.quo(g))
 
 
 @given(polynomials(), polynomials(), polynomials(), polynomials())
 def test_every_solution_is_a_member(first, second, x, y):
-    found = solve_diophantine(first, second, first * x + second * y)
-    t, rest = (x - found.x).div(found.dx)
+    solution = solve_diophantine(first, second, first * x + second * y)
+    t, rest = (x - solution.x).div(solution.dx)
     assert rest.is_zero
-    assert found.member(t) == (x, y)
+    assert solution.member(t) == (x, y)
 
 
 def test_the_example_of_the_notes():
-    found = solve_diophantine("s - 1", "1", "(s + 1)**2", least="x")
+    solution = solve_diophantine("s - 1", "1", "(s + 1)**2", least="x")
     d = sympy.Symbol("d")
-    x, y = found.member(sympy.Poly(s + d, s))
+    x, y = solution.member(sympy.Poly(s + d, s))
     assert x.as_expr() == s + d
     assert sympy.expand(y.as_expr() - ((3 - d) * s + 1 + d)) == 0
 
 
 def test_symbols_say_where_they_hold():
-    found = solve_diophantine("s**2 - a", "s - b", "(s + 1)**3", variable="s")
-    assert found.exceptional == (a - b**2,) and found.certificate.holds
+    solution = solve_diophantine("s**2 - a", "s - b", "(s + 1)**3", variable="s")
+    assert solution.exceptional == (a - b**2,) and solution.certificate.holds
     # The exceptional polynomial is the resultant, where a solution exists for special c only.
     assert sympy.resultant(s**2 - a, s - b, s) == b**2 - a
     with pytest.raises(NoSolutionError):
@@ -78,9 +78,9 @@ def test_the_exceptional_set_is_the_resultants(first, second, powers):
         with pytest.raises(NoSolutionError):
             solve_diophantine(p, q, "1", variable="s")
         return
-    found = solve_diophantine(p, q, "1", variable="s")
-    assert irreducible(found.exceptional) == irreducible([expected])
-    assert sympy.expand(p * found.x.as_expr() + q * found.y.as_expr() - 1).equals(0)
+    solution = solve_diophantine(p, q, "1", variable="s")
+    assert irreducible(solution.exceptional) == irreducible([expected])
+    assert sympy.expand(p * solution.x.as_expr() + q * solution.y.as_expr() - 1).equals(0)
 
 
 def test_no_gap_between_the_two_orders_of_solution():

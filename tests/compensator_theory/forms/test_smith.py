@@ -31,30 +31,30 @@ s, a, b = sympy.symbols("s a b")
 
 @given(polynomial_matrices())
 def test_invariant_polynomials_are_quotients_of_gcds_of_minors(P):
-    found = smith_form(P)
+    form = smith_form(P)
     expected = divisors(P.as_matrix())
-    assert found.rank == len(expected)
+    assert form.rank == len(expected)
     product = ct.polynomial(1, "s")
-    for invariant, divisor in zip(found.invariant_polynomials, expected, strict=True):
+    for invariant, divisor in zip(form.invariant_polynomials, expected, strict=True):
         product = product * invariant
         assert exact.polynomial(product) == divisor
-    for lower, higher in itertools.pairwise(found.invariant_polynomials):
+    for lower, higher in itertools.pairwise(form.invariant_polynomials):
         assert higher.rem(lower).is_zero
-    off = [found.form[i, j] for i in range(P.shape[0]) for j in range(P.shape[1])
-           if i != j or i >= found.rank]  # fmt: skip
+    off = [form.form[i, j] for i in range(P.shape[0]) for j in range(P.shape[1])
+           if i != j or i >= form.rank]  # fmt: skip
     assert all(entry.is_zero for entry in off)
 
 
 @given(polynomial_matrices())
 def test_the_unimodular_matrices_multiplied_out_by_sympy(P):
-    found = smith_form(P)
-    U, V, S = (x.as_matrix() for x in (found.U, found.V, found.form))
+    form = smith_form(P)
+    U, V, S = (x.as_matrix() for x in (form.U, form.V, form.form))
     assert (U * P.as_matrix() * V - S).applyfunc(sympy.expand).is_zero_matrix
-    for x, inverse in ((found.U, found.U_inverse), (found.V, found.V_inverse)):
+    for x, inverse in ((form.U, form.U_inverse), (form.V, form.V_inverse)):
         product = (x.as_matrix() * inverse.as_matrix()).applyfunc(sympy.expand)
         assert product == eye(x.shape[0])
         assert x.determinant().degree() == 0
-    assert found.certificate.holds and found.exceptional == ()
+    assert form.certificate.holds and form.exceptional == ()
 
 
 @fewer(2)
@@ -70,34 +70,34 @@ def test_sympy_agrees(P):
 @given(transfer_matrices(extra=1))
 def test_poles_and_zeros_by_minors(G):
     """Poles: the least common denominator of all minors. Zeros: gcd of the largest ones over it."""
-    found = smith_mcmillan_form(G)
+    form = smith_mcmillan_form(G)
     poles = pole_polynomial(G)
-    assert found.pole_polynomial == poles
+    assert form.pole_polynomial == poles
     N, d = G.numerator_matrix(), G.denominator.as_expr()
-    if found.rank:
-        tops = [sympy.cancel(m / d**found.rank * poles.as_expr()) for m in minors(N, found.rank)]
+    if form.rank:
+        tops = [sympy.cancel(m / d**form.rank * poles.as_expr()) for m in minors(N, form.rank)]
         common = Poly(0, s)
         for top in tops:
             common = common.gcd(Poly(top, s))
-        assert found.zero_polynomial == exact.monic(ct.polynomial(common.as_expr(), "s"))
-    for e, p in zip(found.numerators, found.denominators, strict=True):
+        assert form.zero_polynomial == exact.monic(ct.polynomial(common.as_expr(), "s"))
+    for e, p in zip(form.numerators, form.denominators, strict=True):
         assert e.gcd(p).degree() == 0
-    for i in range(found.rank - 1):
-        assert found.numerators[i + 1].rem(found.numerators[i]).is_zero
-        assert found.denominators[i].rem(found.denominators[i + 1]).is_zero
+    for i in range(form.rank - 1):
+        assert form.numerators[i + 1].rem(form.numerators[i]).is_zero
+        assert form.denominators[i].rem(form.denominators[i + 1]).is_zero
 
 
 @given(transfer_matrices(extra=1))
 def test_the_degree_by_hankel_matrices(G):
-    found = smith_mcmillan_form(G)
-    assert found.mcmillan_degree == ct.mcmillan_degree(G)
-    if found.rank == G.shape[0] == G.shape[1]:  # the orders add up to that of the determinant
+    form = smith_mcmillan_form(G)
+    assert form.mcmillan_degree == ct.mcmillan_degree(G)
+    if form.rank == G.shape[0] == G.shape[1]:  # the orders add up to that of the determinant
         top = Poly(G.numerator_matrix().det(), s)
-        assert sum(found.orders_at_infinity) == (found.rank * G.denominator.degree() - top.degree())
-    assert list(found.orders_at_infinity) == sorted(found.orders_at_infinity)
-    assert len(found.orders_at_infinity) == found.rank
-    if min(found.orders_at_infinity, default=0) >= 0:
-        assert ct.minimal_realisation(G).order == found.pole_polynomial.degree()
+        assert sum(form.orders_at_infinity) == (form.rank * G.denominator.degree() - top.degree())
+    assert list(form.orders_at_infinity) == sorted(form.orders_at_infinity)
+    assert len(form.orders_at_infinity) == form.rank
+    if min(form.orders_at_infinity, default=0) >= 0:
+        assert ct.minimal_realisation(G).order == form.pole_polynomial.degree()
 
 
 @given(transfer_matrices(extra=1))
@@ -115,12 +115,12 @@ def test_the_examples_of_the_notes():
         "[[s, 0], [0, s**3 + 3*s**2 + 2*s]]"
     )
     kailath = Matrix([[s, s * (s + 1) ** 2], [-s * (s + 2) ** 2, -s * (s + 2) ** 2]])
-    found = smith_mcmillan_form(kailath / ((s + 1) ** 2 * (s + 2) ** 2))
-    assert found.numerators == (ct.polynomial("s"), ct.polynomial("s**2*(s + 2)"))
-    assert found.denominators == (ct.polynomial("(s+1)**2*(s+2)**2"), ct.polynomial("(s + 1)**2"))
-    assert found.mcmillan_degree == 6
-    assert found.pole_polynomial == ct.polynomial("(s + 1)**4*(s + 2)**2")
-    assert sorted(root.multiplicity for root in found.poles) == [2, 4]
+    form = smith_mcmillan_form(kailath / ((s + 1) ** 2 * (s + 2) ** 2))
+    assert form.numerators == (ct.polynomial("s"), ct.polynomial("s**2*(s + 2)"))
+    assert form.denominators == (ct.polynomial("(s+1)**2*(s+2)**2"), ct.polynomial("(s + 1)**2"))
+    assert form.mcmillan_degree == 6
+    assert form.pole_polynomial == ct.polynomial("(s + 1)**4*(s + 2)**2")
+    assert sorted(root.multiplicity for root in form.poles) == [2, 4]
     mine = smith_mcmillan_form(G_OF_THE_NOTES)
     assert str(mine) == "diag((1)/(s**2 + 3*s + 2), (s + 3)/(s + 1))"
     assert mine.mcmillan_degree == ct.hankel_matrix(G_OF_THE_NOTES, 3, 3).rank() == 3
@@ -133,8 +133,8 @@ def test_the_examples_of_the_notes():
 
 
 def test_the_trap_of_symbols_is_named():
-    found = smith_form([["s", "a"], [0, "s"]])
-    assert str(found) == "[[1, 0], [0, s**2]]" and found.exceptional == (a,)
+    form = smith_form([["s", "a"], [0, "s"]])
+    assert str(form) == "[[1, 0], [0, s**2]]" and form.exceptional == (a,)
     assert str(smith_form([["s", 0], [0, "s"]])) == "[[s, 0], [0, s]]"
     assert smith_mcmillan_form("(s - a)/((s - 1)*(s - 2))", "s").exceptional == (a - 1, a - 2)
 
@@ -143,17 +143,17 @@ def test_the_trap_of_symbols_is_named():
 @given(st.integers(-3, 3), st.integers(-3, 3))
 def test_off_the_exceptional_set_the_form_specialises(x, y):
     P = Matrix([[s + a, 1, b], [0, s + b, s * a], [b * s, 0, a - 1]])
-    found = smith_form(P[:2, :], "s")
+    form = smith_form(P[:2, :], "s")
     values = {a: x, b: y}
-    if all(sympy.sympify(f).subs(values) != 0 for f in found.exceptional):
+    if all(sympy.sympify(f).subs(values) != 0 for f in form.exceptional):
         special = smith_form(P[:2, :].subs(values), "s")
-        assert found.form.as_matrix().subs(values) == special.form.as_matrix()
+        assert form.form.as_matrix().subs(values) == special.form.as_matrix()
 
 
 def test_irrational_coefficients():
-    found = smith_form([["s**2 - 2", "s - sqrt(2)"], [0, "s + sqrt(2)"]], "s")
-    assert found.rank == 2 and found.exceptional == ()
-    assert found.certificate.holds
+    form = smith_form([["s**2 - 2", "s - sqrt(2)"], [0, "s + sqrt(2)"]], "s")
+    assert form.rank == 2 and form.exceptional == ()
+    assert form.certificate.holds
 
 
 def test_matrices_compute():
@@ -204,7 +204,7 @@ SMALL_ENTRIES = st.sampled_from(
 @given(st.lists(st.lists(SMALL_ENTRIES, min_size=2, max_size=2), min_size=2, max_size=3))
 def test_one_gcd_a_step_and_euclid_reach_the_same_form(rows):
     P = ct.polynomial_matrix(rows, "s")
-    found = smith_form(P)
+    form = smith_form(P)
     work = elimination_of(P)
-    assert by_euclid(work) == found.rank
-    assert written(work.ring, work.matrix) == found.form and found.certificate.holds
+    assert by_euclid(work) == form.rank
+    assert written(work.ring, work.matrix) == form.form and form.certificate.holds

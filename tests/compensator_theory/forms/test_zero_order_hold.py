@@ -61,13 +61,13 @@ def test_multiples_of_pi_as_the_step(sample, plant, h):
         with pytest.raises(InputError, match="leave it a symbol"):
             sample(plant, h)
         return
-    found = sample(plant, h)
-    values = dict(found.exponentials)
+    result = sample(plant, h)
+    values = dict(result.exponentials)
     assert all(value.has(sympy.exp) for value in values.values())  # no tangent is left
     plant = exact.realisation(plant)
     source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
     theirs = scipy.signal.cont2discrete(source, float(h), "zoh")
-    for one, other in zip((found.realisation.A, found.realisation.B), theirs[:2], strict=True):
+    for one, other in zip((result.realisation.A, result.realisation.B), theirs[:2], strict=True):
         np.testing.assert_allclose(numbers(one, values), other, rtol=1e-9, atol=1e-9)
 
 
@@ -92,35 +92,35 @@ def test_steps_that_are_refused(plant, step):
 @fewer(2)
 @given(plants(), st.sampled_from([Rational(1, 10), Rational(1), Rational(7, 3)]))
 def test_scipy_agrees(plant, step):
-    found = zero_order_hold(plant, step)
-    values = dict(found.exponentials)
-    mine = [numbers(part, values) for part in (found.realisation.A, found.realisation.B)]
+    sampled = zero_order_hold(plant, step)
+    values = dict(sampled.exponentials)
+    mine = [numbers(part, values) for part in (sampled.realisation.A, sampled.realisation.B)]
     source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
     theirs = scipy.signal.cont2discrete(source, float(step), "zoh")
     for one, other in zip(mine, theirs[:2], strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
-    assert found.realisation.C == plant.C and found.realisation.D == plant.D
+    assert sampled.realisation.C == plant.C and sampled.realisation.D == plant.D
 
 
 @fewer(2)
 @given(plants())
 def test_two_steps_are_one_of_twice_the_length(plant):
     """x_(k+2) of a held input: A_d(2h) = A_d(h)**2 and B_d(2h) = (A_d + I) B_d, as polynomials."""
-    found = zero_order_hold(plant).realisation
+    sampled = zero_order_hold(plant).realisation
     doubled = {h: 2 * h, x: x**2}
-    twice_a, twice_b = (part.subs(doubled, simultaneous=True) for part in (found.A, found.B))
+    twice_a, twice_b = (part.subs(doubled, simultaneous=True) for part in (sampled.A, sampled.B))
     identity = sympy.eye(plant.n)
-    assert (twice_a - found.A**2).applyfunc(sympy.cancel).is_zero_matrix
-    assert (twice_b - (found.A + identity) * found.B).applyfunc(sympy.cancel).is_zero_matrix
+    assert (twice_a - sampled.A**2).applyfunc(sympy.cancel).is_zero_matrix
+    assert (twice_b - (sampled.A + identity) * sampled.B).applyfunc(sympy.cancel).is_zero_matrix
 
 
 @fewer(2)
 @given(plants())
 def test_the_poles_are_exponentials(plant):
-    found = zero_order_hold(plant)
+    sampled = zero_order_hold(plant)
     poles = sympy.roots(plant.characteristic_polynomial.as_expr(), Symbol("s"))
-    values = {h: 1, **{symbol: value.subs(h, 1) for symbol, value in found.exponentials}}
-    at_one = found.realisation.characteristic_polynomial.as_expr().subs(values)
+    values = {h: 1, **{symbol: value.subs(h, 1) for symbol, value in sampled.exponentials}}
+    at_one = sampled.realisation.characteristic_polynomial.as_expr().subs(values)
     for pole, multiplicity in poles.items():
         for k in range(multiplicity):
             value = sympy.diff(at_one, Symbol("z"), k).subs(Symbol("z"), sympy.exp(pole))
@@ -149,10 +149,10 @@ def oscillating_plants(draw):
 @fewer(2)
 @given(oscillating_plants(), st.sampled_from([Rational(1, 10), Rational(1), Rational(7, 3)]))
 def test_scipy_agrees_on_complex_and_irrational_poles(plant, step):
-    found = zero_order_hold(plant, step)
-    assert found.certificate.holds
-    values = dict(found.exponentials)
-    mine = [numbers(part, values) for part in (found.realisation.A, found.realisation.B)]
+    sampled = zero_order_hold(plant, step)
+    assert sampled.certificate.holds
+    values = dict(sampled.exponentials)
+    mine = [numbers(part, values) for part in (sampled.realisation.A, sampled.realisation.B)]
     source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
     theirs = scipy.signal.cont2discrete(source, float(step), "zoh")
     for one, other in zip(mine, theirs[:2], strict=True):
@@ -165,13 +165,13 @@ def test_scipy_agrees_on_complex_and_irrational_poles(plant, step):
 def test_other_rules_against_scipy(function, name, plant, step):
     """The transfer functions: SciPy's realisation of Tustin's rule has another basis."""
     try:
-        found = function(plant, step)
+        result = function(plant, step)
     except NoSolutionError:  # 2/h is a pole
         assert function is tustin and (sympy.eye(plant.n) - plant.A * step / 2).det() == 0
         return
-    assert found.certificate.holds
-    values = dict(found.exponentials)
-    S = found.realisation
+    assert result.certificate.holds
+    values = dict(result.exponentials)
+    S = result.realisation
     A, B, C, D = (numbers(part, values) for part in (S.A, S.B, S.C, S.D))
     source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
     a, b, c, d, _ = scipy.signal.cont2discrete(source, float(step), name)
@@ -199,19 +199,19 @@ def test_matched_poles_and_zeros_are_exponentials(zeros, poles, step):
     assume(len(zeros) <= len(poles) and poles and not set(zeros) & set(poles))
     s = Symbol("s")
     N, D = (sympy.expand(sympy.prod(s - r for r in roots)) for roots in (zeros, poles))
-    found = matched(2 * N / D, step)
-    values = dict(found.exponentials)
-    G = found.transfer_function
+    sampled = matched(2 * N / D, step)
+    values = dict(sampled.exponentials)
+    G = sampled.transfer_function
     numerator, denominator = (
         np.array([complex(sympy.sympify(c).subs(values).evalf(30)) for c in p.all_coeffs()])
         for p in (G.numerator, G.denominator)
     )
     at_infinity = max(len(poles) - len(zeros) - 1, 0)
-    wanted = (
+    expected = (
         [sympy.exp(r * step) for r in zeros] + [-1] * at_infinity,
         [sympy.exp(r * step) for r in poles],
     )
-    for found_, roots in zip((numerator / numerator[0], denominator), wanted, strict=True):
+    for found_, roots in zip((numerator / numerator[0], denominator), expected, strict=True):
         assert np.allclose(found_, np.poly([complex(r) for r in roots]), rtol=1e-9, atol=1e-9)
     order = poles.count(0) - zeros.count(0)
     at_rest = complex(sympy.limit(2 * s**order * N / D, s, 0))
@@ -243,17 +243,17 @@ def test_oscillators_of_the_textbooks():
     """(1 - c)(z + 1)/(z**2 - 2 c z + 1), and that of damping, with c = cos h, x = exp(-h)."""
     z, y = sympy.symbols("z y")
     c, s = (1 - y**2) / (1 + y**2), 2 * y / (1 + y**2)
-    found = zero_order_hold("1/(s**2 + 1)").transfer_function
+    sampled = zero_order_hold("1/(s**2 + 1)").transfer_function
     expected = (1 - c) * (z + 1) / (z**2 - 2 * c * z + 1)
-    assert sympy.cancel(found.numerator.as_expr() / found.denominator.as_expr() - expected) == 0
+    assert sympy.cancel(sampled.numerator.as_expr() / sampled.denominator.as_expr() - expected) == 0
     damped = zero_order_hold("1/((s + 1)**2 + 1)").transfer_function
     expected = ((1 - x * c - x * s) * z + x * (x + s - c)) / (2 * (z**2 - 2 * x * c * z + x**2))
     assert sympy.cancel(damped.numerator.as_expr() / damped.denominator.as_expr() - expected) == 0
 
 
 def test_frequencies_with_rational_ratios_share_one_symbol():
-    found = zero_order_hold("1/((s**2 + 4/9)*(s**2 + 1))")
-    ((_, value),) = found.exponentials
+    sampled = zero_order_hold("1/((s**2 + 4/9)*(s**2 + 1))")
+    ((_, value),) = sampled.exponentials
     assert value == 3 * sympy.tan(h / 6)
     assert len(zero_order_hold("1/((s**2 + 2)*(s**2 + 1))").exponentials) == 2
     irrational = zero_order_hold("1/(s**2 - 2)").exponentials
@@ -263,9 +263,9 @@ def test_frequencies_with_rational_ratios_share_one_symbol():
 
 
 def test_the_examples_of_the_notes():
-    found = zero_order_hold("1/((s + 1)*(s + 2))", log(2))
+    sampled = zero_order_hold("1/((s + 1)*(s + 2))", log(2))
     expected = exact.transfer_function("(z + 1/2)/(8*(z - 1/2)*(z - 1/4))")
-    assert found.transfer_function == expected and found.exponentials == ()
+    assert sampled.transfer_function == expected and sampled.exponentials == ()
     third = zero_order_hold("1/s**3")
     expected = exact.transfer_function("h**3*(z**2 + 4*z + 1)/(6*(z - 1)**3)", "z")
     assert third.transfer_function == expected
@@ -298,20 +298,20 @@ def test_a_short_step_brings_the_sampling_zero():
 
 
 def test_relations_between_exponentials_are_kept():
-    found = zero_order_hold("1/((s + 1/2)*(s + 1/3))")
-    ((symbol, value),) = found.exponentials
+    sampled = zero_order_hold("1/((s + 1/2)*(s + 1/3))")
+    ((symbol, value),) = sampled.exponentials
     assert value == sympy.exp(-h / 6)
-    poles = found.realisation.characteristic_polynomial
+    poles = sampled.realisation.characteristic_polynomial
     assert poles == polynomial(f"(z - {symbol}**2)*(z - {symbol}**3)", "z")
 
 
 def test_symbolic_poles():
-    found = zero_order_hold("b/(s*(s + a))", "h", variable="s")
-    assert found.exceptional == (a,) and found.certificate.holds
-    ((symbol, value),) = found.exponentials
+    sampled = zero_order_hold("b/(s*(s + a))", "h", variable="s")
+    assert sampled.exceptional == (a,) and sampled.certificate.holds
+    ((symbol, value),) = sampled.exponentials
     assert value == sympy.exp(-a * h)
     at_two = zero_order_hold("3/(s*(s + 2))")
-    special = found.realisation.B.subs({a: 2, symbol: x})
+    special = sampled.realisation.B.subs({a: 2, symbol: x})
     assert (special - at_two.realisation.B).applyfunc(sympy.cancel).is_zero_matrix
     two = zero_order_hold("1/((s + a)*(s + b))", "h", variable="s")
     assert two.exceptional == (a, Symbol("b"), a - Symbol("b"))
@@ -319,9 +319,9 @@ def test_symbolic_poles():
 
 
 def test_a_name_that_is_taken():
-    found = zero_order_hold("x/(s + 1)", "h", variable="s")
-    ((symbol, _),) = found.exponentials
-    assert symbol.name == "x_" and found.realisation.C[0, 0] == x
+    sampled = zero_order_hold("x/(s + 1)", "h", variable="s")
+    ((symbol, _),) = sampled.exponentials
+    assert symbol.name == "x_" and sampled.realisation.C[0, 0] == x
     assert zero_order_hold("2", "h", variable="s").realisation.n == 0
 
 

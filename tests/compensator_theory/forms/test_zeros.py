@@ -42,10 +42,10 @@ def vanishes(vector, factor):
 
 @given(realisations(max_block=1))
 def test_the_system_matrix_is_singular_in_the_directions(plant):
-    found = invariant_zeros(plant)
+    zeros = invariant_zeros(plant)
     P = system_matrix(plant)
-    assert found.certificate.holds
-    for d in found.directions:
+    assert zeros.certificate.holds
+    for d in zeros.directions:
         right, left = d.state.col_join(d.input), d.costate.col_join(d.output)
         assert vanishes(P * right, d.factor) and vanishes(P.T * left, d.factor)
         assert any(e != 0 for e in right) and any(e != 0 for e in left)
@@ -55,8 +55,8 @@ def test_the_system_matrix_is_singular_in_the_directions(plant):
 def test_as_many_directions_as_the_rank_falls(plant):
     P = system_matrix(plant)
     normal = max(P.subs(s, sympy.Rational(k, 97)).rank() for k in (101, 1001, 5))
-    found = invariant_zeros(plant)
-    linear = [d for d in found.directions if d.factor.degree() == 1]
+    zeros = invariant_zeros(plant)
+    linear = [d for d in zeros.directions if d.factor.degree() == 1]
     for factor in {d.factor for d in linear}:
         zero = sympy.solve(factor.as_expr(), s)[0]
         together = [d.state.col_join(d.input) for d in linear if d.factor == factor]
@@ -94,10 +94,10 @@ def test_decoupling_zeros_are_the_hidden_modes(plant):
 
 @given(transfer_matrices())
 def test_transmission_zeros_are_those_of_the_minimal_realisation(G):
-    found = transmission_zeros(G)
-    assert found.polynomial == smith_mcmillan_form(G).zero_polynomial
-    assert found.polynomial == invariant_zeros(minimal_realisation(G).realisation).polynomial
-    for d in found.directions:
+    zeros = transmission_zeros(G)
+    assert zeros.polynomial == smith_mcmillan_form(G).zero_polynomial
+    assert zeros.polynomial == invariant_zeros(minimal_realisation(G).realisation).polynomial
+    for d in zeros.directions:
         assert any(e != 0 for e in d.input) and any(e != 0 for e in d.output)
         if G.denominator.gcd(d.factor).degree() == 0:  # then G has a value there
             assert vanishes(G.numerator_matrix() * d.input, d.factor)
@@ -148,16 +148,16 @@ def test_irrational_zeros_have_one_direction_for_all_roots():
 
 
 def test_symbols_say_where_they_hold():
-    found = transmission_zeros([["(s + a)/(s**2 + b)", 0], [1, "(s - 1)/(s + 1)"]], "s")
-    assert found.polynomial == polynomial("(s + a)*(s - 1)")
-    assert found.certificate.holds and set(found.exceptional) == {a - 1, a**2 + b}
+    zeros = transmission_zeros([["(s + a)/(s**2 + b)", 0], [1, "(s - 1)/(s + 1)"]], "s")
+    assert zeros.polynomial == polynomial("(s + a)*(s - 1)")
+    assert zeros.certificate.holds and set(zeros.exceptional) == {a - 1, a**2 + b}
     assert transmission_zeros("(s + a)/(s**2 + b)", "s").exceptional == (a**2 + b,)
 
 
 def test_no_zeros():
-    for found in (transmission_zeros([[0]], "s"), invariant_zeros("2", "s"),
+    for result in (transmission_zeros([[0]], "s"), invariant_zeros("2", "s"),
                   input_decoupling_zeros("2", "s"), output_decoupling_zeros("1/s")):  # fmt: skip
-        assert found.polynomial.degree() == 0 and found.directions == found.roots == ()
+        assert result.polynomial.degree() == 0 and result.directions == result.roots == ()
 
 
 @pytest.mark.parametrize("function", [invariant_zeros, input_decoupling_zeros,

@@ -25,8 +25,8 @@ def test_it_is_the_loop_at_every_point(G, data, sign):
         assert (sympy.eye(p) - sign * limits[0] * limits[1]).det() == 0
         assume(False)
     for point in (Rational(17, 3), Rational(29, 7)):
-        plant, compensator, found = (A.as_matrix().subs("s", point) for A in (G, K, loop))
-        assert (sympy.eye(p) - sign * plant * compensator) * found == plant
+        plant, compensator, result = (A.as_matrix().subs("s", point) for A in (G, K, loop))
+        assert (sympy.eye(p) - sign * plant * compensator) * result == plant
 
 
 @given(transfer_matrices(), SIGNS)

@@ -113,17 +113,17 @@ def test_4_16_at_a_rational_point(problem, n_c, data):
     G_c = inverse * N_c.subs(q, point)
     middle = (sympy.eye(problem.l_y) - G_yu * G_c).inv()
     expected = point**n_c * G_zu * (inverse + G_c * middle * G_yu * inverse)
-    found = ct.intercalated_transfer_matrix(problem, N_c, D_c)
-    assert found.as_matrix().subs(q, point) == expected
-    assert found.denominator.degree() == problem.n + problem.l_u * n_c
+    result = ct.intercalated_transfer_matrix(problem, N_c, D_c)
+    assert result.as_matrix().subs(q, point) == expected
+    assert result.denominator.degree() == problem.n + problem.l_u * n_c
 
 
 @given(standard_problems(3, 1), polynomials("q", 0, 1), polynomials("q", 2, 2))
 def test_scalar_forms(problem, N_c, D_c):
     D_c = D_c.monic()
     loop = ct.closed_loop_polynomial(problem, N_c, D_c)
-    found = ct.intercalated_transfer_function(problem, N_c, D_c)
-    assert (found.numerator, found.denominator) == (problem.numerator("zu") * Poly(q**2, q), loop)
+    result = ct.intercalated_transfer_function(problem, N_c, D_c)
+    assert (result.numerator, result.denominator) == (problem.numerator("zu") * Poly(q**2, q), loop)
     outside = control_perturbation_transfer_function(problem, N_c, D_c)
     assert (outside.numerator, outside.denominator) == (problem.numerator("zu") * D_c, loop)
 
@@ -141,12 +141,14 @@ def test_target_for_pole_placement_4_38_and_4_39(plant, slack, data):
     n_c = n_p + slack
     numerator = N.LC() * Poly(q ** (n_p - d_zu - n_u), q) * unstable
     problem = ct.standard_problem(plant)
-    wanted = target_characteristic_polynomial(problem, n_c, (numerator, D_p))
-    assert wanted == stable * Poly(q ** (n_c - n_p + d_zu + n_u), q) * D_p
-    assert wanted == target_characteristic_polynomial((N, plant.order), n_c, (numerator, D_p))
+    polynomial = target_characteristic_polynomial(problem, n_c, (numerator, D_p))
+    assert polynomial == stable * Poly(q ** (n_c - n_p + d_zu + n_u), q) * D_p
+    assert polynomial == target_characteristic_polynomial((N, plant.order), n_c, (numerator, D_p))
     if n_c >= plant.order:  # strictly proper compensators reach it, and the match is exact
-        found = ct.place_poles(plant, wanted, feedback=+1)
-        matched = ct.intercalated_transfer_function(problem, found.numerator, found.denominator)
+        placement = ct.place_poles(plant, polynomial, feedback=+1)
+        matched = ct.intercalated_transfer_function(
+            problem, placement.numerator, placement.denominator
+        )
         assert matched.numerator * D_p == numerator * matched.denominator
 
 
@@ -164,8 +166,8 @@ def test_targets_out_of_reach(target, reason):
 
 def test_target_with_symbols_and_common_factors():
     plant = ct.standard_problem("b*(q - c)/(q**2 + a*q)")
-    wanted = target_characteristic_polynomial(plant, 2, "b*q*(q + 5)/((q**2 + p)*(q + 5))")
-    assert wanted == ct.polynomial("q*(q - c)*(q**2 + p)", "q")
+    polynomial = target_characteristic_polynomial(plant, 2, "b*q*(q + 5)/((q**2 + p)*(q + 5))")
+    assert polynomial == ct.polynomial("q*(q - c)*(q**2 + p)", "q")
     with pytest.raises(NotReachableTargetError):
         target_characteristic_polynomial(plant, 2, "d*q/(q**2 + p)")
 

@@ -33,8 +33,8 @@ def test_one_real_zero_is_the_projection(case, delay):
     built = zero_direction_target(H.tolist(), [(z0, eta)], delays=delay)
     column = sympy.Matrix(eta)
     projection = column * column.T / column.dot(column)
-    wanted = (sympy.eye(H.rows) - sympy.Rational(z0) / q * projection) * H / q**delay
-    assert (built.transfer_matrix.as_matrix() - wanted).applyfunc(sympy.cancel).is_zero_matrix
+    expected = (sympy.eye(H.rows) - sympy.Rational(z0) / q * projection) * H / q**delay
+    assert (built.transfer_matrix.as_matrix() - expected).applyfunc(sympy.cancel).is_zero_matrix
 
 
 @given(asked(2), st.lists(st.integers(1, 3), min_size=3, max_size=3))
@@ -47,8 +47,8 @@ def test_every_condition_holds_and_there_are_no_other_nmp_zeros(case, delays):
     determinant = sympy.Poly(sympy.cancel(q**30 * built.transfer_matrix.as_matrix().det()), q)
     roots = np.roots([float(c) for c in determinant.all_coeffs()])
     moduli = np.sort(np.abs(roots))[::-1]
-    wanted = np.sort([float(z0) for z0, _ in zeros])[::-1]
-    assert np.allclose(moduli[:2], wanted, rtol=1e-6)
+    expected = np.sort([float(z0) for z0, _ in zeros])[::-1]
+    assert np.allclose(moduli[:2], expected, rtol=1e-6)
     assert not (moduli[2:] > 1 + 1e-6).any()
 
 
@@ -72,8 +72,8 @@ def test_a_complex_pair_is_real_and_two_zeros_of_one_direction_need_two_taps():
 
 def test_wide_and_tall():
     tall = zero_direction_target([[1], [2]], [("3/2", [1])])
-    wanted = sympy.Matrix([1, 2]) * (q - sympy.Rational(3, 2)) / q**2
-    difference = (tall.transfer_matrix.as_matrix() - wanted).applyfunc(sympy.cancel)
+    matrix = sympy.Matrix([1, 2]) * (q - sympy.Rational(3, 2)) / q**2
+    difference = (tall.transfer_matrix.as_matrix() - matrix).applyfunc(sympy.cancel)
     assert difference.is_zero_matrix
     assert zero_direction_target([[1, 2, 0], [0, 1, 1]], [("2", [1, 1])]).certificate.holds
 

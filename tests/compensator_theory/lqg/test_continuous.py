@@ -44,36 +44,38 @@ def solved(data):
 
 @given(regulators())
 def test_gain_and_cost_against_scipy(data):
-    found = solved(data)
-    if found is None:
+    solution = solved(data)
+    if solution is None:
         return
     A, B, E_1, E_2 = map(as_float, data)
     P = scipy.linalg.solve_continuous_are(A, B, E_1.T @ E_1, E_2.T @ E_2, s=E_1.T @ E_2)
     scale = 1 + np.abs(P).max()
-    assert np.allclose(centres(found.P_enclosure), P, atol=1e-6 * scale, rtol=1e-6)
+    assert np.allclose(centres(solution.P_enclosure), P, atol=1e-6 * scale, rtol=1e-6)
     K = -np.linalg.solve(E_2.T @ E_2, B.T @ P + E_2.T @ E_1)
-    assert np.allclose(centres(found.K_enclosure), K, atol=1e-6 * scale, rtol=1e-6)
+    assert np.allclose(centres(solution.K_enclosure), K, atol=1e-6 * scale, rtol=1e-6)
 
 
 @given(regulators())
 def test_residual_and_poles_are_certified(data):
-    found = solved(data)
-    if found is None:
+    solution = solved(data)
+    if solution is None:
         return
-    for row in found.residual:
+    for row in solution.residual:
         assert all(0 in entry for entry in row)
         assert max(float(entry.radius) for entry in row) < 1e-15
-    assert all(0 in c for c in found.factor.residual)
-    assert found.is_exact and found.certificate.holds
-    if found.is_rational:
-        closed = characteristic_polynomial(data[0] + data[1] * found.K, found.factor.polynomial.gen)
-        assert closed == found.factor.polynomial
+    assert all(0 in c for c in solution.factor.residual)
+    assert solution.is_exact and solution.certificate.holds
+    if solution.is_rational:
+        closed = characteristic_polynomial(
+            data[0] + data[1] * solution.K, solution.factor.polynomial.gen
+        )
+        assert closed == solution.factor.polynomial
 
 
 def test_fifty_digits_against_the_stable_subspace_of_the_hamiltonian():
     A, B = sympy.Matrix([[0, 1, 0], [0, 0, 1], [-1, 2, 3]]), sympy.Matrix([0, 0, 1])
     E_1, E_2 = sympy.Matrix([[1, 2, 0], [0, 0, 0]]), sympy.Matrix([0, 3])
-    found = ct.solve_riccati(A, B, E_1=E_1, E_2=E_2, digits=50, time="continuous")
+    solution = ct.solve_riccati(A, B, E_1=E_1, E_2=E_2, digits=50, time="continuous")
     with mpmath.workdps(90):
         a, b, r = mpmath.matrix(A.tolist()), mpmath.matrix(B.tolist()), mpmath.mpf(9)
         q = mpmath.matrix((E_1.T * E_1).tolist())
@@ -85,7 +87,7 @@ def test_fifty_digits_against_the_stable_subspace_of_the_hamiltonian():
         P = X[3:, :] * X[:3, :] ** -1
         for i in range(3):
             for j in range(3):
-                entry = found.P_enclosure[i][j]
+                entry = solution.P_enclosure[i][j]
                 centre = mpmath.mpf(int(entry.centre.p)) / int(entry.centre.q)
                 assert abs(P[i, j] - centre) < mpmath.mpf(10) ** -48
                 assert entry.radius <= sympy.Rational(1, 10**50)
@@ -98,16 +100,16 @@ PLANT = ct.StandardProblem(
 
 
 def test_the_whole_controller_against_python_control():
-    found = ct.lqg_controller(PLANT)
+    controller = ct.lqg_controller(PLANT)
     A, B, C, D_1, D_2, E_1, E_2 = (
         as_float(getattr(PLANT, name)) for name in ("A", "B", "C", "D_1", "D_2", "E_1", "E_2")
     )
     K, _, regulator = control.lqr(A, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2)
     L, _, estimator = control.lqr(A.T, C.T, D_1 @ D_1.T, D_2 @ D_2.T, D_1 @ D_2.T)
-    assert np.allclose(centres(found.regulator.K_enclosure), -K)
-    assert np.allclose(centres(found.estimator.K_enclosure), -L)
+    assert np.allclose(centres(controller.regulator.K_enclosure), -K)
+    assert np.allclose(centres(controller.estimator.K_enclosure), -L)
     expected = np.poly([*regulator, *estimator]).real
-    assert np.allclose([float(c) for c in found.enclosure.coefficients], expected)
+    assert np.allclose([float(c) for c in controller.enclosure.coefficients], expected)
 
 
 def test_a_rational_controller_closes_the_loop_that_it_says():
@@ -116,21 +118,21 @@ def test_a_rational_controller_closes_the_loop_that_it_says():
         A=[[0, 1], [0, 0]], B=[[0], [1]], C=[[1, 0]], D_1=[[0, 0], [2, 0]], D_0=[[3]],
         D_2=[[0, 1]], E_1=[[1, 0], [0, 0]], E_2=[[0], ["1/2"]], E_0=None, variable="s",
     )  # fmt: skip
-    found = ct.lqg_controller(plant)
-    assert found.polynomial == ct.polynomial("(s**2 + 2*s + 2)**2")
-    G_c = found.compensator
+    controller = ct.lqg_controller(plant)
+    assert controller.polynomial == ct.polynomial("(s**2 + 2*s + 2)**2")
+    G_c = controller.compensator
     N, D = ct.polynomial("1 + 3*s**2"), ct.polynomial("s**2")
-    assert D * G_c.denominator - N * G_c.numerator == found.polynomial
+    assert D * G_c.denominator - N * G_c.numerator == controller.polynomial
 
 
 @given(polynomials(max_degree=3), polynomials(min_degree=1, max_degree=4), st.sampled_from([1, 3]))
 def test_half_plane_factors_have_the_spectrum(N, D, r):
     try:
-        found = ct.spectral_factor(N, D, r, time="continuous")
+        factor = ct.spectral_factor(N, D, r, time="continuous")
     except NoSolutionError:
         return
-    assert all(0 in c for c in found.residual)
-    roots = np.roots([float(c) for c in found.enclosure.coefficients])
+    assert all(0 in c for c in factor.residual)
+    roots = np.roots([float(c) for c in factor.enclosure.coefficients])
     assert all(root.real < 1e-6 for root in roots)
 
 
@@ -165,10 +167,10 @@ def test_loci_meet_their_limits(N, D, weight):
 def test_closed_forms_are_the_certified_polynomials(N, D, weight):
     locus = ct.regulator_locus(N, D)
     try:
-        found = locus.at(weight)
+        result = locus.at(weight)
     except ct.CompensatorError:
         assume(False)
-    for form, ball in zip(locus.closed_form, found.enclosure.coefficients, strict=True):
+    for form, ball in zip(locus.closed_form, result.enclosure.coefficients, strict=True):
         assert abs(form.subs(R_2, weight).evalf(40) - ball.centre) < 1e-25
 
 
@@ -222,10 +224,10 @@ def test_a_limit_on_the_boundary_is_said():
 def test_weights_have_the_places_that_lqr_gives_them():
     """`lqr(A, B, Q, R, N)` of other software; a signal z goes by name, and the error says so."""
     A, B = [[0, 1], [0, 0]], [[0], [1]]
-    found = ct.solve_riccati(A, B, [[1, 0], [0, 0]], [[1]], time="continuous")
-    assert found.P == ct.solve_riccati(A, B, Q=[[1, 0], [0, 0]], R=[[1]], time="continuous").P
+    solution = ct.solve_riccati(A, B, [[1, 0], [0, 0]], [[1]], time="continuous")
+    assert solution.P == ct.solve_riccati(A, B, Q=[[1, 0], [0, 0]], R=[[1]], time="continuous").P
     signal = {"E_1": [[1, 0], [0, 0]], "E_2": [[0], [1]]}
-    assert found.P == ct.solve_riccati(A, B, **signal, time="continuous").P
+    assert solution.P == ct.solve_riccati(A, B, **signal, time="continuous").P
     for solve in (ct.solve_riccati, ct.regulator_spectrum, ct.riccati_formula):
         with pytest.raises(ct.InputError, match="Q = E_1'E_1"):
             solve(A, B, [[1, 0]], [[0]], time="discrete")

@@ -136,8 +136,8 @@ def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):
         for G in (part.transfer_function() for part in (first, second))
     )
     for limit in (limits.regulator, limits.estimator):
-        found = sorted((pattern.order, pattern.gain) for pattern in limit.patterns)
-        assert found == expected
+        ordered = sorted((pattern.order, pattern.gain) for pattern in limit.patterns)
+        assert ordered == expected
     small = Rational(1, 10**30)
     poles = ct.lqg_poles(weighed(plant, small), digits=60)
     for side in ("regulator", "estimator"):
@@ -193,8 +193,8 @@ def test_irrational_gains_of_two_inputs():
     """G = M/s with M'M = [[2, 1], [1, 1]]: the gains are its eigenvalues (3 +- sqrt(5))/2."""
     M = Matrix([[1, 0], [1, 1]])
     plant = problem(zeros(2, 2), M, eye(2), eye(2), M)
-    found = {pattern.gain for pattern in ct.high_authority_limits(plant).regulator.patterns}
-    assert found == {(3 + sympy.sqrt(5)) / 2, (3 - sympy.sqrt(5)) / 2}
+    result = {pattern.gain for pattern in ct.high_authority_limits(plant).regulator.patterns}
+    assert result == {(3 + sympy.sqrt(5)) / 2, (3 - sympy.sqrt(5)) / 2}
 
 
 def test_fewer_outputs_than_inputs():

@@ -49,12 +49,12 @@ def riccati_poles(A, B, E_1, E_2):
 @given(problems())
 def test_the_poles_are_those_of_the_riccati_equation(plant):
     try:
-        found = ct.lqg_poles(plant)
+        poles = ct.lqg_poles(plant)
     except ct.CompensatorError:
         assume(False)
     sides = (
-        (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
-        (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
+        (poles.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
+        (poles.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
     )
     for factor, data in sides:
         mine = [float(c) for c in factor.enclosure.coefficients]
@@ -88,9 +88,9 @@ def test_scalar_plants_as_by_the_gains(plant):
         gains = ct.lqg_controller(plant)
     except ct.CompensatorError:
         assume(False)
-    found = ct.lqg_poles(plant)
-    assert found.polynomial == gains.polynomial
-    assert found.enclosure.degree == 2 * plant.n
+    poles = ct.lqg_poles(plant)
+    assert poles.polynomial == gains.polynomial
+    assert poles.enclosure.degree == 2 * plant.n
 
 
 @given(st.integers(0, 10**6))
@@ -100,12 +100,12 @@ def test_the_spectrum_of_many_states_is_that_of_the_hamiltonian_matrix(seed):
     n, drawn = 32, random.Random(seed)
     A, B = (sympy.Matrix(n, width, lambda i, j: drawn.randint(-3, 3)) for width in (n, 2))
     with at_most(200_000):
-        found = ct.regulator_spectrum(A, B, sympy.eye(n), sympy.eye(2), time="continuous")
+        spectrum = ct.regulator_spectrum(A, B, sympy.eye(n), sympy.eye(2), time="continuous")
     H = sympy.Matrix.vstack(
         sympy.Matrix.hstack(A, -B * B.T), sympy.Matrix.hstack(-sympy.eye(n), -A.T)
     )
     expected = flint.fmpz_mat(2 * n, 2 * n, [int(entry) for entry in H]).charpoly()
-    assert found.all_coeffs() == [(-1) ** n * int(c) for c in reversed(expected.coeffs())]
+    assert spectrum.all_coeffs() == [(-1) ** n * int(c) for c in reversed(expected.coeffs())]
 
 
 def test_what_is_refused():

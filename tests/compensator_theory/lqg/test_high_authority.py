@@ -71,8 +71,8 @@ def coefficients(enclosure):
 
 @pytest.mark.parametrize("plant", [EXAMPLE_A1, EXAMPLE_A2], ids=["A.1", "A.2"])
 def test_examples_a1_and_a2_are_exact(plant):
-    found = ct.lqg_controller(plant)
-    for side in (found.regulator, found.estimator):
+    controller = ct.lqg_controller(plant)
+    for side in (controller.regulator, controller.estimator):
         assert side.is_rational and side.certificate.holds
         assert all(ball.centre == ball.radius == 0 for row in side.residual for ball in row)
         closed = side.A + side.B * side.K
@@ -80,14 +80,14 @@ def test_examples_a1_and_a2_are_exact(plant):
         assert ct.decide_stability(side.factor.polynomial, time="discrete").by_roots
         assert (side.B.T * side.P * side.B)[0] == side.factor.constant.centre
     assert ct.closed_loop_polynomial(
-        plant, found.compensator.numerator, found.compensator.denominator
-    ) == found.polynomial  # fmt: skip
+        plant, controller.compensator.numerator, controller.compensator.denominator
+    ) == controller.polynomial  # fmt: skip
 
 
 def test_example_a1_has_the_zeros_of_the_plant_and_two_poles_at_0():
-    found = ct.lqg_controller(EXAMPLE_A1).polynomial
+    controller = ct.lqg_controller(EXAMPLE_A1).polynomial
     expected = q**2 * (EXAMPLE_A1.numerator("zu") * EXAMPLE_A1.numerator("yw")).monic().as_expr()
-    assert sympy.expand(found.as_expr() - expected) == 0
+    assert sympy.expand(controller.as_expr() - expected) == 0
 
 
 def test_example_a2_has_one_pole_at_0_on_each_side():
@@ -104,13 +104,13 @@ def test_example_a2_has_one_pole_at_0_on_each_side():
 
 
 def test_example_4_1_is_enclosed():
-    found = ct.lqg_controller(EXAMPLE_4_1)
-    innovation = found.regulator.factor.constant
+    controller = ct.lqg_controller(EXAMPLE_4_1)
+    innovation = controller.regulator.factor.constant
     assert "0.8953897282086" in repr(innovation) and innovation.radius < sympy.Rational(1, 10**30)
     outside = enclose_split_at_unit_circle(EXAMPLE_4_1.numerator("zu"))[1]
     H = EXAMPLE_4_1.numerator("zu").LC()
     assert abs((outside.coefficients[-1].centre * H) ** 2 - innovation.centre) < 1e-25
-    for side in (found.regulator, found.estimator):
+    for side in (controller.regulator, controller.estimator):
         assert side.is_exact and not side.is_rational and side.certificate.holds
         assert all(0 in ball for row in side.residual for ball in row)
         worst = max(ball.radius for row in side.P_enclosure for ball in row)
@@ -119,8 +119,8 @@ def test_example_4_1_is_enclosed():
         assert coefficients(side.factor.enclosure) == pytest.approx(scipys, abs=1e-13)
         mine = np.array([[float(c) for c in row] for row in side.P_enclosure])
         assert mine == pytest.approx(P, abs=1e-12)
-    assert (found.polynomial, found.compensator) == (None, None)
-    assert found.enclosure.degree == 10
+    assert (controller.polynomial, controller.compensator) == (None, None)
+    assert controller.enclosure.degree == 10
     target = ct.high_authority_target(EXAMPLE_4_1)
     assert target.transfer_function is None and target.d_zu == target.d_yw == 1
     # Literally, (4.24) has relative degree -4 here; it must be d_zu, with leading coefficient H.
@@ -132,7 +132,7 @@ def test_example_4_1_is_enclosed():
 @given(standard_problems(max_order=3, max_signals=1, has_direct_term=True))
 def test_riccati_equations_of_random_plants(plant):
     try:
-        found = ct.lqg_controller(plant)
+        controller = ct.lqg_controller(plant)
     except ct.CompensatorError as error:
         assert isinstance(
             error, NoSolutionError | UnitCircleError | NotControllableError | NotObservableError
@@ -140,17 +140,17 @@ def test_riccati_equations_of_random_plants(plant):
         assume(False)
     pencil = ct.lqg_poles(plant)
     for side, factor in (
-        (found.regulator, pencil.regulator), (found.estimator, pencil.estimator)
+        (controller.regulator, pencil.regulator), (controller.estimator, pencil.estimator)
     ):  # fmt: skip
         assert all(0 in ball for row in side.residual for ball in row)
         assert side.factor.polynomial == factor.polynomial
         assert abs(side.factor.constant.centre - factor.constant.centre) < 1e-20
-    if found.polynomial is not None:
+    if controller.polynomial is not None:
         target = ct.high_authority_target(plant).transfer_function
-        assert target_characteristic_polynomial(plant, plant.n, target) == found.polynomial
-        G_c = found.compensator
+        assert target_characteristic_polynomial(plant, plant.n, target) == controller.polynomial
+        G_c = controller.compensator
         loop = ct.closed_loop_polynomial(plant, G_c.numerator, G_c.denominator)
-        assert loop == found.polynomial
+        assert loop == controller.polynomial
 
 
 @given(standard_problems(max_order=3, max_signals=1))
@@ -194,7 +194,7 @@ def test_several_signals_against_scipy():
         A, B, E_1, C, D_1 = entries
         D_2 = sympy.Matrix([[0, 0], [0, 0]])
         plant = ct.StandardProblem(A, B, C, D_1, None, D_2, E_1, None, None)
-        found = ct.lqg_poles(plant)
+        poles = ct.lqg_poles(plant)
         controller = ct.lqg_controller(plant)
         for side in (controller.regulator, controller.estimator):
             P, _ = scipy_polynomial(side)
@@ -203,9 +203,9 @@ def test_several_signals_against_scipy():
             assert not side.is_exact or side.certificate.holds
         _, regulator = scipy_polynomial(controller.regulator)
         _, estimator = scipy_polynomial(controller.estimator)
-        assert coefficients(found.regulator.enclosure) == pytest.approx(regulator, abs=1e-9)
-        assert coefficients(found.estimator.enclosure) == pytest.approx(estimator, abs=1e-9)
-        assert coefficients(found.enclosure) == pytest.approx(
+        assert coefficients(poles.regulator.enclosure) == pytest.approx(regulator, abs=1e-9)
+        assert coefficients(poles.estimator.enclosure) == pytest.approx(estimator, abs=1e-9)
+        assert coefficients(poles.enclosure) == pytest.approx(
             np.polymul(regulator, estimator), abs=1e-8
         )
 
@@ -264,10 +264,15 @@ def test_other_bad_input():
 
 def test_they_print():
     for plant in (EXAMPLE_A2, EXAMPLE_4_1):
-        found = ct.lqg_controller(plant)
-        things = (found, found.poles, found.regulator, ct.high_authority_target(plant))
-        for thing in things:
-            assert str(thing) and thing._repr_latex_().startswith(r"$\displaystyle")
+        controller = ct.lqg_controller(plant)
+        items = (
+            controller,
+            controller.poles,
+            controller.regulator,
+            ct.high_authority_target(plant),
+        )
+        for item in items:
+            assert str(item) and item._repr_latex_().startswith(r"$\displaystyle")
 
 
 def test_a_hidden_unstable_mode_has_no_lqg_poles():

@@ -64,13 +64,13 @@ def held_against(solve, left, right, residual):
         with pytest.raises(NoSolutionError):
             solve()
         return None
-    found = solve()
-    assert found.certificate.holds and residual(found.X).is_zero_matrix
-    assert len(found.homogeneous) == free
+    result = solve()
+    assert result.certificate.holds and residual(result.X).is_zero_matrix
+    assert len(result.homogeneous) == free
     if free:  # independent
-        columns = (Matrix(Y.rows * Y.cols, 1, list(Y)) for Y in found.homogeneous)
+        columns = (Matrix(Y.rows * Y.cols, 1, list(Y)) for Y in result.homogeneous)
         assert Matrix.hstack(*columns).rank() == free
-    return found
+    return result
 
 
 @fewer(2)
@@ -80,16 +80,16 @@ def test_sylvester_against_kronecker_and_scipy(case):
     n, m = C.shape
     eye = sympy.eye
     left = sympy.kronecker_product(A, eye(m)) + sympy.kronecker_product(eye(n), B.T)
-    found = held_against(
+    result = held_against(
         lambda: solve_sylvester(A, B, -C), left, Matrix(n * m, 1, list(C)),
         lambda X: A * X + X * B - C,
     )  # fmt: skip
     gap = [
         abs(x + y) for x in np.linalg.eigvals(as_numpy(A)) for y in np.linalg.eigvals(as_numpy(B))
     ]
-    if found is not None and found.is_unique and min(gap) > 1e-2:
+    if result is not None and result.is_unique and min(gap) > 1e-2:
         expected = scipy.linalg.solve_sylvester(*map(as_numpy, (A, B, C)))
-        assert np.allclose(as_numpy(found.X), expected, rtol=1e-6, atol=1e-6)
+        assert np.allclose(as_numpy(result.X), expected, rtol=1e-6, atol=1e-6)
 
 
 @fewer(2)
@@ -110,18 +110,18 @@ def test_lyapunov_against_kronecker_and_scipy(case):
     n = A.rows
     eye = sympy.eye(n)
     left = sympy.kronecker_product(A, eye) + sympy.kronecker_product(eye, A)
-    found = held_against(
+    result = held_against(
         lambda: solve_lyapunov(A, Q), left, Matrix(n * n, 1, list(-Q)),
         lambda X: A * X + X * A.T + Q,
     )  # fmt: skip
     values = np.linalg.eigvals(as_numpy(A))
     if (
-        found is not None
-        and found.is_unique
+        result is not None
+        and result.is_unique
         and min(abs(x + y) for x in values for y in values) > 1e-2
     ):
         expected = scipy.linalg.solve_continuous_lyapunov(as_numpy(A), -as_numpy(Q))
-        assert np.allclose(as_numpy(found.X), expected, rtol=1e-6, atol=1e-6)
+        assert np.allclose(as_numpy(result.X), expected, rtol=1e-6, atol=1e-6)
 
 
 def test_discrete_against_scipy():
@@ -154,8 +154,8 @@ def test_large_ones_against_their_residual_and_scipy(n, m):
 
 def test_poles_that_are_there_often_have_short_solutions():
     plant = realisation(("1", polynomial_from_roots([-1, -2, -3] * 4, "s")))
-    found = gramians(plant)
-    A, B, W = plant.A, plant.B, found.controllability
+    gramian_pair = gramians(plant)
+    A, B, W = plant.A, plant.B, gramian_pair.controllability
     assert (A * W + W * A.T + B * B.T).is_zero_matrix
 
 
@@ -178,10 +178,10 @@ def test_a_solution_with_too_many_digits_is_refused():
 
 
 def test_symbols_say_where_they_hold():
-    found = solve_lyapunov([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
+    solution = solve_lyapunov([[0, 1], ["-b", "-a"]], [[0, 0], [0, 1]])
     a, b = sympy.symbols("a b")
-    assert found.exceptional == (a, b)
-    assert found.X.subs({a: 3, b: 2}) == solve_lyapunov([[0, 1], [-2, -3]], [[0, 0], [0, 1]]).X
+    assert solution.exceptional == (a, b)
+    assert solution.X.subs({a: 3, b: 2}) == solve_lyapunov([[0, 1], [-2, -3]], [[0, 0], [0, 1]]).X
     with pytest.raises(NoSolutionError, match="sum 0"):
         solve_lyapunov([[0, 1], [-2, 0]], [[0, 0], [0, 1]])  # a = 0
     family = solve_sylvester([["a"]], [["-a"]], [[0]])
@@ -202,30 +202,30 @@ def test_norm_of_a_second_order_plant(a, b, c):
 def test_discrete_gramians_against_impulse_sums(system):
     size = max(1, sum(abs(entry) for entry in system.A)) * 2
     A = system.A / size  # of norm at most 1/2, so that 60 terms are exact to 1e-15
-    found = gramians((A, system.B, system.C, system.D), "z")
+    gramian_pair = gramians((A, system.B, system.C, system.D), "z")
     a, b, c, d = map(as_numpy, (A, system.B, system.C, system.D))
     reached, energy, power = np.zeros(a.shape), np.sum(d * d), np.eye(len(a))
     for _ in range(60):
         reached += power @ b @ b.T @ power.T
         energy += np.sum((c @ power @ b) ** 2)
         power = a @ power
-    assert np.allclose(as_numpy(found.controllability), reached, rtol=1e-9, atol=1e-12)
-    assert np.isclose(float(found.norm_squared), energy, rtol=1e-9)
+    assert np.allclose(as_numpy(gramian_pair.controllability), reached, rtol=1e-9, atol=1e-12)
+    assert np.isclose(float(gramian_pair.norm_squared), energy, rtol=1e-9)
 
 
 @fewer(3)
 @given(systems(max_block=1), st.integers(1, 3))
 def test_continuous_gramians_against_scipy(system, shift):
     A = system.A - (shift + sum(abs(entry) for entry in system.A)) * sympy.eye(system.n)
-    found = gramians((A, system.B, system.C), "s")
+    gramian_pair = gramians((A, system.B, system.C), "s")
     a, b, c = map(as_numpy, (A, system.B, system.C))
     for mine, one, two in (
-        (found.controllability, a, b @ b.T),
-        (found.observability, a.T, c.T @ c),
+        (gramian_pair.controllability, a, b @ b.T),
+        (gramian_pair.observability, a.T, c.T @ c),
     ):
         expected = scipy.linalg.solve_continuous_lyapunov(one, -two)
         assert np.allclose(as_numpy(mine), expected, rtol=1e-9, atol=1e-12)
-    hankel = found.hankel_polynomial()
+    hankel = gramian_pair.hankel_polynomial()
     assert hankel.degree() == system.n and hankel.TC() * (-1) ** system.n >= 0  # fmt: skip
 
 
@@ -256,9 +256,9 @@ def test_regulator_equations_against_their_linear_system(system, S, data):
         with pytest.raises(NoSolutionError, match="zero of the plant"):
             solve_regulator_equations(system, S, Q, P)
         return
-    found = solve_regulator_equations(system, S, Q, P)
-    assert len(found.homogeneous) == free and found.certificate.holds
-    unknown = Matrix([*found.Pi, *found.Gamma])
+    solution = solve_regulator_equations(system, S, Q, P)
+    assert len(solution.homogeneous) == free and solution.certificate.holds
+    unknown = Matrix([*solution.Pi, *solution.Gamma])
     assert (left * unknown - right).is_zero_matrix
 
 
@@ -266,15 +266,15 @@ def test_the_error_dies_out():
     """The loop with the feedforward, simulated: e(t) -> 0 for every start."""
     plant = realisation("(s + 2)/(s**3 + s)")
     S, Q = [[0, 1], [-4, 0]], [[-1, 0]]
-    found = solve_regulator_equations(plant, S, Q)
+    solution = solve_regulator_equations(plant, S, Q)
     K = Matrix([[-6, -10, -6]])  # s**3 + 6 s**2 + 11 s + 6
-    L = found.feedforward(K)
+    L = solution.feedforward(K)
     closed = (plant.A + plant.B * K).row_join(plant.B * L)
     whole = closed.col_join(sympy.zeros(2, 3).row_join(Matrix(S)))
     end = scipy.linalg.expm(20 * as_numpy(whole)) @ np.array([1, -2, 3, 1, 1])
     assert abs((as_numpy(plant.C.row_join(Matrix(Q))) @ end)[0]) < 1e-6
     with pytest.raises(InputError, match="needs a gain"):
-        found.feedforward([[1]])
+        solution.feedforward([[1]])
 
 
 def test_a_zero_at_the_exosystem():
@@ -303,6 +303,6 @@ def test_bad_input(call):
 def test_a_solution_with_integers_that_python_does_not_print_is_written():
     """Their length is that of the answer, which no budget of the input knows."""
     large = 10**1500
-    found = solve_lyapunov([[-1, large], [0, -large - 1]], [[large, 7], [7, 1]])
-    longest = max(map(len, re.findall(r"\d+", str(found))))
-    assert longest == 4500 and len(found._repr_latex_()) > 4 * longest
+    solution = solve_lyapunov([[-1, large], [0, -large - 1]], [[large, 7], [7, 1]])
+    longest = max(map(len, re.findall(r"\d+", str(solution))))
+    assert longest == 4500 and len(solution._repr_latex_()) > 4 * longest

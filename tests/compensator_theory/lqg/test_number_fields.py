@@ -53,13 +53,13 @@ def with_roots(poly):
 )
 def test_known_factors(spectrum, minimal, factor):
     """Written down by hand; the last one has irreducible parts with roots on both sides."""
-    found = stable_factors(with_roots(spectrum))
-    assert found.field.minimal.as_expr() == sympy.sympify(minimal)
-    generator = found.field.generator
+    factors = stable_factors(with_roots(spectrum))
+    assert factors.field.minimal.as_expr() == sympy.sympify(minimal)
+    generator = factors.field.generator
     written = sum(
         sum(sympy.Rational(int(x.p), int(x.q)) * generator**i for i, x in enumerate(c.coeffs()))
         * s**k
-        for k, c in enumerate(found.factors[0])
+        for k, c in enumerate(factors.factors[0])
     )
     difference = sympy.Poly(sympy.expand(written - factor), s).all_coeffs()
     assert all(sympy.simplify(c) == 0 for c in difference)
@@ -78,9 +78,9 @@ def test_factors_are_those_of_the_left_roots(first, second):
     spectrum = squared(D) + squared(N)
     roots = np.roots([float(c.p) / float(c.q) for c in spectrum.coeffs()[::-1]])
     assume(len(roots) == 0 or min(abs(roots.real)) > 1e-3)
-    found = stable_factors(spectrum)
-    place = found.field.ball(200)
-    values = [float(flint.arb_poly(c)(place)) for c in found.factors[0]]
+    factors = stable_factors(spectrum)
+    place = factors.field.ball(200)
+    values = [float(flint.arb_poly(c)(place)) for c in factors.factors[0]]
     left = np.poly([r for r in roots if r.real < 0]).real[::-1]
     assert np.allclose(values, left, rtol=1e-4, atol=1e-4 * max(abs(left)))
 
@@ -141,17 +141,17 @@ def test_every_solution_is_substituted(data):
     """The equation in the field, and SciPy's solver where it succeeds."""
     A, B, Q, R, N, time = data
     try:
-        found = solve_riccati(A, B, Q=Q, R=R, N=N, time=time)
+        solution = solve_riccati(A, B, Q=Q, R=R, N=N, time=time)
     except CompensatorError:
         assume(False)
-    assert found.is_exact and found.certificate.holds
-    assert all(0 in entry for row in found.residual for entry in row)
+    assert solution.is_exact and solution.certificate.holds
+    assert all(0 in entry for row in solution.residual for entry in row)
     solver = (
         scipy.linalg.solve_continuous_are
         if time == "continuous"
         else scipy.linalg.solve_discrete_are
     )
-    roots = np.roots([float(c) for c in found.factor.enclosure.coefficients])
+    roots = np.roots([float(c) for c in solution.factor.enclosure.coefficients])
     margin = -roots.real if time == "continuous" else 1 - abs(roots)
     assert min(margin) > -1e-6
     assume(min(margin) > 1e-2)
@@ -159,20 +159,22 @@ def test_every_solution_is_substituted(data):
         P = solver(*map(as_float, (A, B, Q, R)), s=as_float(N))
     except (np.linalg.LinAlgError, ValueError):
         return
-    assert np.allclose(centres(found.P_enclosure), P, rtol=1e-5, atol=1e-5 * (1 + abs(P).max()))
-    closed = as_float(A) + as_float(B) @ centres(found.K_enclosure)
+    assert np.allclose(centres(solution.P_enclosure), P, rtol=1e-5, atol=1e-5 * (1 + abs(P).max()))
+    closed = as_float(A) + as_float(B) @ centres(solution.K_enclosure)
     moments = np.poly(closed)
-    expected = [float(c) for c in found.factor.enclosure.coefficients]
+    expected = [float(c) for c in solution.factor.enclosure.coefficients]
     assert np.allclose(moments, expected, rtol=1e-6, atol=1e-6 * max(map(abs, expected)))
 
 
 def test_an_eigenvalue_at_minus_one_is_moved_away():
     """z = -1 goes to infinity on the half plane: a feedback comes first, and P is what it was."""
-    found = solve_riccati([[-1, 1], [0, -1]], [[0], [1]], Q=sympy.eye(2), R=[[1]], time="discrete")
+    solution = solve_riccati(
+        [[-1, 1], [0, -1]], [[0], [1]], Q=sympy.eye(2), R=[[1]], time="discrete"
+    )
     P = scipy.linalg.solve_discrete_are(
         *map(np.array, ([[-1.0, 1], [0, -1]], [[0.0], [1]])), np.eye(2), np.eye(1)
     )
-    assert found.certificate.holds and np.allclose(centres(found.P_enclosure), P)
+    assert solution.certificate.holds and np.allclose(centres(solution.P_enclosure), P)
     with pytest.raises(NotControllableError):
         solve_riccati([[-1]], [[0]], Q=[[1]], R=[[1]], time="discrete")
 
@@ -188,17 +190,19 @@ def test_beyond_the_budget_there_are_balls():
         Q = sympy.diag(*(1 + (5 * i + n) % 4 for i in range(n)))
         if n == 5:
             continue  # within the budget, and the slowest
-        found = solve_riccati(A, B, Q=Q, R=[[2]], time="continuous", digits=40)
-        counts.append(found.is_exact)
-        assert (found.K_in_field is None) is (found.field is None) is not found.is_exact
-        small = found.field is not None and found.field.degree <= 32
-        assert (found.K is None) is (found.P is None) is not small
-        assert (found.certificate is None) is not found.is_exact
-        assert found.formula.certificate.holds
-        assert all(0 in entry for row in found.residual for entry in row)
-        assert max(e.radius for row in found.P_enclosure for e in row) <= sympy.Rational(1, 10**40)
+        solution = solve_riccati(A, B, Q=Q, R=[[2]], time="continuous", digits=40)
+        counts.append(solution.is_exact)
+        assert (solution.K_in_field is None) is (solution.field is None) is not solution.is_exact
+        small = solution.field is not None and solution.field.degree <= 32
+        assert (solution.K is None) is (solution.P is None) is not small
+        assert (solution.certificate is None) is not solution.is_exact
+        assert solution.formula.certificate.holds
+        assert all(0 in entry for row in solution.residual for entry in row)
+        assert max(e.radius for row in solution.P_enclosure for e in row) <= sympy.Rational(
+            1, 10**40
+        )
         P = scipy.linalg.solve_continuous_are(*map(as_float, (A, B, Q, [[2]])))
-        assert np.allclose(centres(found.P_enclosure), P, rtol=1e-7)
+        assert np.allclose(centres(solution.P_enclosure), P, rtol=1e-7)
     assert counts == [True, True, True, False]
 
 
@@ -210,16 +214,16 @@ def test_formulas_hold_at_any_order(time):
         [(3 * j) % 7 - 3 for j in range(n)]
     ]
     B = [[0]] * (n - 1) + [[1]]
-    found = solve_riccati(A, B, Q=sympy.eye(n), R=[[2]], time=time)
-    formula = found.formula
-    assert not found.is_exact and formula.certificate.holds
+    solution = solve_riccati(A, B, Q=sympy.eye(n), R=[[2]], time=time)
+    formula = solution.formula
+    assert not solution.is_exact and formula.certificate.holds
     at = {
         name: value.centre for name, value in zip(formula.coefficients, formula.values, strict=True)
     }
     for relation in formula.relations:
         assert abs(relation.subs(at)) < 1e-20
     assert len(formula.relations) == n + (time == "discrete")
-    for entry, ball in zip(formula.K, found.K_enclosure[0], strict=True):
+    for entry, ball in zip(formula.K, solution.K_enclosure[0], strict=True):
         assert abs(entry.subs(at) - ball.centre) < 1e-20
     several = solve_riccati([[2]], [[1, 1]], Q=[[1]], R=sympy.eye(2), time=time)
     assert several.formula is None
@@ -244,16 +248,16 @@ def test_the_compensator_closes_the_loop(variable, seed):
     """Closed-loop poles and the power of z, from floats of the exact matrices."""
     plant = controller(variable, seed=seed)
     try:
-        found = lqg_controller(plant, digits=40)
+        result = lqg_controller(plant, digits=40)
     except CompensatorError:
         return
-    matrices_ = found.matrices_in_field
+    matrices_ = result.matrices_in_field
     A_c, B_c, C_c = (centres(m.enclosures()) for m in matrices_)
     A, B, C, D_1, D_2, E_1, E_2 = (
         as_float(getattr(plant, name)) for name in ("A", "B", "C", "D_1", "D_2", "E_1", "E_2")
     )
     loop = np.block([[A, B @ C_c], [B_c @ C, A_c]])
-    expected = [float(c) for c in found.enclosure.coefficients]
+    expected = [float(c) for c in result.enclosure.coefficients]
     assert np.allclose(np.poly(loop), expected, rtol=1e-6, atol=1e-6 * max(map(abs, expected)))
     # The cost is the power of z, from the closed loop's own Gramian.
     noise, out = np.vstack([D_1, B_c @ D_2]), np.hstack([E_1, E_2 @ C_c])
@@ -262,9 +266,9 @@ def test_the_compensator_closes_the_loop(variable, seed):
         W = solver(loop, -noise @ noise.T)
     else:
         W = scipy.linalg.solve_discrete_lyapunov(loop, noise @ noise.T)
-    assert np.isclose(float(found.cost_enclosure), np.trace(out @ W @ out.T), rtol=1e-5)
-    ball = found.cost_in_field.enclosures()[0][0]
-    assert abs(found.cost_enclosure.centre - ball.centre) <= ball.centre / 10**20
+    assert np.isclose(float(result.cost_enclosure), np.trace(out @ W @ out.T), rtol=1e-5)
+    ball = result.cost_in_field.enclosures()[0][0]
+    assert abs(result.cost_enclosure.centre - ball.centre) <= ball.centre / 10**20
     assert lqg_poles(plant).enclosure.degree == 4
 
 
@@ -274,12 +278,12 @@ def test_double_integrator_with_unit_weights():
         A=[[0, 1], [0, 0]], B=[[0], [1]], C=[[1, 0]], D_1=[[0, 0], [1, 0]], D_0=None,
         D_2=[[0, 1]], E_1=[[1, 0], [0, 0]], E_2=[[0], [1]], E_0=None, variable="s",
     )  # fmt: skip
-    found = lqg_controller(plant)
-    G_c = found.compensator
+    controller = lqg_controller(plant)
+    G_c = controller.compensator
     assert G_c.numerator.as_expr() == -2 * ROOT(2) * s - 1
     assert G_c.denominator.as_expr() == s**2 + 2 * ROOT(2) * s + 4
-    assert found.cost == 6 * ROOT(2) and found.polynomial is None
-    assert all("sqrt" in str(x) for x in (found.compensator, found.regulator))
+    assert controller.cost == 6 * ROOT(2) and controller.polynomial is None
+    assert all("sqrt" in str(x) for x in (controller.compensator, controller.regulator))
 
 
 def test_several_signals_and_stable_hidden_modes_have_controllers():
@@ -289,16 +293,18 @@ def test_several_signals_and_stable_hidden_modes_have_controllers():
         D_2=[[0, 1, 0], [0, 0, 1]], E_1=[[1, 1, 0], [0, 0, 0], [0, 0, 0]],
         E_2=[[0, 0], [1, 0], [0, 1]], E_0=None, variable="s",
     )  # fmt: skip
-    found = lqg_controller(plant)
+    controller = lqg_controller(plant)
     assert (
-        found.is_exact and found.regulator.certificate.holds and found.estimator.certificate.holds
+        controller.is_exact
+        and controller.regulator.certificate.holds
+        and controller.estimator.certificate.holds
     )
-    A_c, B_c, C_c = (centres(m.enclosures()) for m in found.matrices_in_field)
+    A_c, B_c, C_c = (centres(m.enclosures()) for m in controller.matrices_in_field)
     A, B, C, D_0 = (as_float(getattr(plant, name)) for name in ("A", "B", "C", "D_0"))
     loop = np.block([[A, B @ C_c], [B_c @ C, A_c + B_c @ D_0 @ C_c]])
-    expected = [float(c) for c in found.enclosure.coefficients]
+    expected = [float(c) for c in controller.enclosure.coefficients]
     assert np.allclose(np.poly(loop), expected, rtol=1e-8)
-    assert found.regulator.factor.enclosure.centre.eval(sympy.Rational(-1, 2)) < 1e-20
+    assert controller.regulator.factor.enclosure.centre.eval(sympy.Rational(-1, 2)) < 1e-20
 
 
 def test_the_cost_of_a_sampled_plant_with_two_outputs():
@@ -307,18 +313,18 @@ def test_the_cost_of_a_sampled_plant_with_two_outputs():
     Q, R = [[3, 2, "5/2"], [2, 6, -1], ["5/2", -1, "17/4"]], [["13/3"]]
     W = [["21/4", 3, 0], [3, "21/4", "3/2"], [0, "3/2", "5/4"]]
     plant = lqg_problem((A, B, C), Q, R, W, sympy.eye(2), variable="z")
-    found = lqg_controller(plant)
-    assert found.is_exact and found.matrices_in_field[0].field.degree == 64
-    assert found.cost is found.realisation is None
-    (ball,) = found.cost_in_field.enclosures()[0]
-    assert abs(found.cost_enclosure.centre - ball.centre) <= ball.centre / 10**20
+    controller = lqg_controller(plant)
+    assert controller.is_exact and controller.matrices_in_field[0].field.degree == 64
+    assert controller.cost is controller.realisation is None
+    (ball,) = controller.cost_in_field.enclosures()[0]
+    assert abs(controller.cost_enclosure.centre - ball.centre) <= ball.centre / 10**20
     with budget(field_degree=64):
-        assert found.cost.atoms(sympy.CRootOf)
+        assert controller.cost.atoms(sympy.CRootOf)
     W, V, Q, R = (as_float(M) for M in (W, sympy.eye(2), Q, R))
     P = scipy.linalg.solve_discrete_are(*(as_float(M) for M in (A, B)), Q, R)
     at, ct = as_float(A).T, as_float(C).T
     S = scipy.linalg.solve_discrete_are(at, ct, W, V)
-    K = centres(found.regulator.K_enclosure)
+    K = centres(controller.regulator.K_enclosure)
     weight = R + as_float(B).T @ P @ as_float(B)
     assert np.isclose(float(ball), np.trace(P @ W) + np.trace(K.T @ weight @ K @ S), rtol=1e-9)
 
@@ -331,11 +337,17 @@ def test_gains_are_exact_where_their_joint_field_is_too_large():
         A, [[0]] * (n - 1) + [[1]], [[1] + [0] * (n - 1)], [[i % 2, 0] for i in range(n)], None,
         [[0, 1]], [[1, 1] + [0] * (n - 2), [0] * n], [[0], [1]], None, variable="s",
     )  # fmt: skip
-    found = lqg_controller(plant)
-    assert found.is_exact and found.regulator.field.degree == 64
-    assert found.regulator.certificate.holds and found.estimator.certificate.holds
-    assert found.matrices_in_field is found.realisation is found.compensator is found.cost is None
-    assert found.cost_enclosure.centre > 0 and str(found).startswith("D = ")
+    controller = lqg_controller(plant)
+    assert controller.is_exact and controller.regulator.field.degree == 64
+    assert controller.regulator.certificate.holds and controller.estimator.certificate.holds
+    assert (
+        controller.matrices_in_field
+        is controller.realisation
+        is controller.compensator
+        is controller.cost
+        is None
+    )
+    assert controller.cost_enclosure.centre > 0 and str(controller).startswith("D = ")
 
 
 def test_the_budget_is_a_door():

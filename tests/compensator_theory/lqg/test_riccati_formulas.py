@@ -59,8 +59,8 @@ def test_formulas_are_the_stabilising_solutions(name, values):
     assume(all(factor.subs(at) != 0 for factor in formula.exceptional))
     conditions = [condition.subs(at) for condition in formula.conditions]
     assume(all(value.is_real and value > 0 for value in conditions))
-    found = formula.at({symbol.name: value for symbol, value in at.items()})
-    for mine, balls in ((formula.K, found.K_enclosure), (formula.P, found.P_enclosure)):
+    result = formula.at({symbol.name: value for symbol, value in at.items()})
+    for mine, balls in ((formula.K, result.K_enclosure), (formula.P, result.P_enclosure)):
         for entry, ball in zip(mine.subs(at), [b for row in balls for b in row], strict=True):
             assert abs(sympy.N(entry, 40) - ball.centre) < 1e-20 * (1 + abs(ball.centre))
 
@@ -86,8 +86,8 @@ def test_conditions_are_those_of_existence(time, values):
 
 def test_published_formulas():
     a, q = sympy.symbols("a q")
-    found = riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time="continuous")
-    assert found.P[0] == a + sympy.sqrt(a**2 + q) and found.conditions == (a**2 + q,)
+    formula = riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time="continuous")
+    assert formula.P[0] == a + sympy.sqrt(a**2 + q) and formula.conditions == (a**2 + q,)
     double = riccati_formula(
         [[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[["r"]], time="continuous"
     )

@@ -24,13 +24,13 @@ def test_the_factors_multiply_to_the_weights_of_every_rank(data, variable):
     A, B, C = (data.draw(matrices(*shape)) for shape in ((n, n), (n, inputs), (outputs, n)))
     cost = data.draw(semidefinite_matrices(n + inputs))
     noise = data.draw(semidefinite_matrices(n + outputs))
-    found = ct.lqg_problem(
+    problem = ct.lqg_problem(
         (A, B, C), cost[:n, :n], cost[n:, n:], noise[:n, :n], noise[n:, n:], N=cost[:n, n:],
         S=noise[:n, n:], variable=variable,
     )  # fmt: skip
-    E, D = found.E_1.row_join(found.E_2), found.D_1.col_join(found.D_2)
+    E, D = problem.E_1.row_join(problem.E_2), problem.D_1.col_join(problem.D_2)
     assert (cost, noise) == (E.T * E, D * D.T)
-    assert (found.A, found.B, found.C, found.variable.name) == (A, B, C, variable)
+    assert (problem.A, problem.B, problem.C, problem.variable.name) == (A, B, C, variable)
 
 
 @pytest.mark.parametrize("discrete", [False, True])
@@ -41,22 +41,22 @@ def test_the_gains_are_those_of_python_control(discrete):
     for _ in range(5):
         x, y = (sympy.Matrix(rng.integers(-3, 4, (3, 3)).tolist()) for _ in range(2))
         Q, W = x.T * x + sympy.eye(3), y.T * y + sympy.eye(3)
-        found = ct.lqg_controller(
+        controller = ct.lqg_controller(
             ct.lqg_problem((A, B, C), Q, [["3/7"]], W, [["2/5"]], variable="z" if discrete else "s")
         )
         lqr, lqe = (control.dlqr, control.dlqe) if discrete else (control.lqr, control.lqe)
         K = lqr(a, b, as_float(Q), np.array([[3 / 7]]))[0]
-        gain = [[float(k.centre) for k in row] for row in found.regulator.K_enclosure]
+        gain = [[float(k.centre) for k in row] for row in controller.regulator.K_enclosure]
         np.testing.assert_allclose(gain, -K, rtol=1e-8)
         P = lqe(a, np.eye(3), c, as_float(W), np.array([[2 / 5]]))[1]
-        covariance = [[float(p.centre) for p in row] for row in found.estimator.P_enclosure]
+        covariance = [[float(p.centre) for p in row] for row in controller.estimator.P_enclosure]
         np.testing.assert_allclose(covariance, P, rtol=1e-8)
 
 
 def test_systems_of_other_libraries_and_feedthrough_go_in():
     system = control.ss([[0.5]], [[1]], [[1]], [[2]], 0.1)
-    found = ct.lqg_problem(system, [[3]], [[0]], [[2]], [[5]])
-    assert (found.variable.name, found.sample_time, found.D_0) == (
+    problem = ct.lqg_problem(system, [[3]], [[0]], [[2]], [[5]])
+    assert (problem.variable.name, problem.sample_time, problem.D_0) == (
         "z", sympy.Rational(1, 10), sympy.Matrix([[2]])
     )  # fmt: skip
     of_text = ct.lqg_problem(ct.realisation("1/s**2"), Q, [[1]], W, [[1]])

@@ -87,39 +87,52 @@ SAME = {
 
 @given(squares())
 def test_whatever_is_asked_the_answer_is_that_of_sympys_own_matrix(both):
-    kept, plain = both
-    assert kept == plain and plain == kept and {kept: 1}[plain] == 1
+    remaining, plain = both
+    assert remaining == plain and plain == remaining and {remaining: 1}[plain] == 1
     for outside in (plain.rows**2, (0, plain.rows), (-plain.rows - 1, 0), (0, [plain.rows])):
         with pytest.raises(IndexError):
-            kept[outside]
-    assert kept != plain + sympy.eye(plain.rows) and kept != 0
+            remaining[outside]
+    assert remaining != plain + sympy.eye(plain.rows) and remaining != 0
     for name, ask in SAME.items():
-        assert ask(kept) == ask(plain), name
+        assert ask(remaining) == ask(plain), name
     if plain.det():
-        assert kept.inv() == plain.inv()
+        assert remaining.inv() == plain.inv()
 
 
 @given(squares())
 def test_what_is_made_of_rational_matrices_stays_in_flint(both):
-    kept, plain = both
-    made = (kept.T, kept * kept, kept + kept, -kept, kept * plain, kept + plain, kept[:, :1])
-    assert all(isinstance(M, RationalMatrix) for M in (*made, exact_matrix(plain, "A")))
-    assert not isinstance(kept * a, RationalMatrix) and symbols_in(kept) == set()
+    remaining, plain = both
+    built = (
+        remaining.T,
+        remaining * remaining,
+        remaining + remaining,
+        -remaining,
+        remaining * plain,
+        remaining + plain,
+        remaining[:, :1],
+    )
+    assert all(isinstance(M, RationalMatrix) for M in (*built, exact_matrix(plain, "A")))
+    assert not isinstance(remaining * a, RationalMatrix) and symbols_in(remaining) == set()
 
 
 @pytest.mark.parametrize("shape", [(0, 0), (0, 2), (2, 0), (1, 3)])
 def test_matrices_without_rows_or_columns(shape):
-    kept, plain = zero_matrix(*shape), ImmutableMatrix.zeros(*shape)
-    assert kept == plain and hash(kept) == hash(plain) and str(kept) == str(plain)
-    assert kept.tolist() == plain.tolist() and kept.T == plain.T and kept.is_zero_matrix
-    assert of_rows([[]] * shape[0] if not shape[1] else [[0] * shape[1]] * shape[0], shape) == kept
+    remaining, plain = zero_matrix(*shape), ImmutableMatrix.zeros(*shape)
+    assert remaining == plain and hash(remaining) == hash(plain) and str(remaining) == str(plain)
+    assert (
+        remaining.tolist() == plain.tolist() and remaining.T == plain.T and remaining.is_zero_matrix
+    )
+    assert (
+        of_rows([[]] * shape[0] if not shape[1] else [[0] * shape[1]] * shape[0], shape)
+        == remaining
+    )
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=4))
 def test_floats_are_their_shortest_decimals_in_every_door(row):
-    wanted = [Rational(Fraction(repr(e))) for e in row]
+    expected = [Rational(Fraction(repr(e))) for e in row]
     doors = [row], (tuple(row),), np.array([row]), [[str(e) for e in row]]
-    assert all(list(exact_matrix(door, "A")) == wanted for door in doors)
+    assert all(list(exact_matrix(door, "A")) == expected for door in doors)
 
 
 def test_doors_that_are_not_plain_are_read_as_before():

@@ -41,20 +41,20 @@ def test_solutions_solve(M, R):
 def test_echelon_forms_and_ranks_are_sympys(M, more):
     whole = M.row_join(M * more.T).row_join(M[:, 0])
     expected, pivots = whole.applyfunc(sympy.cancel).rref(simplify=sympy.cancel)
-    found = echelon(whole)
-    assert found.pivots == pivots and rank(whole) == len(pivots)
-    assert (found.matrix - expected[: len(pivots), :]).applyfunc(sympy.cancel).is_zero_matrix
+    result = echelon(whole)
+    assert result.pivots == pivots and rank(whole) == len(pivots)
+    assert (result.matrix - expected[: len(pivots), :]).applyfunc(sympy.cancel).is_zero_matrix
 
 
 @pytest.mark.costly
 @given(matrices(2, 3), matrices(3, 2), matrices(2, 2))
 def test_products_are_reduced(P, Q, R):
-    found, expected = product_with_symbols(P, Q, R), P * Q * R
+    result, expected = product_with_symbols(P, Q, R), P * Q * R
     if not any(M.free_symbols for M in (P, Q, R)):
-        assert found is None
+        assert result is None
     else:
-        assert found == expected.applyfunc(sympy.cancel)
-        assert all(vanish(found - expected)) and vanish([expected[0] - found[0] + a]) == [False]
+        assert result == expected.applyfunc(sympy.cancel)
+        assert all(vanish(result - expected)) and vanish([expected[0] - result[0] + a]) == [False]
 
 
 def test_numbers_vanish_with_and_without_symbols_beside_them():

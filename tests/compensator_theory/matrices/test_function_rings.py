@@ -27,12 +27,12 @@ def at_numbers(poly):
 def test_sums_products_and_quotients_are_those_of_numbers(p, q):
     one, two = RING.read(p), RING.read(q)
     assert RING.write(one) == p and (one == two) == (p == q) and bool(one) == (not p.is_zero)
-    for made, wanted in (
+    for built, expected in (
         (one + two, at_numbers(p) + at_numbers(q)),
         (one - two, at_numbers(p) - at_numbers(q)),
         (one * two, at_numbers(p) * at_numbers(q)),
     ):
-        assert at_numbers(RING.write(made)) == wanted
+        assert at_numbers(RING.write(built)) == expected
     if q:
         quotient, remainder = RING.divide(one, two)
         assert quotient * two + remainder == one and RING.degree(remainder) < RING.degree(two)
@@ -47,10 +47,10 @@ def test_identities_of_greatest_common_divisors(p, q, common):
         return
     p, q = (RING.read(part) * RING.read(common) for part in (p, q))
     x, y, first, second = RING.identity(p, q)
-    found = x * p + y * q
+    result = x * p + y * q
     assert x * first + y * second == RING.one
-    assert found * first == p and found * second == q
-    assert RING.degree(found) == RING.degree_of_gcd([p, q]) >= common.degree()
+    assert result * first == p and result * second == q
+    assert RING.degree(result) == RING.degree_of_gcd([p, q]) >= common.degree()
 
 
 @settings(max_examples=12)

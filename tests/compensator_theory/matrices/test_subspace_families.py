@@ -36,11 +36,11 @@ s = sympy.Symbol("s")
 
 def nilpotent(blocks, dtype=int):
     size = sum(blocks)
-    found = np.zeros((size, size), dtype)
+    zeros_of_plant = np.zeros((size, size), dtype)
     ends = set(np.cumsum(blocks))
     for i in range(size - 1):
-        found[i, i + 1] = i + 1 not in ends
-    return found
+        zeros_of_plant[i, i + 1] = i + 1 not in ends
+    return zeros_of_plant
 
 
 def number_of_invariant_subspaces(matrix, k, p):
@@ -152,11 +152,11 @@ def test_families_are_invariant_and_have_as_many_parameters(case, data):
     blocks, matrix, part, e = case
     assert part.block_lengths == blocks
     size, _ = continuum_size([(part, e)])
-    found = families(matrix, [(part, e)])
-    assert found
+    result = families(matrix, [(part, e)])
+    assert result
     spans = []
-    for index, (basis, parameters) in enumerate(found):
-        assert (parameters or len(found) == 1) and len(parameters) <= size
+    for index, (basis, parameters) in enumerate(result):
+        assert (parameters or len(result) == 1) and len(parameters) <= size
         assert len(set(parameters)) == len(parameters)
         for _ in range(2):
             values = {
@@ -217,10 +217,10 @@ def test_observer_forms_of_derogatory_loops(blocks, others, dimension, component
     T = T * T.T if T.det() else T
     J = sympy.diag(Matrix(nilpotent(blocks)) - 2 * sympy.eye(sum(blocks)), *others)
     plant, compensator = loop_of(T * J * T.inv())
-    found = observer_forms(plant, compensator)
+    forms = observer_forms(plant, compensator)
     regulator = Poly((s + 2) ** n, s, domain="QQ")
-    assert (regulator, dimension, components) in found.continua
-    (family,) = [form for form in found.families if form.regulator == regulator]
+    assert (regulator, dimension, components) in forms.continua
+    (family,) = [form for form in forms.families if form.regulator == regulator]
     assert len(family.parameters) == dimension and family.is_verified
     for values in itertools.islice(itertools.product([1, Rational(1, 3), -2], repeat=9), 0, 60, 19):
         try:
@@ -237,8 +237,8 @@ def test_a_continuum_that_fails_is_rejected_when_all_of_it_is_one_variety():
     compensator = Realisation(-2 * sympy.eye(2), zero, zero, variable="s")
     assert observer_forms(plant, compensator).families[0].parameters
     lost = Realisation(sympy.diag(-2, -3), zero, zero, variable="s")
-    found = observer_forms(plant, lost)
-    assert not found.families and len(found.rejections) == 2 and not found.undecided
+    forms = observer_forms(plant, lost)
+    assert not forms.families and len(forms.rejections) == 2 and not forms.undecided
 
 
 def test_many_blocks_are_refused_by_the_budget_and_scalar_ones_are_not():

@@ -65,12 +65,12 @@ SAME = {
 @settings(max_examples=5)
 @given(squares())
 def test_whatever_is_asked_the_answer_is_that_of_sympys_own_matrix(given_matrix):
-    kept, plain = exact_matrix(given_matrix, "A"), lowest(given_matrix)
-    assert isinstance(kept, SymbolicMatrix) and not is_rational_matrix(kept)
-    assert kept == plain and plain == kept and {kept: 1}[plain] == 1
-    assert kept != plain + sympy.eye(plain.rows) and kept != 0
+    remaining, plain = exact_matrix(given_matrix, "A"), lowest(given_matrix)
+    assert isinstance(remaining, SymbolicMatrix) and not is_rational_matrix(remaining)
+    assert remaining == plain and plain == remaining and {remaining: 1}[plain] == 1
+    assert remaining != plain + sympy.eye(plain.rows) and remaining != 0
     for name, ask in SAME.items():
-        assert ask(kept) == ask(plain), name
+        assert ask(remaining) == ask(plain), name
 
 
 @settings(max_examples=5)
@@ -81,16 +81,21 @@ def test_operations_stay_in_flint_and_are_those_of_sympy(first, second):
     R = ImmutableMatrix(n, n, lambda i, j: Rational(i - 2 * j, 3))
     p, q, r = (exact_matrix(M, "M") for M in (P, Q, R))
     mixed = Q if isinstance(p, SymbolicMatrix) else q
-    for left, right, kept, other in ((P, Q, p, q), (P, R, p, r), (R, P, r, p), (P, Q, p, mixed)):
-        for made, wanted in (
-            (kept + other, left + right),
-            (kept - other, left - right),
-            (kept * other, left * right),
-            (multiplied(kept, other, kept), left * right * left),
-            (kept.row_join(other), left.row_join(right)),
-            (kept.col_join(other), left.col_join(right)),
+    for left, right, remaining, other in (
+        (P, Q, p, q),
+        (P, R, p, r),
+        (R, P, r, p),
+        (P, Q, p, mixed),
+    ):
+        for built, expected in (
+            (remaining + other, left + right),
+            (remaining - other, left - right),
+            (remaining * other, left * right),
+            (multiplied(remaining, other, remaining), left * right * left),
+            (remaining.row_join(other), left.row_join(right)),
+            (remaining.col_join(other), left.col_join(right)),
         ):
-            assert isinstance(made, KeptMatrix) and at_numbers(made) == at_numbers(wanted)
+            assert isinstance(built, KeptMatrix) and at_numbers(built) == at_numbers(expected)
     assert a * p == p * a and at_numbers(a * p / 2) == at_numbers(a * P / 2)
     assert sympy.sqrt(2) * p == p * sympy.sqrt(2)
     assert isinstance(p - p, RationalMatrix) and (p - p).is_zero_matrix
@@ -108,9 +113,9 @@ def test_what_is_no_rational_function_is_refused_at_the_door():
 @settings(max_examples=5)
 @given(squares())
 def test_the_denominator_has_the_factors_of_all_entries(matrix):
-    kept = exact_matrix(matrix, "A")
+    remaining = exact_matrix(matrix, "A")
     entries = [sympy.fraction(sympy.cancel(entry))[1] for entry in matrix]
-    assert exceptional_factors(denominators_of([kept])) == exceptional_factors(entries)
+    assert exceptional_factors(denominators_of([remaining])) == exceptional_factors(entries)
 
 
 @pytest.mark.parametrize("place", [(5, 0), (0, -9), 99, (0, [3])])

@@ -119,20 +119,20 @@ def test_a_zero_that_is_no_accident_is_never_proved():
     """u does not reach the irrational modes of the plant, which the compensator cannot see."""
     plant = Realisation([[0, 2], [1, 0]], [[0], [0]], [[0, 0]])
     compensator = Realisation([[0, 3], [1, 0]], [[0], [0]], [[0, 0]])
-    found = realisation_is_observer_based(plant, compensator)
-    assert found.answer is not True
+    answer = realisation_is_observer_based(plant, compensator)
+    assert answer.answer is not True
 
 
 def shares(strategy, count):
-    seen = Counter()
+    observed = Counter()
 
     @settings(max_examples=count, database=None, derandomize=True)
     @given(strategy)
     def run(loop):
-        seen[realisation_is_observer_based(*loop).answer] += 1
+        observed[realisation_is_observer_based(*loop).answer] += 1
 
     run()
-    return seen
+    return observed
 
 
 @st.composite
@@ -153,5 +153,5 @@ def nonminimal_plants(draw):
 )
 def test_how_often_it_is_undecided(strategy, count, most):
     """Without balls nine of ten loops with irrational factors were undecided."""
-    seen = shares(strategy, count)
-    assert seen[True] > 0 and seen[None] <= most * seen.total()
+    observed = shares(strategy, count)
+    assert observed[True] > 0 and observed[None] <= most * observed.total()

@@ -143,8 +143,8 @@ def test_symbolic_design():
     assert design.certificate.holds
     loop = ct.closed_loop_matrix(design.plant, design.compensator)
     a, b, c, d, p, r = sympy.symbols("a b c d p r")
-    wanted = (s**2 + p * s + r) * (s + c) * (s + d)
-    assert sympy.cancel((s * sympy.eye(4) - loop).det() - wanted) == 0
+    expected = (s**2 + p * s + r) * (s + c) * (s + d)
+    assert sympy.cancel((s * sympy.eye(4) - loop).det() - expected) == 0
     assert design.plant.is_controllable is True
     assert design.plant.is_observable is None  # b may be 0
     assert ct.is_controllable(sympy.Matrix([[a]]), sympy.Matrix([b])) is None

@@ -80,13 +80,13 @@ def minimal_loops(draw, excess, max_order=3):
 @given(minimal_loops(excess=0))
 def test_every_real_invariant_subspace_of_a_minimal_loop_gives_a_form(loop):
     plant, compensator, roots = loop
-    found = observer_forms(plant, compensator)
-    assert not found.rejections and not found.families and not found.undecided
-    assert len(found.forms) <= count_observer_forms(found.characteristic_polynomial, plant.n)
-    assert found.is_complete and len(found.forms) == found.number_of_candidates
-    assert all(holds(form) for form in found.forms[:4])
+    forms = observer_forms(plant, compensator)
+    assert not forms.rejections and not forms.families and not forms.undecided
+    assert len(forms.forms) <= count_observer_forms(forms.characteristic_polynomial, plant.n)
+    assert forms.is_complete and len(forms.forms) == forms.number_of_candidates
+    assert all(holds(form) for form in forms.forms[:4])
     decision = realisation_is_observer_based(plant, compensator)
-    assert decision.number_of_forms == len(found.forms)
+    assert decision.number_of_forms == len(forms.forms)
     assert decision.answer is (plant.n % 2 == 0 or any(root.is_real for root in roots))
 
 
@@ -94,9 +94,9 @@ def test_every_real_invariant_subspace_of_a_minimal_loop_gives_a_form(loop):
 @given(minimal_loops(excess=-1, max_order=2))
 def test_fewer_states_observe_a_function_of_the_state(loop):
     plant, compensator, _ = loop
-    found = observer_forms(plant, compensator)
-    assert found.is_complete and not found.rejections
-    for form in found.forms:
+    forms = observer_forms(plant, compensator)
+    assert forms.is_complete and not forms.rejections
+    for form in forms.forms:
         A, B, C = (sympy.Matrix(m) for m in (plant.A, plant.B, plant.C))
         A_c, B_c, C_c = (sympy.Matrix(m) for m in (compensator.A, compensator.B, compensator.C))
         T = sympy.Matrix(form.T)
@@ -106,7 +106,7 @@ def test_fewer_states_observe_a_function_of_the_state(loop):
         assert characteristic(A + B * C_c * T) == form.regulator
         assert T.rank() == compensator.n and form.F is None and form.is_verified
     decision = realisation_is_observer_based(plant, compensator)
-    assert (decision.answer, decision.number_of_forms) == (bool(found.forms), len(found.forms))
+    assert (decision.answer, decision.number_of_forms) == (bool(forms.forms), len(forms.forms))
 
 
 @pytest.mark.costly
@@ -115,10 +115,10 @@ def test_fewer_states_observe_a_function_of_the_state(loop):
 def test_more_states_add_a_youla_parameter(loop):
     plant, compensator, _ = loop
     n = plant.n
-    found = youla_forms(plant, compensator)
+    result = youla_forms(plant, compensator)
     whole = characteristic(closed_loop_matrix(plant, compensator))
-    assert len(found) == count_partitions(whole, (n, n, 1))
-    for form in found:
+    assert len(result) == count_partitions(whole, (n, n, 1))
+    for form in result:
         assert form.is_verified
         assert form.regulator * form.observer * form.parameter == whole
         Q, K, F = form.Q, form.K, form.F
@@ -129,7 +129,7 @@ def test_more_states_add_a_youla_parameter(loop):
         )
         assert rebuilt.transfer_function() == compensator.transfer_function()
     decision = realisation_is_observer_based(plant, compensator)
-    assert (decision.answer, decision.number_of_forms) == (bool(found), len(found))
+    assert (decision.answer, decision.number_of_forms) == (bool(result), len(result))
     two_way = observer_forms(plant, compensator)
     assert not two_way.rejections and two_way.is_complete
     assert all(form.is_verified for form in two_way.forms)
@@ -166,65 +166,65 @@ def test_hidden_modes_are_counted_as_the_subspaces_are(loop):
     """Two independent routes: divisors with forced factors, and a rank test of each subspace."""
     plant, compensator = loop
     decision = realisation_is_observer_based(plant, compensator)
-    found = observer_forms(plant, compensator)
-    if not (found.families or found.undecided):
-        assert decision.number_of_forms is None or decision.number_of_forms >= len(found.forms)
-    if found.is_complete and not (found.families or found.undecided):
-        assert (decision.answer, decision.number_of_forms) == (bool(found.forms), len(found.forms))
-    assert decision.answer is not False or not (found.forms or found.families)
-    assert all(holds(form) for form in found.forms[:2])
-    assert all(form.is_verified for form in found.families)
+    forms = observer_forms(plant, compensator)
+    if not (forms.families or forms.undecided):
+        assert decision.number_of_forms is None or decision.number_of_forms >= len(forms.forms)
+    if forms.is_complete and not (forms.families or forms.undecided):
+        assert (decision.answer, decision.number_of_forms) == (bool(forms.forms), len(forms.forms))
+    assert decision.answer is not False or not (forms.forms or forms.families)
+    assert all(holds(form) for form in forms.forms[:2])
+    assert all(form.is_verified for form in forms.families)
 
 
 def test_example_7_1_all_six_from_the_transfer_function_alone():
-    found = observer_forms(
+    forms = observer_forms(
         EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)", variable="s"), variable="s"
     )
     spectra_found = {
         (frozenset(sympy.roots(form.regulator)), frozenset(sympy.roots(form.observer)))
-        for form in found.forms
+        for form in forms.forms
     }
     poles = {-2, -4, -5, -6}
     assert spectra_found == {
         (frozenset(pair), frozenset(poles - set(pair)))
         for pair in itertools.combinations(poles, 2)
     }  # fmt: skip
-    gains = {(tuple(form.K), tuple(form.F)) for form in found.forms}
+    gains = {(tuple(form.K), tuple(form.F)) for form in forms.forms}
     quarter = sympy.Rational(1, 4)
     assert ((-3, -5), (4, -3 * quarter)) in gains  # Example 7.1
     assert ((-5, -7), (2, -quarter)) in gains  # Example 7.2
-    assert len(gains) == 6 and all(holds(form) for form in found.forms)
+    assert len(gains) == 6 and all(holds(form) for form in forms.forms)
     # An independent oracle: the gains that Ackermann's formula gives for each split.
     for pair in itertools.combinations(poles, 2):
         design = observer_based_compensator(
             EXAMPLE_7_1, list(pair), list(poles - set(pair)), variable="s"
         )
         assert (tuple(design.K), tuple(design.F)) in gains
-    assert "1. regulator" in str(found) and found._repr_latex_().count("p_R") == 6
+    assert "1. regulator" in str(forms) and forms._repr_latex_().count("p_R") == 6
 
 
 def test_counterexample_b1_even_order_and_no_form():
     plant = ([[3, 0], [0, 4]], [[1], [1]], [[1, 1]])
     disconnected = ([[1, 0], [0, 2]], [[0], [0]], [[0, 0]])
-    found = observer_forms(plant, disconnected, variable="s")
-    assert (len(found.forms), len(found.rejections), found.is_complete) == (0, 6, True)
+    forms = observer_forms(plant, disconnected, variable="s")
+    assert (len(forms.forms), len(forms.rejections), forms.is_complete) == (0, 6, True)
     decision = realisation_is_observer_based(plant, disconnected, variable="s")
     assert decision.answer is False and "both uncontrollable and unobservable" in decision.reason
 
 
 def test_counterexample_b2_a_hidden_mode_and_no_form():
     hidden = ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
-    found = observer_forms(SECOND_ORDER, hidden, variable="s")
-    assert sorted(sympy.roots(found.characteristic_polynomial)) == [-7, -5, -4, 0]
-    assert (len(found.forms), len(found.rejections)) == (0, 6)
+    forms = observer_forms(SECOND_ORDER, hidden, variable="s")
+    assert sorted(sympy.roots(forms.characteristic_polynomial)) == [-7, -5, -4, 0]
+    assert (len(forms.forms), len(forms.rejections)) == (0, 6)
     assert realisation_is_observer_based(SECOND_ORDER, hidden, variable="s").answer is False
 
 
 def test_counterexample_b2_with_a_double_root_has_a_family():
     hidden = ([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]])
-    found = observer_forms(SECOND_ORDER, hidden, variable="s")
-    assert found.has_continuum and not found.forms
-    for family in found.families:
+    forms = observer_forms(SECOND_ORDER, hidden, variable="s")
+    assert forms.has_continuum and not forms.forms
+    for family in forms.families:
         assert len(family.parameters) == 1 and family.is_verified
         members = [family.at([value]) for value in (1, sympy.Rational(-7, 3))]
         assert all(holds(member) for member in members)
@@ -237,24 +237,24 @@ def test_counterexample_b2_with_a_double_root_has_a_family():
     decision = realisation_is_observer_based(SECOND_ORDER, hidden, variable="s")
     assert decision.answer is True and decision.number_of_forms == "a continuum"
     with pytest.raises(NoSolutionError, match="at"):
-        found.best_conditioned()
+        forms.best_conditioned()
 
 
 @pytest.mark.parametrize("form", ["controllable", "observable"])
 def test_counterexample_b3_real_roots_and_no_form(form):
     factor = "(s + 3)*(s + 4)"
     hidden = realisation(f"-2*{factor}/((s + 1)*{factor})", form=form)
-    found = observer_forms(SERVO, hidden)
-    assert (len(found.forms), len(found.rejections)) == (0, 4)
+    forms = observer_forms(SERVO, hidden)
+    assert (len(forms.forms), len(forms.rejections)) == (0, 4)
     decision = realisation_is_observer_based(SERVO, hidden)
     assert decision.answer is False and "s**2 + 7*s + 12" in decision.reason
 
 
 def test_counterexample_b3_mixed_has_exactly_two():
     mixed = ([[-1, 0, 0], [0, -3, 0], [0, 0, -4]], [[1], [1], [0]], [[-2, 0, 1]])
-    found = observer_forms(SERVO, mixed, variable="s")
-    assert len(found.forms) == 2 and all(holds(form) for form in found.forms)
-    for form in found.forms:
+    forms = observer_forms(SERVO, mixed, variable="s")
+    assert len(forms.forms) == 2 and all(holds(form) for form in forms.forms)
+    for form in forms.forms:
         assert form.regulator.eval(-4) == 0 and form.observer.eval(-3) == 0
     decision = realisation_is_observer_based(SERVO, mixed, variable="s")
     assert (decision.answer, decision.number_of_forms) == (True, 2)
@@ -267,9 +267,9 @@ def test_counterexample_c_several_signals():
         [[0, -half], [1, -half]], [[0, -half], [-1, half]], [[0, half], [1, half]]
     )
     assert plant.is_minimal and compensator.is_minimal
-    found = observer_forms(plant, compensator)
-    assert found.characteristic_polynomial == polynomial("(s**2 + 1)*(s**2 + 2*s + 2)")
-    assert (len(found.forms), len(found.rejections), found.is_complete) == (0, 2, True)
+    forms = observer_forms(plant, compensator)
+    assert forms.characteristic_polynomial == polynomial("(s**2 + 1)*(s**2 + 2*s + 2)")
+    assert (len(forms.forms), len(forms.rejections), forms.is_complete) == (0, 2, True)
     assert realisation_is_observer_based(plant, compensator).answer is False
 
 
@@ -282,16 +282,16 @@ def test_several_signals_generically_work():
     )
     plant = Realisation(A, one, one)
     compensator = Realisation(A + K - F, F, K).in_basis([[1, 2], [1, 3]])
-    found = observer_forms(plant, compensator)
-    assert any((form.K, form.F) == (K, F) for form in found.forms)
-    assert all(holds(form) for form in found.forms)
+    forms = observer_forms(plant, compensator)
+    assert any((form.K, form.F) == (K, F) for form in forms.forms)
+    assert all(holds(form) for form in forms.forms)
 
 
 def test_grassmannian_of_forms_is_represented():
     """Plant and compensator 1 and 0 without coupling: every invertible T is a form."""
     one, zero = sympy.eye(2), sympy.zeros(2, 2)
-    found = observer_forms((one, one, one), (one, zero, zero), variable="s")
-    assert found.has_continuum and found.families[0].is_verified
+    forms = observer_forms((one, one, one), (one, zero, zero), variable="s")
+    assert forms.has_continuum and forms.families[0].is_verified
     assert (
         realisation_is_observer_based(
             (one, one, one), (one, zero, zero), variable="s"
@@ -306,32 +306,32 @@ def test_grassmannian_of_forms_is_represented():
 def test_repeated_spectrum_has_one_form(shift, root):
     plant = observer_based_compensator("1/(s**3 + s)", [root] * 3, [root] * 3)
     assume(plant.compensator.is_minimal)
-    found = observer_forms(
+    forms = observer_forms(
         plant.plant, plant.compensator.in_basis([[1, shift, 0], [0, 1, 2], [0, 0, 1]])
     )
-    assert len(found.forms) == 1 and holds(found.forms[0])
-    assert (found.forms[0].K, found.forms[0].F) == (plant.K, plant.F)
+    assert len(forms.forms) == 1 and holds(forms.forms[0])
+    assert (forms.forms[0].K, forms.forms[0].F) == (plant.K, plant.F)
 
 
 def test_irrational_factors_are_counted_and_left_to_float64():
-    found = observer_forms("1/s**2", realisation("-(4*s + 1)/(s**2 + 1)"))
-    assert not found.forms and found.is_complete is False
-    assert "irrational" in str(found)
+    forms = observer_forms("1/s**2", realisation("-(4*s + 1)/(s**2 + 1)"))
+    assert not forms.forms and forms.is_complete is False
+    assert "irrational" in str(forms)
     assert realisation_is_observer_based("1/s**2", realisation("-(4*s + 1)/(s**2 + 1)")).answer
 
 
 def test_choice_by_criterion():
-    found = observer_forms(
+    result = observer_forms(
         EXAMPLE_7_1, realisation("-(33/4*s + 93/4)/(s**2 + 13*s + 49)", variable="s"), variable="s"
     )
-    assert set(sympy.roots(found.fastest_observer().observer)) == {-5, -6}
-    assert tuple(found.closest_to([[-3, -5]], [[4], [-0.7]]).K) == (-3, -5)
-    conditions = [np.linalg.cond(np.array(f.T, float), "fro") ** 2 for f in found.forms]
-    best = found.forms[int(np.argmin(conditions))]
-    assert found.best_conditioned() == best
+    assert set(sympy.roots(result.fastest_observer().observer)) == {-5, -6}
+    assert tuple(result.closest_to([[-3, -5]], [[4], [-0.7]]).K) == (-3, -5)
+    conditions = [np.linalg.cond(np.array(f.T, float), "fro") ** 2 for f in result.forms]
+    best = result.forms[int(np.argmin(conditions))]
+    assert result.best_conditioned() == best
     assert float(best.squared_condition) == pytest.approx(min(conditions))
     with pytest.raises(InputError, match="shapes"):
-        found.closest_to([[1]], [[1]])
+        result.closest_to([[1]], [[1]])
     discrete = observer_based_compensator("1/z**2", ["1/2", "1/3"], ["-9/10", "1/5"])
     forms = observer_forms(discrete.plant, discrete.compensator)
     slowest = Counter(sympy.roots(forms.fastest_observer().observer))
@@ -340,17 +340,17 @@ def test_choice_by_criterion():
 
 def test_plants_with_a_direct_term():
     design = observer_based_compensator("(2*s**2 + 1)/(s**2 + 3*s)", [-1, -2], [-3, -4])
-    found = observer_forms(design.plant, design.compensator)
-    assert len(found.forms) == 6 and all(form.is_verified for form in found.forms)
-    assert any((form.K, form.F) == (design.K, design.F) for form in found.forms)
+    forms = observer_forms(design.plant, design.compensator)
+    assert len(forms.forms) == 6 and all(form.is_verified for form in forms.forms)
+    assert any((form.K, form.F) == (design.K, design.F) for form in forms.forms)
 
 
 @pytest.mark.costly
 def test_symbolic_plants():
     design = observer_based_compensator("1/(s**2 + a*s)", ["-p", "-2"], [-1, -3])
-    found = observer_forms(design.plant, design.compensator)
-    assert len(found.forms) == 6 and all(form.is_verified for form in found.forms)
-    assert found.is_complete is None
+    forms = observer_forms(design.plant, design.compensator)
+    assert len(forms.forms) == 6 and all(form.is_verified for form in forms.forms)
+    assert forms.is_complete is None
     assert realisation_is_observer_based(design.plant, design.compensator).answer is True
 
 

@@ -37,23 +37,23 @@ def test_the_estimate_follows_whatever_the_input_is(plant, data):
     """x, u free: the estimate that is right stays right, which is an identity in x and u."""
     assume(sympy.Matrix(plant.C).rank() < plant.n)
     left = plant.n - sympy.Matrix(plant.C).rank()
-    found = placed(data, left, lambda poles: ct.reduced_order_observer(plant, poles))
+    result = placed(data, left, lambda poles: ct.reduced_order_observer(plant, poles))
     x = sympy.Matrix(sympy.symbols(f"x:{plant.n}"))
     u = sympy.Matrix(sympy.symbols(f"u:{plant.B.cols}"))
     of_output = plant.C * x  # y - D u
-    zeta = found.L * x - found.E * of_output
-    moves = found.N * zeta + found.J * of_output + found.H * u
-    wanted = (found.L - found.E * plant.C) * (plant.A * x + plant.B * u)
-    assert (moves - wanted).expand().is_zero_matrix
-    assert found.order == left and found.error_polynomial.degree() == left
+    zeta = result.L * x - result.E * of_output
+    moves = result.N * zeta + result.J * of_output + result.H * u
+    expected = (result.L - result.E * plant.C) * (plant.A * x + plant.B * u)
+    assert (moves - expected).expand().is_zero_matrix
+    assert result.order == left and result.error_polynomial.degree() == left
 
 
 @given(plant=systems(p=(1, 1), m=(1, 1), n=(2, 4), direct=False), data=st.data())
 def test_what_cannot_be_moved_is_unobservable(plant, data):
     """Of an observer of reduced order as of one of full order."""
     assume(not plant.C.is_zero_matrix)
-    found = placed(data, plant.n - 1, lambda poles: ct.reduced_order_observer(plant, poles))
-    assert found.fixed == plant.unobservable_modes
+    result = placed(data, plant.n - 1, lambda poles: ct.reduced_order_observer(plant, poles))
+    assert result.fixed == plant.unobservable_modes
 
 
 @given(minimal_plants(4), st.data())
@@ -66,8 +66,8 @@ def test_a_compensator_of_order_n_less_one_separates(plant, data):
     compensator = ct.reduced_order_observer((A, B, C), observer, variable="s").compensator(K)
     assert compensator.n == n - 1 and compensator.certificate.holds
     loop = sympy.Matrix(ct.Realisation(A, B, C).feedback_with(compensator, feedback=1).A)
-    wanted = ct.polynomial_from_roots((*regulator, *observer), "s")
-    assert sympy.Poly(loop.charpoly(s).as_expr(), s, domain="QQ") == wanted
+    poly = ct.polynomial_from_roots((*regulator, *observer), "s")
+    assert sympy.Poly(loop.charpoly(s).as_expr(), s, domain="QQ") == poly
 
 
 @given(systems(m=(1, 1), p=(1, 1), n=(2, 3)), st.data())
@@ -87,11 +87,11 @@ def test_a_direct_term_is_taken_off_the_output(plant, data):
 def test_against_gopinath_and_python_control():
     """The double integrator of Luenberger's paper by Gopinath's construction, written out."""
     A, B, C = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
-    found = ct.reduced_order_observer((A, B, C), [-3], variable="s")
+    observer = ct.reduced_order_observer((A, B, C), [-3], variable="s")
     # w = x_2 - l y: w' = -l w - l^2 y + u
-    assert (found.N[0], found.J[0], found.H[0], found.E[0]) == (-3, -9, 1, 3)
+    assert (observer.N[0], observer.J[0], observer.H[0], observer.E[0]) == (-3, -9, 1, 3)
     K = -control.acker(np.array(A), np.array(B), [-1, -2])
-    F = found.compensator([K.round().astype(int).ravel().tolist()]).transfer_function()
+    F = observer.compensator([K.round().astype(int).ravel().tolist()]).transfer_function()
     loop = control.feedback(control.tf([1], [1, 0, 0]), -F.to_control())
     assert np.allclose(sorted(loop.poles().real), [-3, -2, -1], atol=1e-6)
 
@@ -105,35 +105,37 @@ def test_unknown_inputs_leave_the_invariant_zeros(data):
     build = lambda poles: ct.functional_observer(  # noqa: E731
         (A, B, C), sympy.eye(n), poles, variable="s", unknown_inputs=G
     )
-    seen, felt = sympy.Matrix(C * G).rank(), sympy.Matrix(G).rank()
-    if seen < felt:
+    observed, felt = sympy.Matrix(C * G).rank(), sympy.Matrix(G).rank()
+    if observed < felt:
         with pytest.raises(NoSolutionError, match="rank C G = 0"):
             build([-1] * n)
         return
-    found = placed(data, n, build)
-    assert sympy.zeros(n, 1) == (found.L - found.E * C) * G
+    result = placed(data, n, build)
+    assert sympy.zeros(n, 1) == (result.L - result.E * C) * G
     if felt:
-        assert found.fixed == ct.invariant_zeros((A, G, C), "s").polynomial
+        assert result.fixed == ct.invariant_zeros((A, G, C), "s").polynomial
 
 
 def test_an_unknown_input_is_not_felt_in_a_simulation():
     A = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
     B, C, G = [[0], [0], [1]], [[1, 0, 0], [0, 1, 0]], [[0], [1], [1]]
-    found = ct.functional_observer(
+    observer = ct.functional_observer(
         (A, B, C), np.eye(3, dtype=int).tolist(), [-5, -7], variable="s", unknown_inputs=G
     )
-    N, J, H, E = (np.array(m, float) for m in (found.N, found.J, found.H, found.E))
+    N, J, H, E = (np.array(m, float) for m in (observer.N, observer.J, observer.H, observer.E))
     a, b, c, g = (np.array(m, float) for m in (A, B, C, G))
     h, rng = 0.05, np.random.default_rng(1)
     joint = np.block([[a, np.zeros((3, 3))], [J @ c, N]])
-    held = np.block([[b, g], [H, np.zeros((3, 1))]])
-    step = scipy.linalg.expm(np.block([[joint, held], [np.zeros((2, 8))]]) * h)
+    stored = np.block([[b, g], [H, np.zeros((3, 1))]])
+    step = scipy.linalg.expm(np.block([[joint, stored], [np.zeros((2, 8))]]) * h)
     state = np.array([1.0, -1, 2, 0, 0, 0])
     for _ in range(400):
         state = step[:6, :6] @ state + step[:6, 6:] @ rng.normal(size=2)
     x, zeta = state[:3], state[3:]
     # fixed is a zero of (A, G, C): here it is stable, and 20 time constants have passed
-    assert all(root.real < -0.9 for root in np.roots([float(k) for k in found.fixed.all_coeffs()]))
+    assert all(
+        root.real < -0.9 for root in np.roots([float(k) for k in observer.fixed.all_coeffs()])
+    )
     assert np.abs(zeta + E @ (c @ x) - x).max() < 1e-6 * max(1.0, np.abs(x).max())
 
 
@@ -144,9 +146,11 @@ def test_a_functional_of_order_one_of_a_plant_of_order_four():
     L = [[1, 1, 1, 0]]
     with pytest.raises(NoSolutionError, match="no observer of order 1"):
         ct.functional_observer((A, B, C), L, [-5], variable="s")
-    found = ct.functional_observer((A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s")
-    assert found.error_polynomial == ct.polynomial_from_roots([-5, -6], "s")
-    whole = found.realisation
+    observer = ct.functional_observer(
+        (A, B, C), [[0, 0, 1, 0], [0, 0, 0, 1]], [-5, -6], variable="s"
+    )
+    assert observer.error_polynomial == ct.polynomial_from_roots([-5, -6], "s")
+    whole = observer.realisation
     assert ct.transfer_matrix(whole).shape == (2, 3) and whole.n == 2
     with pytest.raises(ct.InputError, match="no function of L x and y"):
         ct.functional_observer((A, B, C), [[1, 0, 0, 0]], [-5], variable="s").compensator(
@@ -156,11 +160,11 @@ def test_a_functional_of_order_one_of_a_plant_of_order_four():
 
 def test_it_is_that_of_full_order_where_nothing_is_known():
     A, B, C = [[-1, 4], [0, -3]], [[0], [1]], [[1, 0]]
-    found = ct.functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], variable="s")
-    assert found.error_polynomial == ct.polynomial_from_roots([-2, -6], "s")
+    observer = ct.functional_observer((A, B, C), [[1, 0], [0, 1]], [-2, -6], variable="s")
+    assert observer.error_polynomial == ct.polynomial_from_roots([-2, -6], "s")
     F = ct.observer_gain_family(A, C, [-2, -6]).gain()
     classical = sympy.Matrix(A) - F * sympy.Matrix(C)
-    assert sympy.Matrix(found.N).charpoly(s) == classical.charpoly(s)
+    assert sympy.Matrix(observer.N).charpoly(s) == classical.charpoly(s)
 
 
 def test_bad_input():

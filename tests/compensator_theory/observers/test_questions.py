@@ -31,11 +31,11 @@ SERVO = "1/(s**3 + s**2 + 2*s)"  # the plant of the counterexamples with n = 3
 
 def real_choices(roots, size):
     """Every multiset of that size, closed under conjugation: brute force over subsets."""
-    found = set()
+    names = set()
     for chosen in itertools.combinations(roots, size):
         if Counter(chosen) == Counter(sympy.conjugate(root) for root in chosen):
-            found.add(frozenset(Counter(chosen).items()))
-    return found
+            names.add(frozenset(Counter(chosen).items()))
+    return names
 
 
 @given(st.integers(1, 8).flatmap(spectra), st.integers(0, 5))

@@ -52,15 +52,17 @@ def test_everything_symbolic(in_full):
     D = s**n + sum(sympy.Symbol(f"a{i}") * s**i for i in range(n))
     T = s ** (2 * n - 1) + sum(sympy.Symbol(f"t{i}") * s**i for i in range(2 * n - 1))
     plant, target = transfer_function((N, D), "s"), polynomial(T, "s")
-    found = place_poles(plant, polynomial=target, feedback=-1, n_c=n - 1)
-    (factor,) = found.exceptional
+    placement = place_poles(plant, polynomial=target, feedback=-1, n_c=n - 1)
+    (factor,) = placement.exceptional
     full = resultant(plant.numerator, plant.denominator)
     assert sympy.expand(factor - full) == 0 or sympy.expand(factor + full) == 0
     values = {
         x: Rational(7 * i * i % 23 - 11, i % 3 + 1)
         for i, x in enumerate(sorted(full.free_symbols | T.free_symbols - {s}, key=str))
     }
-    top, bottom = (p.as_expr().xreplace(values) for p in (found.numerator, found.denominator))
+    top, bottom = (
+        p.as_expr().xreplace(values) for p in (placement.numerator, placement.denominator)
+    )
     assert (
         sympy.expand(D.xreplace(values) * bottom + N.xreplace(values) * top - T.xreplace(values))
         == 0

@@ -59,17 +59,17 @@ def output_nulling(A, B, C, D, steps):
 @given(realisations(max_block=1) | sparse_plants())
 def test_the_largest_subspace(plant):
     """V* is the set of states that some input keeps at zero output (Silverman), for n steps."""
-    found = controlled_invariant_subspaces(plant, variable="s")
+    subspaces = controlled_invariant_subspaces(plant, variable="s")
     A, B, C, D = (plant.A, plant.B, plant.C, plant.D) if hasattr(plant, "A") else (*plant, None)
     D = sympy.zeros(C.rows, B.cols) if D is None else D
-    assert found.certificate.holds
-    assert found.V.cols == output_nulling(A, B, C, D, A.rows)
-    closed = A + B * found.F
-    if found.V.cols:
-        assert rank(found.V.row_join(closed * found.V)) == found.V.cols
-        assert ((C + D * found.F) * found.V).is_zero_matrix
+    assert subspaces.certificate.holds
+    assert subspaces.V.cols == output_nulling(A, B, C, D, A.rows)
+    closed = A + B * subspaces.F
+    if subspaces.V.cols:
+        assert rank(subspaces.V.row_join(closed * subspaces.V)) == subspaces.V.cols
+        assert ((C + D * subspaces.F) * subspaces.V).is_zero_matrix
     # the motion in V* modulo R* is that of the invariant zeros
-    assert found.zero_polynomial == ct.invariant_zeros((A, B, C, D), variable="s").polynomial
+    assert subspaces.zero_polynomial == ct.invariant_zeros((A, B, C, D), variable="s").polynomial
 
 
 @fewer(3)
@@ -77,14 +77,14 @@ def test_the_largest_subspace(plant):
 def test_what_inputs_reach_inside(plant):
     """R* is what B G reaches under A + BF, for inputs that do not leave V*."""
     A, B, _ = plant
-    found = controlled_invariant_subspaces(plant, variable="s")
-    n, R, V = A.rows, found.R, found.V
+    subspaces = controlled_invariant_subspaces(plant, variable="s")
+    n, R, V = A.rows, subspaces.R, subspaces.V
     inside = [
         vector[: B.cols, :]
         for vector in B.row_join(-V).nullspace()
     ] if V.cols else []  # fmt: skip
     inputs = Matrix.hstack(sympy.zeros(n, 0), *(B * g for g in inside))
-    reached = Matrix.hstack(inputs, *((A + B * found.F) ** k * inputs for k in range(n)))
+    reached = Matrix.hstack(inputs, *((A + B * subspaces.F) ** k * inputs for k in range(n)))
     assert R.cols == reached.rank() == reached.row_join(R).rank()
 
 
@@ -97,7 +97,7 @@ def test_disturbances_are_hidden(plant, data):
     space = controlled_invariant_subspaces(plant, variable="s").V
     if space.cols and data.draw(st.booleans()):
         E = space * Matrix(data.draw(matrices(space.cols, 1)))
-    found = decouple_disturbance(plant, E, variable="s")
+    decoupling = decouple_disturbance(plant, E, variable="s")
     steps = range(n)
     # solvable if and only if some input cancels the first n outputs to a pulse of the disturbance
     zero = sympy.zeros(C.rows, B.cols)
@@ -107,11 +107,11 @@ def test_disturbances_are_hidden(plant, data):
             for k in steps
         )
     )
-    seen = Matrix.vstack(*(C * A**k * E for k in steps))
-    assert found.is_solvable == (rows.rank() == rows.row_join(seen).rank())
-    if found.is_solvable:
-        assert found.certificate.holds
-        assert all((C * (A + B * found.F) ** k * E).is_zero_matrix for k in steps)
+    observed = Matrix.vstack(*(C * A**k * E for k in steps))
+    assert decoupling.is_solvable == (rows.rank() == rows.row_join(observed).rank())
+    if decoupling.is_solvable:
+        assert decoupling.certificate.holds
+        assert all((C * (A + B * decoupling.F) ** k * E).is_zero_matrix for k in steps)
 
 
 @fewer(2)
@@ -127,21 +127,21 @@ def test_the_interactor(G):
         with pytest.raises(ct.CompensatorError):
             interactor(G)
         return
-    found = interactor(G)
-    xi = found.matrix.as_matrix()
+    interactor_matrix = interactor(G)
+    xi = interactor_matrix.matrix.as_matrix()
     product = (xi * G.as_matrix()).applyfunc(sympy.cancel)
     limit = product.applyfunc(lambda e: sympy.limit(e, s, sympy.oo))
-    assert limit == found.limit and limit.rank() == G.shape[0]
-    assert sum(found.powers) == sum(form.orders_at_infinity)
+    assert limit == interactor_matrix.limit and limit.rank() == G.shape[0]
+    assert sum(interactor_matrix.powers) == sum(form.orders_at_infinity)
     for i, j in itertools.product(range(xi.rows), repeat=2):
-        below = Poly(sympy.cancel(xi[i, j] / s ** found.powers[j]), s)
+        below = Poly(sympy.cancel(xi[i, j] / s ** interactor_matrix.powers[j]), s)
         assert below.is_zero if i < j else below == Poly(1, s) if i == j else below.eval(0) == 0
 
 
 def test_the_interactor_of_the_notes():
-    found = interactor([["1/(s + 1)", "1/(s + 2)"], ["1/(s + 3)", "1/(s + 4)"]])
-    assert found.matrix.as_matrix() == Matrix([[s, 0], [2 * s**2 - s**3, s**3]])
-    assert found.limit == Matrix([[1, 1], [6, 8]])
+    interactor_matrix = interactor([["1/(s + 1)", "1/(s + 2)"], ["1/(s + 3)", "1/(s + 4)"]])
+    assert interactor_matrix.matrix.as_matrix() == Matrix([[s, 0], [2 * s**2 - s**3, s**3]])
+    assert interactor_matrix.limit == Matrix([[1, 1], [6, 8]])
     assert interactor([["a/(s + 1)"]], "s").exceptional == (sympy.Symbol("a"),)
     with pytest.raises(ct.CompensatorError):
         interactor([["s"]])
@@ -173,15 +173,15 @@ def test_decoupling(plant, data):
         return
     roots = [[-data.draw(st.integers(1, 3)) for _ in range(d)] for d in degrees]
     targets = [ct.polynomial_from_roots(row, "s") for row in roots]
-    found = decouple(plant, targets, variable="s")
-    assert found.matrix == star and list(found.relative_degrees) == degrees
+    decoupling = decouple(plant, targets, variable="s")
+    assert decoupling.matrix == star and list(decoupling.relative_degrees) == degrees
     point = Rational(17, 3)
-    loop = C * (point * sympy.eye(size) - A - B * found.F).inv() * B * found.W
+    loop = C * (point * sympy.eye(size) - A - B * decoupling.F).inv() * B * decoupling.W
     assert loop == sympy.diag(*(1 / p.eval(point) for p in targets))
     # what becomes unobservable are zeros of the plant: the rest of the closed loop
-    assert found.hidden.degree() == size - sum(degrees)
-    hidden = ct.kalman_decomposition((A + B * found.F, B * found.W, C), variable="s")
-    assert (hidden.output_decoupling.rem(found.hidden)).is_zero
+    assert decoupling.hidden.degree() == size - sum(degrees)
+    hidden = ct.kalman_decomposition((A + B * decoupling.F, B * decoupling.W, C), variable="s")
+    assert (hidden.output_decoupling.rem(decoupling.hidden)).is_zero
 
 
 @st.composite
@@ -205,7 +205,7 @@ def channelled_plants(draw):
 @given(channelled_plants(), st.randoms(use_true_random=False))
 def test_fixed_modes_against_drawn_gains(case, random):
     A, B, C, channels = case
-    found = decentralised_fixed_modes((A, B, C), channels, variable="s")
+    modes = decentralised_fixed_modes((A, B, C), channels, variable="s")
     common = Poly(A.charpoly(s).as_expr(), s)
     for _ in range(6):
         K = sympy.zeros(B.cols, C.rows)
@@ -213,20 +213,20 @@ def test_fixed_modes_against_drawn_gains(case, random):
             for i, j in itertools.product(inputs, outputs):
                 K[i, j] = Rational(random.randint(-999, 999), random.randint(1, 99))
         common = common.gcd(Poly((A + B * K * C).charpoly(s).as_expr(), s))
-    assert ct.polynomial(common.monic().as_expr(), "s") == found.polynomial
-    moved = Poly((A + B * found.gains * C).charpoly(s).as_expr(), s)
-    assert moved.gcd(Poly(A.charpoly(s).as_expr(), s)).degree() == found.polynomial.degree()
+    assert ct.polynomial(common.monic().as_expr(), "s") == modes.polynomial
+    moved = Poly((A + B * modes.gains * C).charpoly(s).as_expr(), s)
+    assert moved.gcd(Poly(A.charpoly(s).as_expr(), s)).degree() == modes.polynomial.degree()
     whole = ct.kalman_decomposition((A, B, C), "s")
-    seen = whole.block_polynomials[1]
-    assert found.centralised * seen == ct.polynomial(A.charpoly(s).as_expr(), "s")
-    assert found.polynomial.rem(found.centralised).is_zero
+    observed = whole.block_polynomials[1]
+    assert modes.centralised * observed == ct.polynomial(A.charpoly(s).as_expr(), "s")
+    assert modes.polynomial.rem(modes.centralised).is_zero
 
 
 def test_the_fixed_mode_of_the_notes():
     A, B, C = sympy.diag(2, 1, 3), [[1, 0], [1, 0], [0, 1]], [[1, 0, 0], [0, 1, 1]]
-    found = decentralised_fixed_modes((A, B, C), [([0], [0]), ([1], [1])], variable="s")
-    assert found.polynomial == ct.polynomial("s - 1") and found.centralised.degree() == 0
-    assert [root.value for root in found.modes()] == [1]
+    modes = decentralised_fixed_modes((A, B, C), [([0], [0]), ([1], [1])], variable="s")
+    assert modes.polynomial == ct.polynomial("s - 1") and modes.centralised.degree() == 0
+    assert [root.value for root in modes.modes()] == [1]
 
 
 @pytest.mark.parametrize(
@@ -258,10 +258,12 @@ def test_bad_input(call):
 
 def test_symbols_say_where_they_hold():
     a = sympy.Symbol("a")
-    found = controlled_invariant_subspaces(([[0, 1], [0, 0]], [[0], [1]], [["a", 1]]), variable="s")
-    assert found.zero_polynomial == ct.polynomial("s + a", "s")
-    assert Matrix([[1, -a]]) == found.V.T
-    assert found.exceptional == (a,)
+    subspaces = controlled_invariant_subspaces(
+        ([[0, 1], [0, 0]], [[0], [1]], [["a", 1]]), variable="s"
+    )
+    assert subspaces.zero_polynomial == ct.polynomial("s + a", "s")
+    assert Matrix([[1, -a]]) == subspaces.V.T
+    assert subspaces.exceptional == (a,)
     assert decouple(([[0]], [["a"]], [[1]]), variable="s").exceptional == (a,)
 
 
@@ -272,9 +274,9 @@ def test_fixed_modes_of_a_large_plant_in_other_coordinates():
     B = Matrix(n, 2, lambda i, j: int(i % 3 == j) * (i + 1))  # every third mode has no input
     C = Matrix(2, n, lambda i, j: j % 5 + i + 1)
     plant = T * sympy.diag(*modes) * T.inv(), T * B, C * T.inv()
-    found = decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])], variable="s")
+    result = decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])], variable="s")
     expected = ct.polynomial_from_roots([modes[i] for i in range(n) if i % 3 == 2], "s")
-    assert found.polynomial == expected == found.centralised
+    assert result.polynomial == expected == result.centralised
 
 
 @pytest.mark.parametrize("read", [list, ct.transfer_matrix])
@@ -282,5 +284,5 @@ def test_decoupling_asks_a_transfer_matrix_for_states(read):
     G = [["1/(s + 1)", "1/(s + 2)"], ["1/(s + 3)", "2/(s + 4)"]]
     with pytest.raises(ct.InputError, match=r"minimal_realisation\(G\)\.realisation"):
         decouple(read(G))
-    found = decouple(ct.minimal_realisation(G).realisation)
-    assert found.relative_degrees == interactor(G).powers, "it is diagonal where that can be"
+    decoupling = decouple(ct.minimal_realisation(G).realisation)
+    assert decoupling.relative_degrees == interactor(G).powers, "it is diagonal where that can be"

@@ -32,17 +32,17 @@ def test_the_poles_are_the_roots_of_the_targets(G, sign, data):
     order = max(2, *degrees)
     targets = [ct.polynomial_from_roots(data.draw(spectra(d + order)), "s") for d in degrees]
     try:
-        found = ct.place_matrix_poles(G, targets, order, feedback=sign)
+        placement = ct.place_matrix_poles(G, targets, order, feedback=sign)
     except NoSolutionError:
         assert order < ct.coprime_fractions(G).order  # never from the number of states on
         return
     product = sympy.prod([t.as_expr() for t in targets])
-    G_c = found.compensator
+    G_c = placement.compensator
     if ct.coprime_fractions(G_c).order == order * G.shape[0]:  # nothing cancels in N_c D_c^-1
         assert sympy.expand(loop_polynomial(G, G_c, sign) - product) == 0
-    if found.homogeneous:
-        values = [data.draw(rationals()) for _ in found.homogeneous]
-        other = found.member(values)
+    if placement.homogeneous:
+        values = [data.draw(rationals()) for _ in placement.homogeneous]
+        other = placement.member(values)
         if ct.coprime_fractions(other).order == order * G.shape[0]:
             assert sympy.expand(loop_polynomial(G, other, sign) - product) == 0
 
@@ -50,15 +50,15 @@ def test_the_poles_are_the_roots_of_the_targets(G, sign, data):
 def place_degrees(G):
     """The observability indices, by ranks of Hankel matrices row by row."""
     plant = ct.minimal_realisation(G).realisation
-    p, n, found = plant.C.rows, plant.n, []
+    p, n, result = plant.C.rows, plant.n, []
     ranks = [0]
     for k in range(1, n + 2):
         rows = sympy.Matrix.vstack(*(plant.C * plant.A**i for i in range(k)))
         ranks.append(rows.rank() if n else 0)
     steps = [ranks[k + 1] - ranks[k] for k in range(len(ranks) - 1)]
     for i in range(p):
-        found.append(sum(step > i for step in steps))
-    return sorted(found)
+        result.append(sum(step > i for step in steps))
+    return sorted(result)
 
 
 @fewer(2)
@@ -82,41 +82,41 @@ def test_an_internal_model_divides_the_denominator(plant, model):
     assume(alpha.gcd(plant.numerator).degree() == 0)
     order = plant.order - 1 + alpha.degree()
     target = ct.polynomial_from_roots([-k - 1 for k in range(plant.order + order)], "s")
-    found = ct.place_matrix_poles([[plant]], [target], order, feedback=-1, internal_model=model)
-    assert found.D_c[0, 0].rem(alpha).is_zero and found.D_c[0, 0].degree() == order
-    closed = plant.denominator * found.D_c[0, 0] + plant.numerator * found.N_c[0, 0]
+    placement = ct.place_matrix_poles([[plant]], [target], order, feedback=-1, internal_model=model)
+    assert placement.D_c[0, 0].rem(alpha).is_zero and placement.D_c[0, 0].degree() == order
+    closed = plant.denominator * placement.D_c[0, 0] + plant.numerator * placement.N_c[0, 0]
     assert (closed - target).is_zero
 
 
 def test_the_example_of_the_notes():
-    found = ct.place_matrix_poles(
+    placement = ct.place_matrix_poles(
         G_OF_THE_NOTES, ["(s + 3)**2", "(s + 4)**3"], 1, variable="s", feedback=-1
     )
-    assert len(found.homogeneous) == 2  # a line of answers for each column
+    assert len(placement.homogeneous) == 2  # a line of answers for each column
     family = ct.stabilising_compensators(G_OF_THE_NOTES, [-1, -2, -3], [-4, -5, -6], feedback=-1)
-    assert family.stabilises(found.compensator)
-    assert family.stabilises(found.member(["1/2", -3]))
+    assert family.stabilises(placement.compensator)
+    assert family.stabilises(placement.member(["1/2", -3]))
 
 
 def test_integrators_for_several_signals():
     G = [["1/(s - 1)", 0], ["1/(s + 2)", "1/(s + 1)"]]
-    wanted = [[-1, -2, -3], [-1, -2, -3, -4]]
-    found = ct.place_matrix_poles(G, wanted, 2, feedback=-1, internal_model="s")
-    assert all(entry.eval(0) == 0 for row in found.D_c.rows for entry in row)
+    expected = [[-1, -2, -3], [-1, -2, -3, -4]]
+    placement = ct.place_matrix_poles(G, expected, 2, feedback=-1, internal_model="s")
+    assert all(entry.eval(0) == 0 for row in placement.D_c.rows for entry in row)
     product = sympy.prod([(s + 1) ** 2, (s + 2) ** 2, (s + 3) ** 2, s + 4])
-    closed = loop_polynomial(ct.transfer_matrix(G), found.compensator, -1)
+    closed = loop_polynomial(ct.transfer_matrix(G), placement.compensator, -1)
     assert sympy.expand(closed - product) == 0
     with pytest.raises(NoSolutionError, match="raise the order"):
-        ct.place_matrix_poles(G, [w[:-1] for w in wanted], 1, feedback=-1, internal_model="s")
+        ct.place_matrix_poles(G, [w[:-1] for w in expected], 1, feedback=-1, internal_model="s")
     with pytest.raises(NoSolutionError):  # the plant has a zero where the model has its root
         ct.place_matrix_poles([["s/(s - 1)**2"]], [[-1] * 4], 2, feedback=-1, internal_model="s")
 
 
 def test_symbols_say_where_they_hold():
-    found = ct.place_matrix_poles(
+    placement = ct.place_matrix_poles(
         [["1/(s - a)"]], [[-1, -2]], 1, variable="s", feedback=-1, internal_model="s"
     )
-    assert str(found.compensator) == "[[(a + 3)*s + 2]]/(s)" and found.exceptional == ()
+    assert str(placement.compensator) == "[[(a + 3)*s + 2]]/(s)" and placement.exceptional == ()
 
 
 @pytest.mark.parametrize(

@@ -21,29 +21,32 @@ def plant_of(A, B, C):
 
 def test_example_7_5():
     plant = plant_of([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
-    found = ct.place_poles(plant, [-6, -5, -4, -2], feedback=-1)
-    assert found.numerator == ct.polynomial("33/4*s + 93/4")
-    assert found.denominator == ct.polynomial("s**2 + 13*s + 49")
-    assert found.is_unique and found.residual.is_zero
+    placement = ct.place_poles(plant, [-6, -5, -4, -2], feedback=-1)
+    assert placement.numerator == ct.polynomial("33/4*s + 93/4")
+    assert placement.denominator == ct.polynomial("s**2 + 13*s + 49")
+    assert placement.is_unique and placement.residual.is_zero
     # The observer-based compensator (7.11), (7.12) of Examples 7.1 and 7.2, with u = G_c y: minus.
     A, B, C = sympy.Matrix([[-1, 4], [0, -3]]), sympy.Matrix([0, 1]), sympy.Matrix([[1, 0]])
     quarter = sympy.Rational(1, 4)
     for K, F in (([-3, -5], [4, -3 * quarter]), ([-5, -7], [2, -quarter])):
         row, column = sympy.Matrix([K]), sympy.Matrix(F)
         observer_based = plant_of(A + B * row - column * C, column, row)
-        assert observer_based.numerator == -found.numerator
-        assert observer_based.denominator == found.denominator
+        assert observer_based.numerator == -placement.numerator
+        assert observer_based.denominator == placement.denominator
 
 
 def test_example_7_6():
     plant = plant_of([[0, 1, 0], [0, -2, 0.85], [0, -3, -1]], [[0], [0], [1]], [[1, 0, 0]])
     assert str(plant) == "(17/20)/(s**3 + 3*s**2 + 91*s/20)"
     poles = ["-0.5+0.1j", "-0.5-0.1j", "-1+0.5j", "-1-0.5j", "-2+1j", "-2-1j"]
-    found = ct.place_poles(plant, poles, feedback=-1)
-    assert found.numerator == ct.polynomial("4747/850*s**2 + 13657/1700*s + 65/34")
-    assert found.denominator == ct.polynomial("s**3 + 4*s**2 + 99/25*s + 73/100")
+    placement = ct.place_poles(plant, poles, feedback=-1)
+    assert placement.numerator == ct.polynomial("4747/850*s**2 + 13657/1700*s + 65/34")
+    assert placement.denominator == ct.polynomial("s**3 + 4*s**2 + 99/25*s + 73/100")
     positive = ct.place_poles(plant, poles, feedback=+1)
-    assert (positive.numerator, positive.denominator) == (-found.numerator, found.denominator)
+    assert (positive.numerator, positive.denominator) == (
+        -placement.numerator,
+        placement.denominator,
+    )
 
 
 @given(strictly_proper_plants(max_order=5), SIGNS, st.integers(-1, 2), st.integers(0, 2), st.data())
@@ -52,21 +55,21 @@ def test_residual_uniqueness_and_families(plant, feedback, excess, extra, data):
     n_c = n + excess
     target = ct.polynomial_from_roots(data.draw(spectra(n + n_c)), "s")
     numerator_degree = min(n - 1 + extra, n_c)
-    found = ct.place_poles(plant, target, feedback=feedback, numerator_degree=numerator_degree)
-    assert found.residual.is_zero
-    assert (found.denominator.degree(), found.denominator.is_monic) == (n_c, True)
-    assert found.numerator.is_zero or found.numerator.degree() <= n - 1
-    assert len(found.homogeneous) == numerator_degree - (n - 1)
+    placement = ct.place_poles(plant, target, feedback=feedback, numerator_degree=numerator_degree)
+    assert placement.residual.is_zero
+    assert (placement.denominator.degree(), placement.denominator.is_monic) == (n_c, True)
+    assert placement.numerator.is_zero or placement.numerator.degree() <= n - 1
+    assert len(placement.homogeneous) == numerator_degree - (n - 1)
     parameters = data.draw(st.lists(rationals(), min_size=extra, max_size=extra))
-    parameters = parameters[: len(found.homogeneous)]
-    member = found.member(parameters)
-    assert found.residual_of(member).is_zero
+    parameters = parameters[: len(placement.homogeneous)]
+    member = placement.member(parameters)
+    assert placement.residual_of(member).is_zero
     assert (member.order, bool(member.is_proper)) == (n_c, True)
     for i, parameter in enumerate(parameters):
         assert member.numerator.coeff_monomial(member.variable ** (n + i)) == parameter
     default = ct.place_poles(plant, target, feedback=feedback)
     assert default.is_unique
-    assert default.compensator == found.member([0] * len(found.homogeneous))
+    assert default.compensator == placement.member([0] * len(placement.homogeneous))
 
 
 @given(strictly_proper_plants(max_order=3), SIGNS, st.data())
@@ -75,16 +78,16 @@ def test_a_designed_compensator_is_found_again(plant, feedback, data):
     D_c = data.draw(polynomials("s", n_c, n_c, is_monic=True))
     N_c = data.draw(polynomials("s", 0, plant.order - 1))
     target = plant.denominator * D_c - feedback * plant.numerator * N_c
-    found = ct.place_poles(plant, target, feedback=feedback)
-    assert (found.numerator, found.denominator) == (N_c, D_c)
+    placement = ct.place_poles(plant, target, feedback=feedback)
+    assert (placement.numerator, placement.denominator) == (N_c, D_c)
 
 
 @given(strictly_proper_plants(variable="q", max_order=3), st.data())
 def test_poles_of_the_loop_that_results(plant, data):
     target = ct.polynomial_from_roots(data.draw(spectra(2 * plant.order)), "q")
-    found = ct.place_poles(plant, target, feedback=+1)
+    placement = ct.place_poles(plant, target, feedback=+1)
     loop = ct.standard_problem(plant)
-    assert ct.closed_loop_polynomial(loop, found.numerator, found.denominator) == target
+    assert ct.closed_loop_polynomial(loop, placement.numerator, placement.denominator) == target
 
 
 @given(strictly_proper_plants(max_order=3), rationals().filter(bool), SIGNS, st.data())
@@ -94,13 +97,13 @@ def test_exactly_proper_plants(plant, direct, feedback, data):
     for n_c in (n - 1, n, n + 1):
         target = ct.polynomial_from_roots(data.draw(spectra(n + n_c)), "s")
         try:
-            found = ct.place_poles(exact, target, feedback=feedback)
+            placement = ct.place_poles(exact, target, feedback=feedback)
         except ImproperError as error:
             assert n_c == n - 1 and "well posed" in str(error)
             continue
-        assert found.is_unique and found.residual.is_zero
-        assert found.leading_coefficient == 1 or n_c == n - 1
-        assert found.denominator.degree() == n_c
+        assert placement.is_unique and placement.residual.is_zero
+        assert placement.leading_coefficient == 1 or n_c == n - 1
+        assert placement.denominator.degree() == n_c
     with pytest.raises(ct.InputError, match="exactly proper"):
         ct.place_poles(exact, target, feedback=1, numerator_degree=n_c)
 
@@ -110,9 +113,9 @@ def test_a_common_factor_is_fixed(plant, factor, data):
     hidden = ct.TransferFunction(plant.numerator * factor, plant.denominator * factor)
     n = hidden.order
     rest = ct.polynomial_from_roots(data.draw(spectra(2 * n - factor.degree())), "s")
-    found = ct.place_poles(hidden, rest * factor, feedback=-1)
-    assert found.residual.is_zero
-    assert len(found.homogeneous) == factor.degree()
+    placement = ct.place_poles(hidden, rest * factor, feedback=-1)
+    assert placement.residual.is_zero
+    assert len(placement.homogeneous) == factor.degree()
     if number_of_common_roots(rest, factor) == 0:
         other = factor + ct.polynomial(1, "s")
         if factor.gcd(rest * other).degree() < factor.degree():
@@ -121,13 +124,13 @@ def test_a_common_factor_is_fixed(plant, factor, data):
 
 
 def test_symbolic_placement():
-    found = ct.place_poles("b/(s**2 + a*s)", "(s + p)**3", feedback=-1)
+    placement = ct.place_poles("b/(s**2 + a*s)", "(s + p)**3", feedback=-1)
     a, b, p = sympy.symbols("a b p")
-    s = found.plant.variable
-    assert found.residual.is_zero and found.is_unique
-    assert sympy.cancel(found.denominator.as_expr() - (s + 3 * p - a)) == 0
+    s = placement.plant.variable
+    assert placement.residual.is_zero and placement.is_unique
+    assert sympy.cancel(placement.denominator.as_expr() - (s + 3 * p - a)) == 0
     slope = (3 * p**2 - a * (3 * p - a)) / b
-    assert sympy.cancel(found.numerator.as_expr() - slope * s - p**3 / b) == 0
+    assert sympy.cancel(placement.numerator.as_expr() - slope * s - p**3 / b) == 0
     family = ct.place_poles("b/(s + a)", ["-p", "-r"], feedback=1, numerator_degree=1)
     assert family.residual_of(family.member(["alpha"])).is_zero
 

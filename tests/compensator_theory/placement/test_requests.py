@@ -41,8 +41,8 @@ def test_strictly_proper_below_order_n_needs_luck(plant, feedback, data):
     target = ct.polynomial_from_roots(data.draw(spectra(2 * n - 1)), "s")
     unique = ct.place_poles(plant, target, feedback=feedback)
     if n > 1 and unique.numerator.degree() < n - 1:
-        asked = ct.place_poles(plant, target, feedback=feedback, properness="strictly proper")
-        assert asked.compensator == unique.compensator
+        placement = ct.place_poles(plant, target, feedback=feedback, properness="strictly proper")
+        assert placement.compensator == unique.compensator
         with pytest.raises(NoSolutionError, match="not exactly proper"):
             ct.place_poles(plant, target, feedback=feedback, properness="exactly proper")
     elif unique.numerator.is_zero:
@@ -81,10 +81,10 @@ def test_reasons_are_relations_that_reachable_targets_satisfy(plant, feedback, d
 def test_least_order(plant, feedback, data):
     n = plant.order
     poles = data.draw(spectra(2 * n))
-    found = ct.place_poles(plant, list(poles), "least", feedback=feedback)
-    order = found.denominator.degree()
-    assert found.residual.is_zero
-    assert found.target == ct.polynomial_from_roots(poles[: n + order], "s")
+    placement = ct.place_poles(plant, list(poles), "least", feedback=feedback)
+    order = placement.denominator.degree()
+    assert placement.residual.is_zero
+    assert placement.target == ct.polynomial_from_roots(poles[: n + order], "s")
     for lower in range(order):
         try:
             target = ct.polynomial_from_roots(poles[: n + lower], "s")
@@ -96,8 +96,8 @@ def test_least_order(plant, feedback, data):
 
 def test_a_static_gain_is_found_where_one_does():
     plant = ct.transfer_function("1/(s*(s + 3))")
-    found = ct.place_poles(plant, [-1, -2, -5, -6], "least", feedback=-1)
-    assert found.denominator.degree() == 0 and found.numerator.as_expr() == 2
+    placement = ct.place_poles(plant, [-1, -2, -5, -6], "least", feedback=-1)
+    assert placement.denominator.degree() == 0 and placement.numerator.as_expr() == 2
     strict = ct.place_poles(
         plant, [-1, -2, -5, -6], "least", feedback=-1, properness="strictly proper"
     )

@@ -21,9 +21,9 @@ def plants(draw, max_order=3):
     n, m, p = draw(st.integers(1, max_order)), draw(st.integers(1, 2)), draw(st.integers(1, 2))
     A, B, C = draw(matrices(n, n)), draw(matrices(n, m)), draw(matrices(p, n))
     D = draw(matrices(p, m)) if draw(st.booleans()) else None
-    found = ct.Realisation(A, B, C, D)
-    assume(found.is_minimal)
-    return found
+    result = ct.Realisation(A, B, C, D)
+    assume(result.is_minimal)
+    return result
 
 
 @st.composite
@@ -63,8 +63,8 @@ def test_the_poles_of_the_loop(family, data):
     assume((sympy.eye(family.plant.D.rows) + family.plant.D * Q.D).det() != 0)
     compensator = family.compensator(Q)
     closed = loop_matrix(family.plant, compensator, family.feedback)
-    found = ct.polynomial(closed.charpoly(s).as_expr(), "s")
-    assert found == family.closed_loop_polynomial(Q)
+    poly = ct.polynomial(closed.charpoly(s).as_expr(), "s")
+    assert poly == family.closed_loop_polynomial(Q)
     assert compensator.n == family.plant.n + Q.n and compensator.feedback == family.feedback
 
 
@@ -76,8 +76,8 @@ def test_the_parameter_comes_back(family, data):
     assume((sympy.eye(family.plant.D.rows) + family.plant.D * Q.D).det() != 0)
     compensator = family.compensator(Q)
     back = family.parameter(compensator)
-    wanted = Q.transfer_matrix()
-    assert all(entry.is_zero for row in (back - wanted).numerators for entry in row)
+    G = Q.transfer_matrix()
+    assert all(entry.is_zero for row in (back - G).numerators for entry in row)
     hidden = (compensator.uncontrollable_modes, compensator.unobservable_modes)
     if all(poly.degree() == 0 for poly in hidden):
         expected = ct.decide_stability(
@@ -163,12 +163,12 @@ def test_several_signals_and_no_states():
 
 def test_symbols_say_where_they_hold():
     family = ct.stabilising_compensators("1/(s - a)", [-1], ["-2"], variable="s", feedback=-1)
-    found = family.compensator().transfer_function()
-    assert sympy.cancel(found.as_expr() - (a + 1) * (a + 2) / (s + a + 3)) == 0
+    result = family.compensator().transfer_function()
+    assert sympy.cancel(result.as_expr() - (a + 1) * (a + 2) / (s + a + 3)) == 0
     assert family.fractions.certificate.holds and family.exceptional == ()
     unobservable = ct.Realisation([[0, 1], [0, a]], [[0], [1]], [[1, b]])
-    found = ct.doubly_coprime_fractions(unobservable, [-1, -1], [-2, -2])
-    assert a * b + 1 in found.exceptional
+    result = ct.doubly_coprime_fractions(unobservable, [-1, -1], [-2, -2])
+    assert a * b + 1 in result.exceptional
 
 
 FAMILY = ct.stabilising_compensators("(s + 2)/(s - 1)", [-1], [-1], feedback=1)

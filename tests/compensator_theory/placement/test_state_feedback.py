@@ -49,15 +49,15 @@ def charpoly(matrix):
 def test_brunovskys_form(pair):
     A, B = pair
     n = A.rows
-    found = ct.brunovsky_form(A, B)
-    T, F, W = found.T, found.F, found.W
-    assert T.inv() * (A + B * F) * T == found.A_c and T.inv() * B * W == found.B_c
-    assert W.det() != 0 and sum(found.indices) == n
+    form = ct.brunovsky_form(A, B)
+    T, F, W = form.T, form.F, form.W
+    assert T.inv() * (A + B * F) * T == form.A_c and T.inv() * B * W == form.B_c
+    assert W.det() != 0 and sum(form.indices) == n
     # rank [B AB ... A^(k-1) B] = the sum of min(kappa_i, k): the definition of the indices
     columns = sympy.zeros(n, 0)
     for k in range(1, n + 1):
         columns = columns.row_join(A ** (k - 1) * B)
-        assert rank(columns) == sum(min(index, k) for index in found.indices)
+        assert rank(columns) == sum(min(index, k) for index in form.indices)
 
 
 def test_all_gains_are_those_that_are_similar():
@@ -80,16 +80,16 @@ def test_every_member_places_the_poles(pair, data):
     n, m = B.shape
     poles = data.draw(spectra(n))
     family = ct.state_feedback_family(A, B, poles)
-    wanted = ct.polynomial_from_roots(poles, "s")
+    poly = ct.polynomial_from_roots(poles, "s")
     K = family.gain()
-    assert charpoly(A + B * K) == wanted
+    assert charpoly(A + B * K) == poly
     phi = data.draw(matrices(m, n))
     if family.determinant(phi) == 0:
         with pytest.raises(NoSolutionError, match="det X = 0"):
             family.gain(phi)
         return
     X, K = family.basis(phi), family.gain(phi)
-    assert charpoly(A + B * K) == wanted
+    assert charpoly(A + B * K) == poly
     assert ((A + B * K) * X - X * family.Lambda).is_zero_matrix
 
 
@@ -108,10 +108,10 @@ def test_every_gain_is_a_member(pair, data):
         start = closed * start
     assume(rank(krylov) == n)  # cyclic, with this vector
     family = ct.state_feedback_family(A, B, charpoly(closed))
-    found = family.parameters_of(K)
-    assert len(found) == n  # the commutant of a cyclic matrix
+    parameters = family.parameters_of(K)
+    assert len(parameters) == n  # the commutant of a cyclic matrix
     weights = [Rational(7 * i * i + 3 * i + 1, i + 2) for i in range(n)]
-    phi = sum((w * x for w, x in zip(weights, found, strict=True)), sympy.zeros(m, n))
+    phi = sum((w * x for w, x in zip(weights, parameters, strict=True)), sympy.zeros(m, n))
     assume(family.determinant(phi) != 0)
     assert family.gain(phi) == K
 
@@ -161,13 +161,13 @@ def test_the_example_of_the_notes():
     )
     excluded = 6 * u[0] - 32 * u[1] + 27 * u[2] + 1
     assert sympy.rem(sympy.together(X.det()).as_numer_denom()[0], excluded, *u) == 0
-    found = ct.assign_eigenstructure(
+    assignment = ct.assign_eigenstructure(
         A,
         B,
         [-1, -2, -3],
         [list(X[:, k].subs(dict(zip(u, (0, 1, 0), strict=True)))) for k in range(3)],
     )
-    assert found.K == K
+    assert assignment.K == K
     double = Matrix([[-2, -3, 0], [Rational(2, 3), Rational(5, 3), -2]])
     closed = A + B * double
     assert (closed + sympy.eye(3)).rank() == 1
@@ -192,14 +192,14 @@ def test_eigenvectors_in_reach_are_assigned(pair, data):
         with pytest.raises(NoSolutionError, match="dependent"):
             ct.assign_eigenstructure(A, B, values, vectors)
         return
-    found = ct.assign_eigenstructure(A, B, values, vectors)
-    assert ((A + B * found.K) * V - V * sympy.diag(*values)).is_zero_matrix
+    assignment = ct.assign_eigenstructure(A, B, values, vectors)
+    assert ((A + B * assignment.K) * V - V * sympy.diag(*values)).is_zero_matrix
 
 
 def test_chains_and_complex_pairs():
     A, B = Matrix([[0, 1], [0, 0]]), Matrix([0, 1])
-    found = ct.assign_eigenstructure(A, B, [-2], [[(1, -2), (0, 1)]])
-    assert charpoly(A + B * found.K) == ct.polynomial("(s + 2)**2")
+    assignment = ct.assign_eigenstructure(A, B, [-2], [[(1, -2), (0, 1)]])
+    assert charpoly(A + B * assignment.K) == ct.polynomial("(s + 2)**2")
     pair = ct.assign_eigenstructure(A, B, ["-1+2j"], [(1, "-1+2j")])
     assert charpoly(A + B * pair.K) == ct.polynomial("s**2 + 2*s + 5")
     with pytest.raises(NoSolutionError, match="no feedback makes"):
@@ -210,12 +210,12 @@ def test_a_chain_of_a_complex_pair():
     """Four integrators: eigenvectors (1, l, l^2, l^3), and its derivative after it in the chain."""
     A, B = Matrix(4, 4, lambda i, j: int(j == i + 1)), Matrix([0, 0, 0, 1])
     chain = [("1", "-1+j", "-2j", "2+2j"), ("0", "1", "-2+2j", "-6j")]
-    found = ct.assign_eigenstructure(A, B, ["-1+j"], [chain])
-    assert charpoly(A + B * found.K) == ct.polynomial("(s**2 + 2*s + 2)**2")
+    assignment = ct.assign_eigenstructure(A, B, ["-1+j"], [chain])
+    assert charpoly(A + B * assignment.K) == ct.polynomial("(s**2 + 2*s + 2)**2")
     conjugate = [[sympy.conjugate(ct.exact_number(e)) for e in v] for v in chain]
     lower = ct.assign_eigenstructure(A, B, ["-1-j"], [conjugate])
     both = ct.assign_eigenstructure(A, B, ["-1+j", "-1-j"], [chain, conjugate])
-    assert found.K == lower.K == both.K
+    assert assignment.K == lower.K == both.K
 
 
 @pytest.mark.costly
@@ -234,15 +234,15 @@ def test_complex_eigenvectors_in_reach_are_assigned(pair, data):
         v = space * data.draw(matrices(space.cols, 1))
         vectors.append([sympy.expand(e) for e in v])
         # It is in reach: (value I - A) v lies in the image of B.
-        wanted = (value * sympy.eye(n) - A) * v
-        assert B.row_join(wanted.applyfunc(sympy.expand)).rank() == rank(B)
+        expected = (value * sympy.eye(n) - A) * v
+        assert B.row_join(expected.applyfunc(sympy.expand)).rank() == rank(B)
     try:
-        found = ct.assign_eigenstructure(A, B, values, vectors)
+        assignment = ct.assign_eigenstructure(A, B, values, vectors)
     except NoSolutionError:
         return  # dependent
     first = Matrix(vectors[0])
     assert (
-        ((A + B * found.K - values[0] * sympy.eye(n)) * first)
+        ((A + B * assignment.K - values[0] * sympy.eye(n)) * first)
         .applyfunc(sympy.expand)
         .is_zero_matrix
     )

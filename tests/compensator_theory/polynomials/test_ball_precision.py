@@ -25,7 +25,7 @@ def outside():
 
 
 def answers(poly):
-    found = [repr(exact.certified_roots(poly)), repr(exact.count_roots(poly))]
+    result = [repr(exact.certified_roots(poly)), repr(exact.count_roots(poly))]
     in_s = poly.replace(poly.gen, sympy.Symbol("s"))
     for ask in (
         exact.roots.enclose_split_at_unit_circle,
@@ -33,11 +33,11 @@ def answers(poly):
         lambda _: exact.spectral_factor(in_s, in_s + 1),
     ):
         try:
-            found.append(repr(ask(poly)))
+            result.append(repr(ask(poly)))
         except exact.CompensatorError as error:
-            found.append(str(error))
+            result.append(str(error))
     root = exact.exact_number("sqrt(2 + sqrt(3)) - sqrt(5)/7")
-    return [*found, exact.canonical(root), algebraic(root).minimal]
+    return [*result, exact.canonical(root), algebraic(root).minimal]
 
 
 @given(poly=polynomials(variable="q", max_degree=5), bits=st.sampled_from([2, 12, 500, 4000]))
@@ -85,22 +85,22 @@ def test_what_was_computed_while_it_moved_is_not_relied_on(error, outside):
 
 
 def test_another_thread_waits_for_its_turn():
-    seen, inside = [], threading.Event()
+    observed, inside = [], threading.Event()
 
     def other():
         inside.set()
         with exact.ball_precision(64):
-            seen.append(flint.ctx.prec)
+            observed.append(flint.ctx.prec)
 
     thread = threading.Thread(target=other)
     with exact.ball_precision(200):
         thread.start()
         inside.wait()
         for _ in range(200):
-            assert flint.ctx.prec == 200 and not seen
+            assert flint.ctx.prec == 200 and not observed
             flint.acb_mat([[1, 2], [3, 4]]).det()
     thread.join()
-    assert seen == [64]
+    assert observed == [64]
 
 
 FORKS = """

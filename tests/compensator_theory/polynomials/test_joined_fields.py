@@ -43,8 +43,8 @@ def test_loops_of_two_fields_have_their_own_values(gains):
     assert near(value(ct.sensitivity_function(G, H, feedback=-1)), 1 / (1 + along * back))
     assert near(value(G * H), along * back) and near(value(G + H), along + back)
     square = ct.transfer_matrix([[G, H], [H, G]])
-    found = (square @ square).reduced()
-    corner = found.numerators[0][0].as_expr() / found.denominator.as_expr()
+    result = (square @ square).reduced()
+    corner = result.numerators[0][0].as_expr() / result.denominator.as_expr()
     assert near(corner.subs(G.variable, POINT).evalf(60), along**2 + back**2)
 
 

@@ -30,8 +30,10 @@ def test_it_is_the_one_that_is_found_by_reading_the_coefficients_again(domain, d
     over = expected.domain
     expected = expected.set_domain(QQ if over.is_ZZ else over.set_domain(QQ) if over.is_Composite
                                    else over)  # fmt: skip
-    found = in_least_domain(poly)
-    assert found == expected and found.domain == expected.domain and hash(found) == hash(expected)
+    result = in_least_domain(poly)
+    assert (
+        result == expected and result.domain == expected.domain and hash(result) == hash(expected)
+    )
 
 
 def test_other_domains_are_left_alone():

@@ -28,8 +28,8 @@ def test_shared_roots_are_the_greatest_common_divisor(shared, one, two):
             rest.remove(root)
             both.append(root)
     assert common_divisor(p, q) == product(both)
-    found = common_divisor_by_flint(p, q)
-    assert found is None or monic(found) == common_divisor(p, q)
+    result = common_divisor_by_flint(p, q)
+    assert result is None or monic(result) == common_divisor(p, q)
 
 
 @pytest.mark.costly

@@ -48,11 +48,11 @@ def test_not_a_polynomial(obj, variable):
 
 @given(st.integers(0, 6).flatmap(spectra))
 def test_certified_roots_of_planted_spectrum(planted):
-    found = certified_roots(polynomial_from_roots(planted, "s"))
+    result = certified_roots(polynomial_from_roots(planted, "s"))
     expected = Counter(planted)
-    assert sorted(root.multiplicity for root in found) == sorted(expected.values())
+    assert sorted(root.multiplicity for root in result) == sorted(expected.values())
     for exact, multiplicity in expected.items():
-        near = [r for r in found if abs(r.value - complex(exact)) <= r.radius + 1e-13]
+        near = [r for r in result if abs(r.value - complex(exact)) <= r.radius + 1e-13]
         assert [(r.multiplicity, r.is_real) for r in near] == [(multiplicity, exact.is_real)]
 
 

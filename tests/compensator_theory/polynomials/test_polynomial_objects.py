@@ -19,7 +19,7 @@ INTEGERS = st.lists(st.integers(-9, 9), min_size=1, max_size=5).filter(lambda c:
 
 @given(INTEGERS)
 def test_every_class_is_read_in_its_own_order(ascending):
-    wanted = exact.polynomial(ascending[::-1], "s")
+    poly = exact.polynomial(ascending[::-1], "s")
     terms = sum(c * x**k for k, c in enumerate(ascending))
     for given_ in (
         Polynomial(ascending), Polynomial([*ascending, 0]), flint.fmpz_poly(ascending),
@@ -27,21 +27,21 @@ def test_every_class_is_read_in_its_own_order(ascending):
         np.poly1d(ascending[::-1]), np.array(ascending[::-1]), tuple(ascending[::-1]),
         sympy.Tuple(*ascending[::-1]),
     ):  # fmt: skip
-        assert exact.polynomial(given_, "s") == wanted, type(given_)
-        assert exact.resultant(given_, "s + 2", variable="s") == exact.resultant(wanted, "s + 2")
+        assert exact.polynomial(given_, "s") == poly, type(given_)
+        assert exact.resultant(given_, "s + 2", variable="s") == exact.resultant(poly, "s + 2")
     ring = sympy.ring("x", sympy.QQ)[0]
     element = ring.from_expr(terms)
     assert exact.polynomial(element) == exact.polynomial(ascending[::-1], "x")
 
 
 def test_a_target_that_is_a_polynomial_is_no_list_of_roots():
-    wanted = exact.polynomial("(s + 1)*(s + 2)*(s + 3)")
+    poly = exact.polynomial("(s + 1)*(s + 2)*(s + 3)")
     for target in (
         Polynomial([6, 11, 6, 1]),
         np.poly1d([1, 6, 11, 6]),
         flint.fmpq_poly([6, 11, 6, 1]),
     ):
-        assert exact.place_poles("1/(s**2 + s)", target, feedback=-1).target == wanted
+        assert exact.place_poles("1/(s**2 + s)", target, feedback=-1).target == poly
 
 
 def test_the_name_of_the_variable_is_kept_where_it_was_given():

@@ -23,19 +23,19 @@ ONE_TENTH = sympy.Rational(1, 10)
 @given(polynomials("z", max_degree=4), polynomials("z", max_degree=4), rationals())
 def test_the_product_is_the_spectrum(N, D, r):
     try:
-        found = ct.spectral_factor(N, D, abs(r), time="discrete")
+        factor = ct.spectral_factor(N, D, abs(r), time="discrete")
     except UnitCircleError:
         assume(False)
-    assert found.degree == max(N.degree(), D.degree()) == found.enclosure.degree
-    assert all(0 in ball for ball in found.residual)
-    assert max(found.enclosure.radius, found.constant.radius) < ONE_TENTH**20
-    assert np.all(np.abs(np.roots([float(c) for c in found.enclosure.coefficients])) < 1 + 1e-9)
-    if found.is_rational:
-        chi, z = found.polynomial, N.gen
+    assert factor.degree == max(N.degree(), D.degree()) == factor.enclosure.degree
+    assert all(0 in ball for ball in factor.residual)
+    assert max(factor.enclosure.radius, factor.constant.radius) < ONE_TENTH**20
+    assert np.all(np.abs(np.roots([float(c) for c in factor.enclosure.coefficients])) < 1 + 1e-9)
+    if factor.is_rational:
+        chi, z = factor.polynomial, N.gen
         spectrum = sum(
             weight * p.as_expr() * p.as_expr().subs(z, 1 / z) for p, weight in ((N, 1), (D, abs(r)))
         )
-        product = found.constant.centre * chi.as_expr() * chi.as_expr().subs(z, 1 / z)
+        product = factor.constant.centre * chi.as_expr() * chi.as_expr().subs(z, 1 / z)
         assert sympy.cancel(product - spectrum) == 0
         assert ct.decide_stability(chi, time="discrete").by_roots
 
@@ -55,11 +55,11 @@ def test_without_weight_it_reflects_the_roots_outside(N):
         except UnitCircleError:  # of another factor: both refusals are true
             assert any(abs(abs(complex(r.value)) - 1) < 1e-12 for r in ct.certified_roots(N))
         return
-    found = ct.spectral_factor(N, time="discrete")
-    assert found.polynomial == inside * monic_reciprocal_polynomial(outside)
+    factor = ct.spectral_factor(N, time="discrete")
+    assert factor.polynomial == inside * monic_reciprocal_polynomial(outside)
     # B'PB = H^2 times the squares of the nonminimum-phase zeros.
-    assert found.constant.centre == (N.LC() * outside.TC()) ** 2
-    assert found.constant.radius == 0
+    assert factor.constant.centre == (N.LC() * outside.TC()) ** 2
+    assert factor.constant.radius == 0
 
 
 @given(polynomials("z", min_degree=1, max_degree=6), st.sampled_from([5, 40]))
@@ -87,15 +87,15 @@ def test_an_irrational_split_is_where_the_radicals_are():
 
 
 def test_they_print():
-    found = ct.spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3, time="discrete")
-    assert str(found).startswith("χ = z**2 - 0.507179")
-    for thing in (
-        found,
+    factor = ct.spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3, time="discrete")
+    assert str(factor).startswith("χ = z**2 - 0.507179")
+    for item in (
+        factor,
         ct.spectral_factor("z - 2", time="discrete"),
-        found.enclosure,
-        found.constant,
+        factor.enclosure,
+        factor.constant,
     ):
-        assert thing._repr_latex_().startswith(r"$\displaystyle")
+        assert item._repr_latex_().startswith(r"$\displaystyle")
     assert repr(Enclosure(sympy.Rational(1, 3), sympy.Integer(0))) == "1/3"
     assert repr(Enclosure(sympy.Integer(0), sympy.Rational(1, 1000))) == "0.000 ± 1.0e-3"
 

@@ -110,14 +110,14 @@ def test_hurwitz_determinants_decide(p):
 
 @given(polynomials("z", min_degree=1, max_degree=6))
 def test_reflection_coefficients_rebuild_the_polynomial(p):
-    found = reflection_coefficients(p)
-    if len(found) == p.degree() and abs(found[-1]) < 1:
+    coefficients = reflection_coefficients(p)
+    if len(coefficients) == p.degree() and abs(coefficients[-1]) < 1:
         z, rebuilt = p.gen, polynomial(1, "z")
-        for k in reversed(found):  # Levinson's recursion
+        for k in reversed(coefficients):  # Levinson's recursion
             rebuilt = rebuilt * z + k * polynomial(rebuilt.all_coeffs()[::-1], "z")
         assert polynomial(rebuilt) == p.monic()
     else:
-        assert abs(found[-1]) >= 1
+        assert abs(coefficients[-1]) >= 1
 
 
 def test_classical_arrays():
@@ -174,28 +174,28 @@ def test_reciprocals(p, other):
         reflected = monic_reciprocal_polynomial(p)
         assert reflected.LC() == 1
         inverse = [1 / root.value for root in certified_roots(p)]
-        found = [root.value for root in certified_roots(reflected)]
-        assert len(inverse) == len(found)
+        result = [root.value for root in certified_roots(reflected)]
+        assert len(inverse) == len(result)
         for value in inverse:
-            assert min(abs(value - x) for x in found) < 1e-6 * max(1, abs(value))
+            assert min(abs(value - x) for x in result) < 1e-6 * max(1, abs(value))
 
 
 @given(polynomials(max_degree=3), polynomials(max_degree=3), polynomials(max_degree=3))
 def test_bezout_identities(a, b, common):
-    found = bezout_identity(a * common, b * common)
-    assert found.residual.is_zero and found.gcd.is_monic
-    assert found.gcd == (a * common).gcd(b * common).monic()
-    assert found.gcd * found.quotients[0] == a * common
-    assert found.gcd * found.quotients[1] == b * common
-    assert found.is_coprime == (found.gcd.degree() == 0)
+    identity = bezout_identity(a * common, b * common)
+    assert identity.residual.is_zero and identity.gcd.is_monic
+    assert identity.gcd == (a * common).gcd(b * common).monic()
+    assert identity.gcd * identity.quotients[0] == a * common
+    assert identity.gcd * identity.quotients[1] == b * common
+    assert identity.is_coprime == (identity.gcd.degree() == 0)
 
 
 def test_bezout_with_symbols():
-    found = bezout_identity("(s + a)*(s + b)", "(s + a)*s", variable="s")
-    assert found.residual.is_zero and found.is_coprime is False
+    identity = bezout_identity("(s + a)*(s + b)", "(s + a)*s", variable="s")
+    assert identity.residual.is_zero and identity.is_coprime is False
     assert bezout_identity("s + a", "s + b", variable="s").is_coprime is None
     assert bezout_identity("s + 1", 0).gcd == polynomial("s + 1")
-    assert "gcd" in str(found) and found._repr_latex_().startswith("$")
+    assert "gcd" in str(identity) and identity._repr_latex_().startswith("$")
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,8 @@ def test_a_text_is_as_good_as_its_polynomial(name):
     times = [{}, {"time": "discrete"}] if name in TIMED else [{}]
     for time in times:
         expected = function(exact.polynomial(TEXT), **time)
-        for given in (TEXT, sympy.sympify(TEXT), sympy.Poly(sympy.sympify(TEXT), q)):
-            assert function(given, **time) == expected
+        for argument in (TEXT, sympy.sympify(TEXT), sympy.Poly(sympy.sympify(TEXT), q)):
+            assert function(argument, **time) == expected
 
 
 def test_no_public_function_of_one_polynomial_wants_a_poly_alone():

@@ -43,12 +43,12 @@ def test_no_two_answers_about_a_discrete_loop_contradict(loop):
 
 
 def test_a_notch_on_an_undamped_mode_hides_it():
-    found = stability_margins("100/((s**2+2)*(s+1))", "(s**2+2)/(s+5)**2", feedback=-1)
+    margins = stability_margins("100/((s**2+2)*(s+1))", "(s**2+2)/(s+5)**2", feedback=-1)
     bare = stability_margins("100/(s+1)", "1/(s+5)**2", feedback=-1)
-    assert found.hidden.as_expr().as_poly() == exact.polynomial("s**2 + 2").as_expr().as_poly()
-    assert found.gain_crossovers == bare.gain_crossovers
-    assert found.phase_crossovers == bare.phase_crossovers
-    assert found.closed_loop.boundary == 2 and not found.is_stable and found.gains is None
+    assert margins.hidden.as_expr().as_poly() == exact.polynomial("s**2 + 2").as_expr().as_poly()
+    assert margins.gain_crossovers == bare.gain_crossovers
+    assert margins.phase_crossovers == bare.phase_crossovers
+    assert margins.closed_loop.boundary == 2 and not margins.is_stable and margins.gains is None
     assert bare.is_stable
 
 
@@ -63,9 +63,9 @@ def test_a_crossover_where_the_loop_is_one_or_minus_one():
 
 
 def test_an_ill_posed_loop_is_not_stable_and_says_so():
-    found = stability_margins("-(s+1)/(s+2)", feedback=-1)
-    assert (found.is_stable, found.is_well_posed, found.delay) == (False, False, None)
-    assert str(found).startswith("the loop is not well posed: 1 + L = 0 at infinity")
+    margins = stability_margins("-(s+1)/(s+2)", feedback=-1)
+    assert (margins.is_stable, margins.is_well_posed, margins.delay) == (False, False, None)
+    assert str(margins).startswith("the loop is not well posed: 1 + L = 0 at infinity")
     assert 1 not in root_locus("-(s+1)/(s+2)", feedback=-1).stable
     assert 1 not in stabilising_gains("-(s+1)/(s+2)", feedback=-1)
     with pytest.raises(ImproperError, match="L = -1 at all frequencies"):

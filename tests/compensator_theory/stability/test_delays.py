@@ -38,8 +38,8 @@ def test_published_windows(coefficients, expected):
 
 def test_a_crossing_on_the_branch_cut_of_the_argument():
     """s^2 + s + 3 + (s + 1) exp(-tau s) at s = j sqrt(2), where the exponential is -1."""
-    found = stability_delays(["s**2 + s + 3", "s + 1"])
-    (crossing,) = [c for c in found.crossings if c.square == 2]
+    delays = stability_delays(["s**2 + s + 3", "s + 1"])
+    (crossing,) = [c for c in delays.crossings if c.square == 2]
     assert float(crossing.frequency) == pytest.approx(2**0.5)
     assert float(crossing.first) == pytest.approx(PI / 2**0.5)
 
@@ -51,10 +51,10 @@ def test_several_multiples_of_the_delay():
     B = sympy.Matrix([["-59/10", "71/10", "-703/10"], ["2", "-1", "5"], ["2", "0", "6"]])
     P = sympy.Poly((s * sympy.eye(3) - A - B * z).det(), z)
     coefficients = [P.coeff_monomial(z**k) for k in range(4)]
-    found = stability_delays(coefficients, variable="s")
-    frequencies = sorted(float(c.frequency) for c in found.crossings)
+    delays = stability_delays(coefficients, variable="s")
+    frequencies = sorted(float(c.frequency) for c in delays.crossings)
     assert np.allclose(frequencies, [0.84, 2.11, 2.91, 3.04, 15.50], atol=6e-3)
-    assert np.allclose(ends(found), [(0, 0.162346), (0.185906, 0.221985)], atol=2e-6)
+    assert np.allclose(ends(delays), [(0, 0.162346), (0.185906, 0.221985)], atol=2e-6)
 
 
 def winding(polys, delay):
@@ -85,32 +85,32 @@ def winding(polys, delay):
 )
 def test_unstable_roots_against_winding_numbers(a_0, others, delays):
     try:
-        found = stability_delays([a_0, *others])
+        result = stability_delays([a_0, *others])
     except CompensatorError:
         assume(False)
     for delay in delays:
-        count = winding(found.coefficients, float(delay))
+        count = winding(result.coefficients, float(delay))
         if count is None:
             continue
         assert abs(count - round(count)) < 0.05
-        assert found.unstable_roots(delay) == round(count)
-        inside = any(a < float(delay) < b for a, b in ends(found))
-        assert (delay in found) == inside
+        assert result.unstable_roots(delay) == round(count)
+        inside = any(a < float(delay) < b for a, b in ends(result))
+        assert (delay in result) == inside
 
 
 def test_roots_on_the_axis_without_delay():
     """s**2 + 4 - exp(-tau s) at 0 has roots at +-j sqrt(3): which way they go, by a small delay."""
-    found = stability_delays(["s**2 + 4", "-1"])
-    assert found.unstable_without == 0 and "1/100" in found
+    delays = stability_delays(["s**2 + 4", "-1"])
+    assert delays.unstable_without == 0 and "1/100" in delays
     other = stability_delays(["s**2 + 4", "1"])
     count = winding(other.coefficients, 0.3)
     assert other.unstable_roots("3/10") == round(count) == 2
 
 
 def test_what_it_says_and_refuses():
-    found = stability_delays(["s**2 + 2*s + 5", "4"])
-    assert "touch the axis" in str(found) and found._repr_latex_().startswith("$")
-    assert found.crossings[0].tendency == 0 and found.crossings[0].square == 3
+    delays = stability_delays(["s**2 + 2*s + 5", "4"])
+    assert "touch the axis" in str(delays) and delays._repr_latex_().startswith("$")
+    assert delays.crossings[0].tendency == 0 and delays.crossings[0].square == 3
     with pytest.raises(InputError, match="neutral"):
         stability_delays(["s + 1", "s"])
     with pytest.raises(InputError, match="power of the variable"):
@@ -124,4 +124,4 @@ def test_what_it_says_and_refuses():
     with pytest.raises(NoSolutionError, match="divide"):
         stability_delays(["(s**2 + 1)*(s + 1)", "s**2 + 1"])
     with pytest.raises(InputError, match="positive rational"):
-        found.unstable_roots(-1)
+        delays.unstable_roots(-1)

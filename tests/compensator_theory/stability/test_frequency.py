@@ -46,11 +46,11 @@ def peak(G):
     values = np.array([f(x) for x in grid])
     best = max(values.max(), f(-12), f(12))
     for k in scipy.signal.argrelmax(values)[0]:  # the highest on the grid need not be the highest
-        found = scipy.optimize.minimize_scalar(
+        result = scipy.optimize.minimize_scalar(
             lambda x: -f(x), bounds=(grid[k - 1], grid[k + 1]), method="bounded",
             options={"xatol": 1e-10},
         )  # fmt: skip
-        best = max(best, -found.fun)
+        best = max(best, -result.fun)
     return best
 
 
@@ -58,10 +58,10 @@ def peak(G):
 @fewer(3)
 @given(stable_matrices())
 def test_the_norm_is_the_peak(G):
-    found = ct.h_infinity_norm(G.tolist(), "s")
-    assert np.isclose(float(found.enclosure), peak(G), rtol=1e-6, atol=1e-9)
-    square = found.square_polynomial
-    ends = [square.eval(end**2) for end in (found.enclosure.lower, found.enclosure.upper)]
+    norm = ct.h_infinity_norm(G.tolist(), "s")
+    assert np.isclose(float(norm.enclosure), peak(G), rtol=1e-6, atol=1e-9)
+    square = norm.square_polynomial
+    ends = [square.eval(end**2) for end in (norm.enclosure.lower, norm.enclosure.upper)]
     assert ends[0] * ends[1] <= 0 and square.is_irreducible
 
 
@@ -69,17 +69,17 @@ def test_the_norm_is_the_peak(G):
 @fewer(4)
 @given(stable_matrices())
 def test_bounded_real_on_both_sides_of_the_norm(G):
-    found = ct.h_infinity_norm(G.tolist(), "s")
-    above = found.enclosure.upper * Rational(1001, 1000) + Rational(1, 10**6)
+    norm = ct.h_infinity_norm(G.tolist(), "s")
+    above = norm.enclosure.upper * Rational(1001, 1000) + Rational(1, 10**6)
     assert ct.decide_bounded_real((G / above).tolist(), "s").holds
-    if found.enclosure.lower > 0:
-        below = found.enclosure.lower * Rational(999, 1000)
+    if norm.enclosure.lower > 0:
+        below = norm.enclosure.lower * Rational(999, 1000)
         denied = ct.decide_bounded_real((G / below).tolist(), "s")
         assert not denied.holds
         at = float(denied.violated) ** 0.5
         assert gain(G / below)(np.log10(max(at, 1e-12))) > 1 - 1e-9
-        if found.value.is_Rational:  # exactly at the norm
-            assert ct.decide_bounded_real((G / found.value).tolist(), "s").holds
+        if norm.value.is_Rational:  # exactly at the norm
+            assert ct.decide_bounded_real((G / norm.value).tolist(), "s").holds
 
 
 @pytest.mark.costly
@@ -118,9 +118,9 @@ def test_the_discriminant_is_that_of_sympy(rows):
     assume(factor[-1])
     both = sympy.Poly([sympy.Poly(row[::-1], g).as_expr() for row in reversed(rows)], w)
     expected = sympy.Poly(sympy.discriminant(both), g)
-    found = sympy.Poly([int(c) for c in reversed(_discriminant(factor).coeffs())] or [0], g)
-    assert found.is_zero == expected.is_zero
-    assert found.is_zero or found.monic() == expected.monic()
+    result = sympy.Poly([int(c) for c in reversed(_discriminant(factor).coeffs())] or [0], g)
+    assert result.is_zero == expected.is_zero
+    assert result.is_zero or result.monic() == expected.monic()
 
 
 def test_the_norm_of_a_sensitivity_with_twelve_states():
@@ -142,17 +142,17 @@ def test_the_norm_of_a_sensitivity_with_twelve_states():
     loop = Rational("704.6392766532747") * zeros * Rational("0.6") * (s + Rational(1, 2))
     top = sympy.Poly(poles * s, s)
     bottom = sympy.Poly(poles * s + loop, s)
-    found = ct.h_infinity_norm((top, bottom))
+    norm = ct.h_infinity_norm((top, bottom))
     with mpmath.workdps(50):
         N, D = ([mpmath.mpf(c.p) / c.q for c in p.all_coeffs()] for p in (top, bottom))
         size = lambda w: abs(mpmath.polyval(N, 1j * w) / mpmath.polyval(D, 1j * w))  # noqa: E731
         at = mpmath.findroot(lambda w: mpmath.diff(size, w), 5.8)
         grid = [size(mpmath.mpf(10) ** (k / 20)) for k in range(-80, 81)]
         assert max(grid) < size(at)
-        error = abs(size(at) - mpmath.mpf(found.enclosure.centre.p) / found.enclosure.centre.q)
+        error = abs(size(at) - mpmath.mpf(norm.enclosure.centre.p) / norm.enclosure.centre.q)
         assert error < 1e-18
-    assert found.square_polynomial.is_irreducible
-    assert isinstance(found.value**2, sympy.CRootOf)
+    assert norm.square_polynomial.is_irreducible
+    assert isinstance(norm.value**2, sympy.CRootOf)
 
 
 @st.composite

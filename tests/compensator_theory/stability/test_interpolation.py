@@ -24,10 +24,10 @@ s = sympy.Symbol("s")
 def taylor(N, D, count):
     """Coefficients of N/D at 0 by long division in ascending powers."""
     n, d = ([p.coeff_monomial(s**k) for k in range(count)] for p in (N, D))
-    found = []
+    result = []
     for k in range(count):
-        found.append((n[k] - sum(d[j] * found[k - j] for j in range(1, k + 1))) / d[0])
-    return found
+        result.append((n[k] - sum(d[j] * result[k - j] for j in range(1, k + 1))) / d[0])
+    return result
 
 
 @given(coprime_pairs(max_degree=3), st.integers(0, 2))
@@ -36,8 +36,8 @@ def test_a_rational_function_comes_back(pair, extra):
     assume(D.eval(0) != 0)
     m, n = max(0, N.degree()), D.degree()
     series = taylor(N, D, m + n + 2 * extra + 1)
-    found = pade_approximant(series, m + extra, n + extra)
-    assert found.approximant == ct.transfer_function((N, D)).reduced()
+    approximant = pade_approximant(series, m + extra, n + extra)
+    assert approximant.approximant == ct.transfer_function((N, D)).reduced()
 
 
 @given(st.lists(rationals(3, 3), min_size=7, max_size=7), st.integers(0, 3), st.integers(0, 3))
@@ -50,20 +50,20 @@ def test_the_series_agrees_or_there_is_none(series, m, n):
         with pytest.raises(NoSolutionError, match="no Pade approximant"):
             pade_approximant(series, m, n)
         return
-    found = pade_approximant(series, m, n).approximant
-    assert found.numerator.degree() <= m and found.denominator.degree() <= n
-    assert taylor(found.numerator, found.denominator, m + n + 1) == series[: m + n + 1]
+    approximant = pade_approximant(series, m, n).approximant
+    assert approximant.numerator.degree() <= m and approximant.denominator.degree() <= n
+    assert taylor(approximant.numerator, approximant.denominator, m + n + 1) == series[: m + n + 1]
 
 
 def test_against_mpmath():
     series = [Rational(1) / sympy.factorial(k) for k in range(8)]
     for m, n in ((3, 4), (2, 2), (4, 3)):
-        found = pade_approximant(series, m, n).approximant
+        approximant = pade_approximant(series, m, n).approximant
         top, bottom = mpmath.pade([float(c) for c in series[: m + n + 1]], m, n)
-        scale = found.denominator.eval(0)
+        scale = approximant.denominator.eval(0)
         mine = [
             [float(p.coeff_monomial(s**k) / scale) for k in range(d + 1)]
-            for p, d in ((found.numerator, m), (found.denominator, n))
+            for p, d in ((approximant.numerator, m), (approximant.denominator, n))
         ]
         assert mpmath.norm(mpmath.matrix(mine[0]) - mpmath.matrix(top)) < 1e-9
         assert mpmath.norm(mpmath.matrix(mine[1]) - mpmath.matrix(bottom)) < 1e-9
@@ -90,19 +90,19 @@ def berlekamp_massey(h):
 
 @given(st.lists(st.integers(-2, 2).map(Rational), min_size=1, max_size=8))
 def test_partial_realisation_against_berlekamp_massey(h):
-    found = partial_realisation(h)
-    assert found.order == berlekamp_massey(h) == found.transfer_function.order
-    back = ct.markov_parameters(found.transfer_function, len(h) + 1)
+    system = partial_realisation(h)
+    assert system.order == berlekamp_massey(h) == system.transfer_function.order
+    back = ct.markov_parameters(system.transfer_function, len(h) + 1)
     assert [sympy.sympify(c) for c in back[1:]] == h and back[0] == 0
-    assert found.free_parameters == max(0, 2 * found.order - len(h))
+    assert system.free_parameters == max(0, 2 * system.order - len(h))
 
 
 @given(strictly_proper_plants(max_order=4))
 def test_a_plant_comes_back(plant):
     h = ct.markov_parameters(plant, 2 * plant.order + 2)[1:]
-    found = partial_realisation(h, "s")
-    assert found.transfer_function == plant and found.is_unique
-    assert ct.hankel_matrix(plant, plant.order, plant.order).rank() == found.order
+    system = partial_realisation(h, "s")
+    assert system.transfer_function == plant and system.is_unique
+    assert ct.hankel_matrix(plant, plant.order, plant.order).rank() == system.order
 
 
 def schur_verdict(points, values, gamma):
@@ -150,11 +150,14 @@ def interpolation_data(draw, is_complex=False):
 )
 def test_feasibility_against_schurs_algorithm(data, gamma):
     points, values = data
-    found = nevanlinna_pick(points, values, gamma)
-    assert found.is_feasible == schur_verdict(points, values, gamma)
+    interpolation = nevanlinna_pick(points, values, gamma)
+    assert interpolation.is_feasible == schur_verdict(points, values, gamma)
     size = max(sympy.expand(w * sympy.conjugate(w)) for w in values)
-    assert found.enclosure.upper >= size  # no function is smaller than a value of it
-    assert found.is_feasible == (found.enclosure.lower <= gamma**2) or found.is_unique
+    assert interpolation.enclosure.upper >= size  # no function is smaller than a value of it
+    assert (
+        interpolation.is_feasible == (interpolation.enclosure.lower <= gamma**2)
+        or interpolation.is_unique
+    )
 
 
 @given(interpolation_data())
@@ -167,9 +170,9 @@ def test_discrete_time_is_the_half_plane_mapped(data):
 
 
 def test_known_bounds():
-    found = nevanlinna_pick([1, 2], [1, -1], 5)
-    assert sympy.expand(found.least_squared - (3 + 2 * sympy.sqrt(2)) ** 2) == 0
-    assert not found.is_feasible and nevanlinna_pick([1, 2], [1, -1], 6).is_feasible
+    interpolation = nevanlinna_pick([1, 2], [1, -1], 5)
+    assert sympy.expand(interpolation.least_squared - (3 + 2 * sympy.sqrt(2)) ** 2) == 0
+    assert not interpolation.is_feasible and nevanlinna_pick([1, 2], [1, -1], 6).is_feasible
     blaschke = nevanlinna_pick([2, 3], ["1/3", "1/2"])  # of (s - 1)/(s + 1): the only function
     assert blaschke.is_feasible and blaschke.is_unique
     assert nevanlinna_pick(["1 + 2j", "1 - 2j"], ["1/2 + j/2", "1/2 - j/2"]).is_feasible
@@ -198,8 +201,8 @@ def test_bad_input(call):
 def test_symbols_say_where_they_hold():
     a, b = sympy.symbols("a b")
     assert pade_approximant([1, "a", "b"], 1, 1).exceptional == (a, b)
-    found = partial_realisation(["a", "b"])
-    assert found.order == 1 and a in found.exceptional
+    system = partial_realisation(["a", "b"])
+    assert system.order == 1 and a in system.exceptional
 
 
 @pytest.mark.costly
@@ -207,27 +210,31 @@ def test_symbols_say_where_they_hold():
 @given(transfer_matrices(extra=1), st.sampled_from([0, -1, -2, 1, Rational(1, 3)]))
 def test_laurent_against_derivatives(G, point):
     """The coefficients are derivatives of (s - p)^order G at p (Taylor)."""
-    found = laurent_expansion(G, point, 4)
-    cleared = (G.as_matrix() * (s - point) ** found.order).applyfunc(sympy.cancel)
-    for k, coefficient in enumerate(found.coefficients):
+    expansion = laurent_expansion(G, point, 4)
+    cleared = (G.as_matrix() * (s - point) ** expansion.order).applyfunc(sympy.cancel)
+    for k, coefficient in enumerate(expansion.coefficients):
         derivative = cleared.diff(s, k).applyfunc(sympy.cancel).subs(s, point)
         assert coefficient == derivative / sympy.factorial(k)
-    if found.order:
-        assert not found.coefficients[0].is_zero_matrix
-    assert found[-found.order - 1].is_zero_matrix and found.certificate.holds
+    if expansion.order:
+        assert not expansion.coefficients[0].is_zero_matrix
+    assert expansion[-expansion.order - 1].is_zero_matrix and expansion.certificate.holds
 
 
 @fewer(3)
 @given(strictly_proper_plants(max_order=3), st.integers(-2, 2))
 def test_residues_against_sympy(plant, point):
-    found = laurent_expansion(plant, point, plant.order + 1)
-    assert found.residue[0, 0] == sympy.residue(plant.as_expr(), s, point)
+    expansion = laurent_expansion(plant, point, plant.order + 1)
+    assert expansion.residue[0, 0] == sympy.residue(plant.as_expr(), s, point)
 
 
 def test_laurent_with_symbols_and_complex_points():
     a = sympy.Symbol("a")
-    found = laurent_expansion("1/((s - a)*(s + 1))", "a", 2, variable="s")
-    assert found.order == 1 and found.residue[0, 0] == 1 / (a + 1) and found.exceptional == (a + 1,)
+    expansion = laurent_expansion("1/((s - a)*(s + 1))", "a", 2, variable="s")
+    assert (
+        expansion.order == 1
+        and expansion.residue[0, 0] == 1 / (a + 1)
+        and expansion.exceptional == (a + 1,)
+    )
     assert laurent_expansion("1/(s**2 + 1)", "j", 1).residue[0, 0] == -sympy.I / 2
     for call in (
         lambda: laurent_expansion("1/s", "s", 1),

@@ -66,11 +66,11 @@ def test_critical_values_are_those_by_sympys_factors(first, second):
         expected += [Poly(c, k, domain=QQ) for c in (part.LC(), part.TC())]
         if part.degree() > 1 and not is_nowhere:
             expected.append(Poly(even.resultant(odd), k, domain=QQ))
-    found = critical_polynomials(poly, k, discrete=False)
+    result = critical_polynomials(poly, k, discrete=False)
     if is_nowhere:
-        assert found is None
+        assert result is None
     else:
-        assert irreducible(found) == irreducible(expected)
+        assert irreducible(result) == irreducible(expected)
 
 
 @given(polynomials(min_degree=3, max_degree=5), st.integers(0, 4), rationals(), rationals())
@@ -157,8 +157,8 @@ def test_the_calls_that_a_large_loop_takes(family, function, poles):
 def test_crossovers_of_large_loops_at_their_frequencies(family):
     """L = -1/k at a phase crossover, and abs(L) = 1 at a gain crossover, in balls of 400 bits."""
     N, D = family(40)
-    found = stability_margins((N, D), feedback=-1)
-    assert found.gain_crossovers or found.phase_crossovers
+    margins = stability_margins((N, D), feedback=-1)
+    assert margins.gain_crossovers or margins.phase_crossovers
     with ball_precision(400):
         top, bottom = (flint.acb_poly(to_flint_polynomial(p.set_domain(QQ))) for p in (N, D))
 
@@ -166,10 +166,10 @@ def test_crossovers_of_large_loops_at_their_frequencies(family):
             point = flint.acb(0, ball_of_enclosure(crossover.frequency))
             return top(point) / bottom(point)
 
-        for crossover in found.gain_crossovers:
+        for crossover in margins.gain_crossovers:
             size = abs(L(crossover))
             assert size.contains(1) and size.rad() < 1e-6
-        for crossover in found.phase_crossovers:
+        for crossover in margins.phase_crossovers:
             if crossover.frequency is not None:
                 value = L(crossover) * ball_of_enclosure(crossover.gain_enclosure)
                 assert value.real.contains(-1) and value.imag.contains(0)

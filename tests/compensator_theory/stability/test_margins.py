@@ -28,18 +28,18 @@ from compensator_theory.strategies import strictly_proper_plants
 )
 def test_textbook_margins(loop, phases, gains):
     """Of Ogata's and of Franklin, Powell and Emami-Naeini's examples; the last by hand."""
-    found = stability_margins(loop, feedback=-1)
-    mine = [(c.degrees, float(c.frequency)) for c in found.gain_crossovers]
+    margins = stability_margins(loop, feedback=-1)
+    mine = [(c.degrees, float(c.frequency)) for c in margins.gain_crossovers]
     assert np.allclose(mine, phases, rtol=2e-4)
-    assert [c.gain for c in found.phase_crossovers] == gains
+    assert [c.gain for c in margins.phase_crossovers] == gains
 
 
 def test_answers_in_closed_form():
-    found = stability_margins("1/(s*(s + 1))", feedback=-1)
-    (crossover,) = found.gain_crossovers
+    margins = stability_margins("1/(s*(s + 1))", feedback=-1)
+    (crossover,) = margins.gain_crossovers
     assert crossover.square == (sympy.sqrt(5) - 1) / 2
-    assert abs(float(found.delay.value) - 1.15061) < 1e-5 and found.gains.upper == sympy.oo
-    assert found.encirclements == 0 and found.open_loop.boundary == 1
+    assert abs(float(margins.delay.value) - 1.15061) < 1e-5 and margins.gains.upper == sympy.oo
+    assert margins.encirclements == 0 and margins.open_loop.boundary == 1
     irrational = stability_margins("1/((s + 1)*(s**2 + s + 3))", feedback=-1).phase_crossovers
     assert [(c.square, c.gain) for c in irrational] == [(4, 5)]
 
@@ -49,16 +49,16 @@ def test_against_python_control(G, sign):
     """All of its crossovers are among ours; on a grid it finds no others."""
     N, D = ([float(c) for c in p.all_coeffs()] for p in (G.numerator, G.denominator))
     try:
-        found = stability_margins(G, feedback=sign)
+        margins = stability_margins(G, feedback=sign)
     except InputError:
         return
     loop = control.tf([-sign * c for c in N], D)
     gm, pm, _, wg, wp, _ = control.stability_margins(loop, returnall=True)
-    mine = [float(c.frequency) for c in found.gain_crossovers]
+    mine = [float(c.frequency) for c in margins.gain_crossovers]
     for w, degrees in zip(wp, pm, strict=True):
         assume(w > 1e-3)
         nearest = min(
-            found.gain_crossovers, key=lambda c: abs(float(c.frequency) - w), default=None
+            margins.gain_crossovers, key=lambda c: abs(float(c.frequency) - w), default=None
         )
         if nearest is None or abs(float(nearest.frequency) - w) > 1e-5 * w:
             assume(False)  # a touching point, which floats see or not
@@ -67,7 +67,7 @@ def test_against_python_control(G, sign):
     assert len(mine) >= len(wp)
     for w, factor in zip(wg, gm, strict=True):
         if np.isfinite(factor) and w > 1e-3:
-            gaps = [abs(float(c.gain_enclosure) / factor - 1) for c in found.phase_crossovers]
+            gaps = [abs(float(c.gain_enclosure) / factor - 1) for c in margins.phase_crossovers]
             assume(gaps)
             assert min(gaps) < 1e-3
 
@@ -76,18 +76,18 @@ def test_against_python_control(G, sign):
 def test_the_ends_of_the_gain_interval_are_crossovers(G, sign):
     """With -1/L as factor a root is on the axis; the ends of the interval are among these."""
     try:
-        found = stability_margins(G, feedback=sign)
+        margins = stability_margins(G, feedback=sign)
     except InputError:
         return
-    gains = {c.gain for c in found.phase_crossovers}
-    if found.gains is not None:
-        for end in (found.gains.lower, found.gains.upper):
+    gains = {c.gain for c in margins.phase_crossovers}
+    if margins.gains is not None:
+        for end in (margins.gains.lower, margins.gains.upper):
             if end.is_finite and end > 0:
                 assert min(abs(float(end - g)) for g in gains) < 1e-9 * float(end)
-    for crossover in found.phase_crossovers:
+    for crossover in margins.phase_crossovers:
         closed = np.polyadd(
-            [float(c) for c in found.denominator.all_coeffs()],
-            [float(crossover.gain_enclosure) * float(c) for c in found.numerator.all_coeffs()],
+            [float(c) for c in margins.denominator.all_coeffs()],
+            [float(crossover.gain_enclosure) * float(c) for c in margins.numerator.all_coeffs()],
         )
         roots = np.roots(closed)
         near = 1j * float(crossover.frequency)
@@ -96,9 +96,9 @@ def test_the_ends_of_the_gain_interval_are_crossovers(G, sign):
 
 
 def test_discrete_loops():
-    found = stability_margins("0.5/(z - 0.5)", feedback=-1)
-    assert [c.gain for c in found.phase_crossovers] == [3] and found.gains.upper == 3
-    assert found.delay.value == sympy.oo and found.is_stable
+    margins = stability_margins("0.5/(z - 0.5)", feedback=-1)
+    assert [c.gain for c in margins.phase_crossovers] == [3] and margins.gains.upper == 3
+    assert margins.delay.value == sympy.oo and margins.is_stable
     double = stability_margins("0.2*(z + 0.8)/((z - 1)*(z - 0.5))", feedback=-1)
 
     def at(theta):
@@ -126,10 +126,10 @@ def test_a_loop_that_is_real_at_all_frequencies_has_no_single_crossover(variable
     assume(bottom.LC() and not top.is_zero and (top + bottom).degree() == bottom.degree())
     L = sympy.cancel((top.as_expr() / bottom.as_expr()).subs(s, square))
     assume(L.has(s))
-    found = stability_margins(L, feedback=-1, variable=s)
-    assert found.is_real and not found.phase_crossovers and "is real" in str(found)
-    assert found.gains is None and not found.is_stable and found.delay is None
-    for crossover in found.gain_crossovers:
+    margins = stability_margins(L, feedback=-1, variable=s)
+    assert margins.is_real and not margins.phase_crossovers and "is real" in str(margins)
+    assert margins.gains is None and not margins.is_stable and margins.delay is None
+    for crossover in margins.gain_crossovers:
         omega = complex(0, crossover.frequency.centre)
         value = complex(L.subs(s, omega if variable == "s" else sympy.exp(omega)).evalf(20))
         assert abs(abs(value) - 1) < 1e-9
@@ -172,19 +172,19 @@ def test_a_loop_of_gain_1_everywhere_is_answered(x, places, sign, feedback):
         with pytest.raises(ImproperError, match="1 \\+ L is zero"):
             stability_margins(G, feedback=feedback)
         return
-    found = stability_margins(G, feedback=feedback)
-    assert found.is_all_pass and not found.gain_crossovers
+    margins = stability_margins(G, feedback=feedback)
+    assert margins.is_all_pass and not margins.gain_crossovers
     cells = exact.stabilising_gains(G, feedback=feedback)
     around = next((cell for cell in cells.intervals if 1 in cell), None)
-    assert found.gains == around and found.is_stable == (around is not None)
+    assert margins.gains == around and margins.is_stable == (around is not None)
     omega = np.tan(np.linspace(0.01, 1.56, 200)) if x == "s" else np.linspace(0.01, 3.13, 200)
     point = 1j * omega if x == "s" else np.exp(1j * omega)
     values = [np.polyval([float(c) for c in p.all_coeffs()], point) for p in L]
     np.testing.assert_allclose(np.abs(values[0] / values[1]), 1)
-    if found.is_stable:
+    if margins.is_stable:
         np.testing.assert_allclose(values[0] / values[1], 1)
-        assert "phase margin of 180 degrees" in str(found)
-        assert float(found.delay.value) == (0 if x == "s" else 1)  # L(-1) = 1
+        assert "phase margin of 180 degrees" in str(margins)
+        assert float(margins.delay.value) == (0 if x == "s" else 1)  # L(-1) = 1
     else:
-        assert "no phase margin" in str(found)
+        assert "no phase margin" in str(margins)
     assert not stability_margins((2 * N, D), feedback=feedback, variable=x).is_all_pass

@@ -73,10 +73,10 @@ def test_an_interpolant_takes_the_values_within_the_bound(data, variable, choice
         points = in_discrete_time(points)
     least = nevanlinna_pick(points, values, 1, variable=variable).enclosure.upper
     bound = Rational(int(sympy.ceiling(sympy.sqrt(least) * 8)) + excess, 8) + Rational(1, 8)
-    found = nevanlinna_pick(points, values, bound, variable=variable)
-    assert found.is_feasible and not found.is_unique
+    interpolation = nevanlinna_pick(points, values, bound, variable=variable)
+    assert interpolation.is_feasible and not interpolation.is_unique
     parameter = PARAMETERS[variable][choice]
-    f = found.interpolant(parameter)
+    f = interpolation.interpolant(parameter)
     assert f.variable.name == variable and f.certificate.holds and f.order <= len(points) + 2
     gains = check(f, points, values, bound)
     if parameter == "1":  # lossless with it
@@ -118,12 +118,12 @@ def test_a_blaschke_product_comes_back_from_more_values_than_its_order(drawn, da
     if data.draw(st.booleans()):
         points = [1 + 2 * I, 1 - 2 * I, *points]
     values = [sympy.expand(sympy.simplify(bound * product.subs(s, p))) for p in points]
-    found = nevanlinna_pick(points, values, bound)
-    assert found.is_feasible and found.is_unique
-    f = found.interpolant()
+    interpolation = nevanlinna_pick(points, values, bound)
+    assert interpolation.is_feasible and interpolation.is_unique
+    f = interpolation.interpolant()
     assert f.order == order and sympy.cancel(f.as_expr() - bound * product) == 0
     with pytest.raises(InputError, match="unique"):
-        found.interpolant("0")
+        interpolation.interpolant("0")
 
 
 @fewer(5)
@@ -132,9 +132,9 @@ def test_values_of_a_bounded_function_are_feasible(data, drawn, size):
     """Of a function below the bound, which is one of many."""
     points, function = data[0], size * drawn[0]
     values = [sympy.expand(sympy.simplify(function.subs(s, p))) for p in points]
-    found = nevanlinna_pick(points, values)
-    assert found.is_feasible and not found.is_unique
-    one, other = found.interpolant(), found.interpolant("1/2")
+    interpolation = nevanlinna_pick(points, values)
+    assert interpolation.is_feasible and not interpolation.is_unique
+    one, other = interpolation.interpolant(), interpolation.interpolant("1/2")
     assert one != other
     for f in (one, other):
         check(f, points, values, 1)
@@ -179,12 +179,14 @@ def test_an_interpolant_has_the_derivatives_that_were_given(data, variable, choi
         return
     least = nevanlinna_pick(points, chains, 1, variable=variable).enclosure.upper
     bound = Rational(int(sympy.ceiling(sympy.sqrt(least) * 8)) + 1, 8) + Rational(1, 8)
-    found = nevanlinna_pick(points, chains, bound, variable=variable)
-    f = found.interpolant(PARAMETERS[variable][choice])
+    interpolation = nevanlinna_pick(points, chains, bound, variable=variable)
+    f = interpolation.interpolant(PARAMETERS[variable][choice])
     check(f, points, [chain[0] for chain in chains], bound)
     for point, chain in zip(points, chains, strict=True):
         assert derivatives(f, point, len(chain)) == chain
-    assert found.matrix == found.matrix.H and found.values == tuple(map(tuple, chains))
+    assert interpolation.matrix == interpolation.matrix.H and interpolation.values == tuple(
+        map(tuple, chains)
+    )
 
 
 @fewer(4)
@@ -206,8 +208,11 @@ def test_a_blaschke_product_comes_back_from_its_derivatives_at_one_point(drawn, 
     product, order = drawn
     point += Rational(1, 4)  # no zero of the product
     chain = [sympy.simplify(sympy.diff(product, s, k).subs(s, point)) for k in range(order + 1)]
-    found = nevanlinna_pick([point], [chain])
-    assert found.is_unique and sympy.cancel(found.interpolant().as_expr() - product) == 0
+    interpolation = nevanlinna_pick([point], [chain])
+    assert (
+        interpolation.is_unique
+        and sympy.cancel(interpolation.interpolant().as_expr() - product) == 0
+    )
 
 
 def test_a_double_zero_of_the_sensitivity():
@@ -245,21 +250,21 @@ def test_what_no_real_function_does(call, error, words):
 
 
 def test_parameters_that_are_none():
-    found = nevanlinna_pick([1, 2], ["1/2", "1/3"])
-    own = ["2", "-11/10", "s", "1/(s - 1)", "1/s", "a", "1/z", "j/2", [["0", "1"]]]
-    for bad in (*BAD, *own, transfer_function("1/(z - 1/2)")):
+    interpolation = nevanlinna_pick([1, 2], ["1/2", "1/3"])
+    ours = ["2", "-11/10", "s", "1/(s - 1)", "1/s", "a", "1/z", "j/2", [["0", "1"]]]
+    for bad in (*BAD, *ours, transfer_function("1/(z - 1/2)")):
         if bad is None:  # left out
             continue
         with pytest.raises(CompensatorError):
-            found.interpolant(bad)
+            interpolation.interpolant(bad)
 
 
 def test_a_function_that_misses_is_refused(monkeypatch):
     """Both checks look at the function, not at the way to it."""
-    found = nevanlinna_pick([1, 2], ["1/2", "1/3"])
+    interpolation = nevanlinna_pick([1, 2], ["1/2", "1/3"])
     wrong = transfer_function("1/(s + 2)")
     monkeypatch.setattr(module, "solve_pick", lambda *a, **k: wrong)
     with pytest.raises(NoSolutionError, match="FAILS"):
-        found.interpolant()
+        interpolation.interpolant()
     with pytest.raises(NoSolutionError, match="bounded real"):  # 2 is above the bound
         solve_pick([(QQ_I(1), [QQ_I(2)])], s, transfer_function(0, "s"), discrete=False)

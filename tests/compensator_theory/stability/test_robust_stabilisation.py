@@ -55,24 +55,24 @@ def boxes(draw, max_degree=4):
 @fewer(1)
 @given(boxes(), st.data())
 def test_four_polynomials_decide_for_the_box(box, data):
-    found = decide_interval_stability(box)
+    decision = decide_interval_stability(box)
     corners = [polynomial(list(c), "s") for c in itertools.product(*(sorted(set(i)) for i in box))]
-    assert found.is_stable == all(map(is_hurwitz, corners))
-    assert not found.failing or all(p in corners for p in found.failing)
+    assert decision.is_stable == all(map(is_hurwitz, corners))
+    assert not decision.failing or all(p in corners for p in decision.failing)
     shares = data.draw(st.lists(st.integers(0, 7), min_size=len(box), max_size=len(box)))
     inside = polynomial(
         [a + Rational(x, 7) * (b - a) for (a, b), x in zip(box, shares, strict=True)], "s"
     )
-    if found.is_stable:
+    if decision.is_stable:
         assert is_hurwitz(inside)
         assert max(np.roots([float(c) for c in inside.all_coeffs()]).real) < 0
     negative = [(-b, -a) for a, b in box]
-    assert decide_interval_stability(negative).is_stable == found.is_stable
+    assert decide_interval_stability(negative).is_stable == decision.is_stable
 
 
 def test_the_box_of_the_notes():
-    found = decide_interval_stability([1, (2, 3), (2, 4), (1, 5)])
-    assert [p.as_expr() for p in found.failing] == [s**3 + 2 * s**2 + 2 * s + 5]
+    decision = decide_interval_stability([1, (2, 3), (2, 4), (1, 5)])
+    assert [p.as_expr() for p in decision.failing] == [s**3 + 2 * s**2 + 2 * s + 5]
 
 
 @st.composite
@@ -88,14 +88,14 @@ def signed_plants(draw):
 @fewer(1)
 @given(signed_plants(), st.sampled_from([1, -1]))
 def test_a_stable_compensator_stabilises(plant, feedback):
-    found = stable_compensator(plant, feedback=feedback)
-    if not found.decision.is_strongly_stabilisable:
-        assert found.compensator is None and found.reason
+    compensator = stable_compensator(plant, feedback=feedback)
+    if not compensator.decision.is_strongly_stabilisable:
+        assert compensator.compensator is None and compensator.reason
         return
-    if found.compensator is None:
-        assert "raise max_order" in found.reason
+    if compensator.compensator is None:
+        assert "raise max_order" in compensator.reason
         assume(False)  # nothing was built that could be judged
-    C = found.compensator
+    C = compensator.compensator
     N, D = plant
     loop = (D * C.denominator - feedback * N * C.numerator).as_expr()
     for p in (loop, C.denominator.as_expr()):
@@ -111,10 +111,10 @@ def test_how_often_the_search_ends_without_a_compensator():
         f"(s - {z})*(s**2 - s/5 + {w})/((s - {p})**2*(s + 1)*(s**2 - s/4 + {w}))"
         for z, p, w in itertools.product(("21/10", "5", "19/10"), ("2", "11/5"), (1, 4, 9))
     ]
-    found = [search_by_order(plant, 4, feedback=-1, between=False) for plant in plants]
-    assert all(f.decision.is_strongly_stabilisable for f in found)
-    none = [plant for plant, f in zip(plants, found, strict=True) if f.compensator is None]
-    assert (len(found), len(none)) == (18, 4)
+    result = [search_by_order(plant, 4, feedback=-1, between=False) for plant in plants]
+    assert all(f.decision.is_strongly_stabilisable for f in result)
+    none = [plant for plant, f in zip(plants, result, strict=True) if f.compensator is None]
+    assert (len(result), len(none)) == (18, 4)
     whole = stable_compensator(none[0], 4, feedback=-1)  # the orders between do not help
     assert whole.compensator is None and "raise max_order" in whole.reason
 
@@ -138,13 +138,13 @@ def double_integrators(draw):
 @given(double_integrators(), st.sampled_from([1, -1]))
 def test_orders_between_a_gain_and_placement(plant, feedback):
     """Which no order below n - 1 of placed poles reaches; the oracle is floating roots."""
-    found = stable_compensator(plant, 1, feedback=feedback)
+    compensator = stable_compensator(plant, 1, feedback=feedback)
     is_gain = bool(stabilising_gains(plant, feedback=feedback).intervals)
-    C, (N, D) = found.compensator, plant
+    C, (N, D) = compensator.compensator, plant
     assume(C is not None)  # how often it is missed is pinned below
     assert C.order == (0 if is_gain else 1)
     loop = D * C.denominator - feedback * N * C.numerator
-    assert loop == found.characteristic_polynomial
+    assert loop == compensator.characteristic_polynomial
     for p in (loop, C.denominator):
         roots = np.roots([float(c) for c in p.all_coeffs()])
         size = abs(roots) - 1 if p.gen == z else roots.real
@@ -162,17 +162,17 @@ def test_how_often_an_order_between_is_missed():
         *(f"({N})/(s**3*(s + {a})*(s + {b}))" for N in ("1", "6 - s") for a, b in ((1, 2), (3, 3))),
         *(f"1/((z - 1)**3*(z - {a})*(z - {b}))" for a, b in (("1/2", 0), ("1/2", "-1/3"))),
     ]
-    found = [stable_compensator(chain, 2, feedback=-1) for chain in chains]
-    none = [f for f in found if f.compensator is None]
+    result = [stable_compensator(chain, 2, feedback=-1) for chain in chains]
+    none = [f for f in result if f.compensator is None]
     assert len(none) <= 2 and all("no proof" in f.reason for f in none)
-    assert all(f.compensator.order == 2 for f in found if f.compensator)
+    assert all(f.compensator.order == 2 for f in result if f.compensator)
 
 
 @fewer(4)
 @given(signed_plants(), signed_plants())
 def test_two_plants(one, two):
     try:
-        found = decide_simultaneous_stabilisability(one, two, feedback=-1)
+        decision = decide_simultaneous_stabilisability(one, two, feedback=-1)
     except CompensatorError as error:
         assert "hidden" in str(error)
         assume(False)
@@ -183,9 +183,9 @@ def test_two_plants(one, two):
         return is_hurwitz(polynomial((D + N * k).as_expr(), "s"))
 
     if any(stabilises(k, one) and stabilises(k, two) for k in grid):
-        assert found.is_stabilisable  # a gain does it
-    if found.compensator is not None:
-        C = found.compensator
+        assert decision.is_stabilisable  # a gain does it
+    if decision.compensator is not None:
+        C = decision.compensator
         for N, D in (one, two):
             loop = Poly((D * C.denominator + N * C.numerator).as_expr(), s)
             roots = np.roots([float(c) for c in loop.all_coeffs()])
@@ -199,19 +199,19 @@ def test_how_often_two_plants_are_left_without_a_compensator():
         f"(s - {z})*(s + {w})/((s - 1)*(s + {p})*s)"
         for z, p, w in itertools.product((3, 4), (-2, 2), (1, -5))
     ]
-    asked = [
+    requested = [
         decide_simultaneous_stabilisability(*pair, feedback=-1)
         for pair in itertools.combinations(plants, 2)
     ]
-    yes = [found for found in asked if found.is_stabilisable]
-    assert (len(asked), len(yes), sum(f.compensator is None for f in yes)) == (28, 12, 4)
+    yes = [result for result in requested if result.is_stabilisable]
+    assert (len(requested), len(yes), sum(f.compensator is None for f in yes)) == (28, 12, 4)
 
 
 @fewer(3)
 @given(strictly_proper_plants(max_order=2))
 def test_a_plant_and_itself(plant):
-    found = decide_simultaneous_stabilisability(plant, plant, feedback=1)
-    assert found.is_stabilisable and found.compensator is not None
+    decision = decide_simultaneous_stabilisability(plant, plant, feedback=1)
+    assert decision.is_stabilisable and decision.compensator is not None
 
 
 def test_two_plants_that_exclude_each_other():

@@ -43,10 +43,10 @@ def floats(poly):
 )
 def test_textbook_loci(loop, breaks, crossings):
     """Of Ogata, and of Franklin, Powell and Emami-Naeini; the last by hand."""
-    found = root_locus(loop, feedback=-1)
-    assert [b.gain for b in found.breaks] == [gain for _, gain in breaks]
-    assert np.allclose([b.value for b in found.breaks], [place for place, _ in breaks])
-    assert [(c.square, c.gain) for c in found.crossings] == crossings
+    locus = root_locus(loop, feedback=-1)
+    assert [b.gain for b in locus.breaks] == [gain for _, gain in breaks]
+    assert np.allclose([b.value for b in locus.breaks], [place for place, _ in breaks])
+    assert [(c.square, c.gain) for c in locus.crossings] == crossings
 
 
 def test_angles_orders_and_asymptotes():
@@ -99,20 +99,20 @@ def test_large_gains_are_enclosed_as_tightly_as_small_ones():
 def test_breaks_are_the_zeros_of_the_discriminant(G, sign):
     """Exactly as many distinct real gains as the discriminant in s of D + k N has."""
     try:
-        found = root_locus(G, feedback=sign)
+        locus = root_locus(G, feedback=sign)
     except CompensatorError:
         assume(False)
-    s = found.denominator.gen
-    whole = sympy.Poly(found.denominator.as_expr() + k * found.numerator.as_expr(), s)
+    s = locus.denominator.gen
+    whole = sympy.Poly(locus.denominator.as_expr() + k * locus.numerator.as_expr(), s)
     if whole.degree() < 2:
-        assert not found.breaks
+        assert not locus.breaks
         return
     disc = sympy.Poly(whole.discriminant(), k)
-    gains = {b.gain for b in found.breaks}
+    gains = {b.gain for b in locus.breaks}
     assert len(set(disc.real_roots())) == len(gains)
-    for b in found.breaks:
+    for b in locus.breaks:
         near = float(sympy.N(b.gain))
-        closed = np.polyadd(floats(found.denominator), [near * c for c in floats(found.numerator)])
+        closed = np.polyadd(floats(locus.denominator), [near * c for c in floats(locus.numerator)])
         assert (
             abs(np.polyval(closed, b.value))
             < 1e-6 * (1 + np.abs(closed).max()) * (1 + abs(b.value)) ** 4
@@ -125,11 +125,11 @@ def test_breaks_are_the_zeros_of_the_discriminant(G, sign):
 @given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
 def test_crossings_and_departures_of_the_loop_itself(G, sign):
     try:
-        found = root_locus(G, feedback=sign)
+        locus = root_locus(G, feedback=sign)
     except CompensatorError:
         assume(False)
-    N, D = floats(found.numerator), floats(found.denominator)
-    for crossing in found.crossings:
+    N, D = floats(locus.numerator), floats(locus.denominator)
+    for crossing in locus.crossings:
         if crossing.frequency is None:
             continue
         point = 1j * float(crossing.frequency)
@@ -144,12 +144,12 @@ def test_crossings_and_departures_of_the_loop_itself(G, sign):
         for end in (cell.lower, cell.upper)
         if end.is_finite
     }
-    gains = [float(c.gain_enclosure) for c in found.crossings]
+    gains = [float(c.gain_enclosure) for c in locus.crossings]
     for end in ends:
         assert min(abs(float(end) - g) for g in gains) < 1e-9 * (1 + abs(float(end)))
-    for angles in found.departures:
+    for angles in locus.departures:
         m = len(angles.angles)
-        step = 1e-3 * min([1.0, *(abs(r.value - angles.at.value) for r in found.at(0)
+        step = 1e-3 * min([1.0, *(abs(r.value - angles.at.value) for r in locus.at(0)
                                   if r.value != angles.at.value)])  # fmt: skip
         for angle in angles.angles:
             there = angles.at.value + step * np.exp(1j * float(angle))
@@ -158,12 +158,12 @@ def test_crossings_and_departures_of_the_loop_itself(G, sign):
 
 
 def test_hidden_modes_and_refusals():
-    found = root_locus("(s - 1)/((s - 1)*(s + 2))", feedback=-1)
-    assert found.hidden.as_expr() == sympy.Symbol("s") - 1 and not found.stable.intervals
-    assert [str(r) for r in found.at(1)] == ["-3"]
+    locus = root_locus("(s - 1)/((s - 1)*(s + 2))", feedback=-1)
+    assert locus.hidden.as_expr() == sympy.Symbol("s") - 1 and not locus.stable.intervals
+    assert [str(r) for r in locus.at(1)] == ["-3"]
     for loop in ("a/(s + 1)", "2", "s**2/(s + 1)", "(s - 1)/(s - 1)"):
         with pytest.raises(InputError):
             root_locus(loop, feedback=-1, variable="s")
     with pytest.raises(InputError, match="rational"):
-        found.at("sqrt(2)")
-    assert "asymptotes" in str(found) and found._repr_latex_().startswith("$")
+        locus.at("sqrt(2)")
+    assert "asymptotes" in str(locus) and locus._repr_latex_().startswith("$")

@@ -39,8 +39,8 @@ def ends(found):
 )  # fmt: skip
 def test_known_intervals(text, expected):
     """The first two are those of the textbooks; the last but one touches the boundary at 1."""
-    found = ends(ct.stability_intervals(text, "k", variable="z" if "z" in text else "s"))
-    assert found == expected
+    end_points = ends(ct.stability_intervals(text, "k", variable="z" if "z" in text else "s"))
+    assert end_points == expected
 
 
 @given(
@@ -51,22 +51,22 @@ def test_known_intervals(text, expected):
 )
 def test_membership_is_stability(first, second, values, variable):
     p, q = (poly.as_expr().subs(poly.gen, variable) for poly in (first, second))
-    found = ct.stability_intervals(p + k * q, k, variable=variable)
+    intervals = ct.stability_intervals(p + k * q, k, variable=variable)
     decide = partial(ct.decide_stability, time="continuous" if variable == s else "discrete")
     for value in values:
         there = ct.polynomial(p + value * q, variable)
         assume(not there.is_zero)
-        assert (value in found) == decide(there).is_stable  # of what is left, where it drops
-    for cell in found.cells:
-        assert cell.sample in cell and cell.count.total == found.polynomial.degree()
+        assert (value in intervals) == decide(there).is_stable  # of what is left, where it drops
+    for cell in intervals.cells:
+        assert cell.sample in cell and cell.count.total == intervals.polynomial.degree()
 
 
 @given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
 def test_a_root_reaches_the_boundary_at_the_ends(G, sign):
     """Eigenvalues in float64 as the oracle: at a finite end the largest real part is 0."""
-    found = ct.stabilising_gains(G, feedback=sign)
+    gains = ct.stabilising_gains(G, feedback=sign)
     N, D = ([float(x) for x in poly.all_coeffs()] for poly in (G.numerator, G.denominator))
-    for cell in found.intervals:
+    for cell in gains.intervals:
         for end in (cell.lower, cell.upper):
             if end.is_finite:
                 closed = np.polysub(D, sign * float(end) * np.array(N))
@@ -74,8 +74,8 @@ def test_a_root_reaches_the_boundary_at_the_ends(G, sign):
 
 
 def test_conditional_stability_and_margins():
-    found = ct.stabilising_gains("(s + 2)**2/(s**3)", "1", feedback=-1)
-    assert ends(found) == [(1, sympy.oo)]
+    gains = ct.stabilising_gains("(s + 2)**2/(s**3)", "1", feedback=-1)
+    assert ends(gains) == [(1, sympy.oo)]
     assert ct.stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1).around(1).upper == 6
     assert ends(ct.stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=1)) == [(-6, 0)]
     assert not ct.stabilising_gains("(s - 1)/((s - 1)*(s + 2))", feedback=-1).intervals
@@ -94,12 +94,12 @@ def test_where_the_degree_drops_what_is_left_decides(leading, lower, variable):
     p = sum(sympy.Poly(c, k).as_expr() * variable ** (degree - i) for i, c in enumerate(columns))
     value = sympy.Rational(-leading[1], leading[0])
     there = ct.polynomial(sympy.expand(p.subs(k, value)), variable)
-    found = ct.stability_intervals(ct.polynomial(p, variable), "k")
+    intervals = ct.stability_intervals(ct.polynomial(p, variable), "k")
     time = "continuous" if variable == s else "discrete"
     expected = not there.is_zero and bool(ct.decide_stability(there, time=time).is_stable)
-    assert (value in found) == expected
+    assert (value in intervals) == expected
     if expected:
-        assert value in found.around(value)
+        assert value in intervals.around(value)
 
 
 def test_degree_drops_of_the_textbooks():

@@ -22,15 +22,16 @@ FOUND = {text: stability_region(text, "a", "b") for text in REGIONS}
 
 @given(st.sampled_from(REGIONS), st.data())
 def test_drawn_pairs_lie_inside_or_outside(text, data):
-    found = FOUND[text]
+    result = FOUND[text]
     p, q = (Rational(data.draw(st.integers(-40, 60)), data.draw(st.integers(1, 8))) for _ in "pq")
     there = [
-        complex(c.subs({"a": p, "b": q})) for c in map(sympy.sympify, found.polynomial.all_coeffs())
+        complex(c.subs({"a": p, "b": q}))
+        for c in map(sympy.sympify, result.polynomial.all_coeffs())
     ]
     roots = np.roots(there)
-    size = max(abs(roots) - 1) if found.polynomial.gen.name == "z" else max(roots.real)
+    size = max(abs(roots) - 1) if result.polynomial.gen.name == "z" else max(roots.real)
     assume(abs(size) > 1e-7)
-    assert ((p, q) in found) == (size < 0)
+    assert ((p, q) in result) == (size < 0)
 
 
 @given(st.sampled_from(REGIONS), st.data())
@@ -52,11 +53,11 @@ def test_a_slab_looks_the_same_everywhere(text, data):
 
 
 def test_regions_of_the_notes():
-    found = stability_region("(s + 1)**3*s + k_p*s + k_i", "k_p", "k_i")
+    region = stability_region("(s + 1)**3*s + k_p*s + k_i", "k_p", "k_i")
     for p in (Rational(0), Rational(3), Rational(15, 2)):
-        (cell,) = found.section(p).intervals
+        (cell,) = region.section(p).intervals
         assert (cell.lower, cell.upper) == (0, (8 - p) * (1 + p) / 9)
-    assert not found.is_empty and stability_region("s**2 - s + a + b", "a", "b").is_empty
+    assert not region.is_empty and stability_region("s**2 - s + a + b", "a", "b").is_empty
 
 
 # Stable PID gains, a plant with a gain and a time constant, a loop in z; several orders of cutting.
@@ -109,9 +110,9 @@ def test_the_printed_cells_are_where_the_roots_are_stable(row, data):
     roots = np.roots([float(c) for c in there])
     size = max(abs(roots) - 1) if region.polynomial.gen.name == "z" else max(roots.real)
     assume(abs(size) > 1e-6 and there[0] != 0)
-    found = in_its_formulas(region, place)
-    assume(found is not None)
-    assert found == (size < 0)
+    result = in_its_formulas(region, place)
+    assume(result is not None)
+    assert result == (size < 0)
     assert (tuple(place[k.name] for k in region.parameters) in region) == (size < 0)
 
 
@@ -141,9 +142,9 @@ def test_a_plant_of_order_five_under_pid():
 
 def test_gains_of_a_plant_with_symbols():
     """Routh: s (s + 1) (s + a) + k is stable where a > 0 and 0 < k < a (a + 1)."""
-    found = stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1)
-    assert str(found) == "a in (0, oo): k in (0, a**2 + a)"
-    assert (2, 5) in found and (2, 6) not in found and (-1, 1) not in found
+    gains = stabilising_gains("1/(s*(s + 1)*(s + a))", feedback=-1)
+    assert str(gains) == "a in (0, oo): k in (0, a**2 + a)"
+    assert (2, 5) in gains and (2, 6) not in gains and (-1, 1) not in gains
     lag = stabilising_gains("b/(T*s + 1)", feedback=-1)
     assert str(lag.section(2)) == "b in (-oo, 0): k in (-oo, -1/b)\nb in (0, oo): k in (-1/b, oo)"
     assert (2, 3, 1) in lag and (-2, 3, 1) not in lag

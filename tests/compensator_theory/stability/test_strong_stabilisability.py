@@ -76,13 +76,13 @@ def with_a_pole_between_zeros(draw):
 @given(with_a_pole_between_zeros(), st.data())
 def test_every_stabiliser_has_the_poles_that_are_told(G, data):
     """Compensators that place a stable spectrum, whatever it is, have a pole in each interval."""
-    found = ct.decide_strong_stabilisability(G)
-    assert found.pole_intervals
+    decision = ct.decide_strong_stabilisability(G)
+    assert decision.pole_intervals
     n_c = data.draw(st.integers(G.order - 1, G.order))
     roots = data.draw(hurwitz_spectra(G.order + n_c))
     compensator = ct.place_poles(G, roots, feedback=-1).compensator
     poles = [r.value.real for r in ct.certified_roots(compensator.denominator) if r.is_real]
-    for low, high in found.pole_intervals:
+    for low, high in decision.pole_intervals:
         end = np.inf if high.place is None else float(high.place)
         assert any(float(low.place) < pole < end for pole in poles)
     assert not ct.decide_stability(compensator.denominator, time="continuous").is_stable
@@ -151,9 +151,9 @@ def test_copies_of_a_plant_in_disguise(data, copies, discrete):
     G = ct.transfer_function(zeros=roots, poles=poles, variable=z)
     left, right = (data.draw(invertible(copies)) for _ in range(2))
     rows = left * (G.as_expr() * eye(copies)) * right
-    found = ct.decide_strong_stabilisability(rows)
+    decision = ct.decide_strong_stabilisability(rows)
     alone = ct.decide_strong_stabilisability(G)
-    assert found.is_strongly_stabilisable == (copies % 2 == 0 or alone.is_strongly_stabilisable)
+    assert decision.is_strongly_stabilisable == (copies % 2 == 0 or alone.is_strongly_stabilisable)
 
 
 @settings(max_examples=10)

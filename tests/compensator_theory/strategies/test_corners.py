@@ -14,7 +14,7 @@ from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 
 def share(strategy, *conditions, count=300):
     """Return how often each condition holds over draws that are the same in every run."""
-    found = [0] * len(conditions)
+    result = [0] * len(conditions)
     drawn = []
 
     @settings(max_examples=count, database=None, derandomize=True)
@@ -22,10 +22,10 @@ def share(strategy, *conditions, count=300):
     def run(value):
         drawn.append(value)
         for k, condition in enumerate(conditions):
-            found[k] += bool(condition(value))
+            result[k] += bool(condition(value))
 
     run()
-    return [number / len(drawn) for number in found]
+    return [number / len(drawn) for number in result]
 
 
 @pytest.mark.costly
@@ -75,8 +75,8 @@ def share(strategy, *conditions, count=300):
     ids=["noncoprime", "nearly cancelling", "irrational", "exactly proper", "derogatory"],
 )
 def test_each_kind_is_drawn_as_often_as_stated(strategy, conditions, least):
-    for found, bound in zip(share(strategy, *conditions), least, strict=True):
-        assert found >= bound
+    for result, bound in zip(share(strategy, *conditions), least, strict=True):
+        assert result >= bound
 
 
 @settings(max_examples=20)

@@ -59,10 +59,10 @@ def test_almost_no_draw_is_filtered(name):
     def run(_):
         pass
 
-    seen = []
-    with collector.with_value(seen.append):
+    observed = []
+    with collector.with_value(observed.append):
         run()
-    statuses = Counter(case["status"] for case in seen[0]["generate-phase"]["test-cases"])
+    statuses = Counter(case["status"] for case in observed[0]["generate-phase"]["test-cases"])
     assert statuses["valid"] > 0
     assert statuses["invalid"] <= 0.03 * statuses["valid"]
 
@@ -73,10 +73,10 @@ def test_the_measure_of_filtering_sees_a_filter():
     def run(_):
         pass
 
-    seen = []
-    with collector.with_value(seen.append):
+    observed = []
+    with collector.with_value(observed.append):
         run()
-    statuses = Counter(case["status"] for case in seen[0]["generate-phase"]["test-cases"])
+    statuses = Counter(case["status"] for case in observed[0]["generate-phase"]["test-cases"])
     assert statuses["invalid"] > 0.03 * statuses["valid"]
 
 
@@ -157,16 +157,16 @@ def test_bad_input():
 
 def share(strategy, condition, examples=150):
     """The share of draws, always the same ones, of which a condition holds."""
-    seen = []
+    observed = []
 
     @settings(max_examples=examples, database=None, derandomize=True, deadline=None,
               phases=[Phase.generate], suppress_health_check=list(HealthCheck))  # fmt: skip
     @given(strategy)
     def run(drawn):
-        seen.append(bool(condition(drawn)))
+        observed.append(bool(condition(drawn)))
 
     run()
-    return sum(seen) / len(seen)
+    return sum(observed) / len(observed)
 
 
 def observability(A, C):

@@ -53,8 +53,8 @@ def test_nothing_cancels(G, H):
 
 @given(quotients, quotients)
 def test_the_operators_are_those_of_a_text(G, H):
-    for sign, found in (("+", G + H), ("-", G - H), ("*", G * H)):
-        assert ct.transfer_function(f"({G}) {sign} ({H})", "s") == found
+    for sign, result in (("+", G + H), ("-", G - H), ("*", G * H)):
+        assert ct.transfer_function(f"({G}) {sign} ({H})", "s") == result
     if not H.numerator.is_zero:
         assert ct.transfer_function(f"({G})/({H})", "s") == G / H
     assert ct.transfer_function(f"({G})**3", "s") == G**3

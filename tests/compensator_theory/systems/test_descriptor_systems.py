@@ -74,12 +74,12 @@ def test_its_realisation_is_the_same_system_or_refused(case):
         with pytest.raises(ImproperError, match="power"):
             system.realisation()
         return
-    found = system.realisation()
-    assert found.transfer_matrix().as_matrix().equals(G.as_matrix())
-    assert found.characteristic_polynomial.degree() == system.characteristic_polynomial.degree()
+    result = system.realisation()
+    assert result.transfer_matrix().as_matrix().equals(G.as_matrix())
+    assert result.characteristic_polynomial.degree() == system.characteristic_polynomial.degree()
     assert system.dual().transfer_matrix().as_matrix().equals(G.T.as_matrix())
     assert (system.is_controllable, system.is_observable) == (
-        found.is_controllable, found.is_observable
+        result.is_controllable, result.is_observable
     )  # fmt: skip
 
 

@@ -50,13 +50,13 @@ MADE = {
 
 @pytest.mark.parametrize("name", MADE)
 def test_the_sample_time_is_kept_and_goes_out(name):
-    made = MADE[name]
-    assert getattr(made, "sample_time", PERIOD) == PERIOD
-    assert getattr(made, "time", "discrete") == "discrete"
-    assert made.to_control().dt == T
-    assert made.to_control(0.1 * 0.1).dt == 0.1 * 0.1  # 0.010000000000000002
+    built = MADE[name]
+    assert getattr(built, "sample_time", PERIOD) == PERIOD
+    assert getattr(built, "time", "discrete") == "discrete"
+    assert built.to_control().dt == T
+    assert built.to_control(0.1 * 0.1).dt == 0.1 * 0.1  # 0.010000000000000002
     with pytest.raises(InputError, match=r"sampled every 0\.01 s, not every 0\.5 s; leave dt out"):
-        made.to_control(0.5)
+        built.to_control(0.5)
 
 
 def test_sampling_says_the_period_of_what_it_makes():
@@ -88,11 +88,11 @@ def test_two_sample_times_are_not_joined(join):
 def test_what_goes_out_has_the_response_of_what_came_in(made):
     out = made.to_control()
     for z in np.exp(1j * np.array([0.2, 1.0, 2.5])):
-        found = np.atleast_2d(out(z))
-        source = mimo()(z) if made is not MADE["problem"] and found.shape == (2, 2) else None
+        result = np.atleast_2d(out(z))
+        source = mimo()(z) if made is not MADE["problem"] and result.shape == (2, 2) else None
         if isinstance(made, c.StandardProblem):
             source = np.full((2, 2), siso()(z))
-        np.testing.assert_allclose(found, source, rtol=1e-12)
+        np.testing.assert_allclose(result, source, rtol=1e-12)
 
 
 def test_a_static_gain_goes_out():
@@ -166,8 +166,8 @@ def systems_in(result, depth=4):
                 continue
             part = getattr(result, name)
             if inspect.ismethod(part):
-                asked = inspect.signature(part).parameters.values()
-                if any(one.default is one.empty for one in asked):
+                parameters = inspect.signature(part).parameters.values()
+                if any(one.default is one.empty for one in parameters):
                     continue
                 part = part()
             yield from systems_in(part, depth - 1)
@@ -191,12 +191,12 @@ def test_every_public_function_that_takes_a_system_is_below():
 def test_whatever_is_made_of_a_sampled_system_is_sampled(name):
     results = []
     if name in ALONE:
-        given = ALONE[name]
-        results.append(called(name, *(given if isinstance(given, tuple) else (given,))))
+        argument = ALONE[name]
+        results.append(called(name, *(argument if isinstance(argument, tuple) else (argument,))))
     if name in TOGETHER:
         results.append(called(name, G, TOGETHER[name]))
-    for found in systems_in(results):
-        assert (found.sample_time, found.time) == (PERIOD, "discrete")
+    for result in systems_in(results):
+        assert (result.sample_time, result.time) == (PERIOD, "discrete")
 
 
 @pytest.mark.parametrize("name", sorted(TOGETHER))
@@ -231,9 +231,9 @@ def test_a_foreign_system_knows_its_time(read):
 def test_a_sample_time_is_a_positive_number_of_discrete_time(read):
     assert read(siso(), sample_time="0.01") == read(siso())
     assert read("1/z", sample_time=T) != read("1/z")
-    for wrong, given in (("1/s", T), ("1/z", 0), ("1/z", "h"), ("1/x", T), (siso(), 0.02)):
+    for wrong, argument in (("1/s", T), ("1/z", 0), ("1/z", "h"), ("1/x", T), (siso(), 0.02)):
         with pytest.raises(InputError):
-            read(wrong, sample_time=given)
+            read(wrong, sample_time=argument)
 
 
 def test_time_is_named_where_the_variable_does_not_show_it_and_has_to_agree_elsewhere():
@@ -268,9 +268,9 @@ KINDS = {
 }
 BARE = {"(A, B, C)", "(A, B, C, D)"}
 FIRST = {
-    name: given[1:] if isinstance(given, tuple) else ()
-    for name, given in ALONE.items()
-    if (given[0] if isinstance(given, tuple) else given) is G
+    name: argument[1:] if isinstance(argument, tuple) else ()
+    for name, argument in ALONE.items()
+    if (argument[0] if isinstance(argument, tuple) else argument) is G
 } | {name: ("1/(z + 1/4)",) for name in TOGETHER if name != "compensator_from_sensitivity"}
 FIRST |= {
     "compensator_from_sensitivity": ("(z - 1/2)/(z + 1/4)",),
@@ -301,8 +301,8 @@ def test_bare_matrices_are_asked_for_their_time(name, kind):
 def parameters(name):
     """Those that the functions of the exact half share."""
     for one in PUBLIC.values():
-        if inspect.isfunction(one) and name in (own := inspect.signature(one).parameters):
-            yield one.__name__, list(own).index(name), own[name]
+        if inspect.isfunction(one) and name in (ours := inspect.signature(one).parameters):
+            yield one.__name__, list(ours).index(name), ours[name]
 
 
 def test_options_have_one_place():

@@ -58,8 +58,8 @@ def test_the_advice_about_variables_works(function, options):
 
 
 def test_variables_of_loops():
-    found = exact.place_poles("1/(s + a)", [-1, -2], feedback=-1, variable="s")
-    assert found.plant.variable.name == "s"
+    placement = exact.place_poles("1/(s + a)", [-1, -2], feedback=-1, variable="s")
+    assert placement.plant.variable.name == "s"
     least = exact.place_poles("a/(s + 1)", [-2], "least", feedback=-1, variable="s")
     assert least.compensator.order == 0
     with pytest.raises(InputError, match="not in z"):

@@ -68,9 +68,9 @@ def test_any_kept_run_is_checked_as_it_is(number, tmp_path):
 
 def test_a_shell_completes_commands_cases_and_keys():
     def completed(words):
-        asked = rcac(_RCAC_COMPLETE="bash_complete", COMP_WORDS=words,
+        requested = rcac(_RCAC_COMPLETE="bash_complete", COMP_WORDS=words,
                      COMP_CWORD=str(words.count(" ")))  # fmt: skip
-        return [line.partition(",")[2] for line in asked.output.split()]
+        return [line.partition(",")[2] for line in requested.output.split()]
 
     assert completed("rcac ve") == ["verify"]
     assert completed("rcac verify 4.7 --se") == ["--set", "--seeds"]
@@ -127,14 +127,14 @@ steps = 300
 
 
 def test_poles_that_bounds_keep_from_their_places_are_no_failure(tmp_path):
-    held = "bounds = { low = -0.01, high = 0.01 }"
-    for name, more in (("free", ""), ("held", held)):
+    stored = "bounds = { low = -0.01, high = 0.01 }"
+    for name, more in (("free", ""), ("held", stored)):
         text = BOUNDED.replace("R_theta = 1e-4", f"R_theta = 1e-4\n{more}")
         (tmp_path / f"{name}.toml").write_text(text)
-    free, held = (
+    free, stored = (
         " ".join(CliRunner().invoke(main, ["verify", str(tmp_path / name)]).output.split())
         for name in ("free.toml", "held.toml")
     )
     words = "they decide where the poles are"
     assert "NOT reached" in free and words not in free
-    assert "NOT reached" not in held and words in held
+    assert "NOT reached" not in stored and words in stored

@@ -152,10 +152,10 @@ def test_dialects_of_csv(tmp_path, change):
     text = "u,y,theta1,theta2\n" + "1.0,2.0,-0.5,0.25\n" * 9
     plain.write_text(text, encoding="utf-8", newline="")
     other.write_text(change(text), encoding="utf-8", newline="")
-    wanted, found = rn.read_log(plain), rn.read_log(other)
+    expected, result = rn.read_log(plain), rn.read_log(other)
     for name in ("u", "y", "theta"):
-        assert (getattr(wanted, name) == getattr(found, name)).all()
-    assert found.theta.shape == (9, 2)
+        assert (getattr(expected, name) == getattr(result, name)).all()
+    assert result.theta.shape == (9, 2)
 
 
 @pytest.mark.exact_data
@@ -369,12 +369,14 @@ def test_a_stranger_is_told_what_to_type(wanted, log, options, words):
 def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
     right = run(wanted / "log.csv", *GIVEN, "--plant", "1/(q - 2)")
     assert "The plant fits the log" in right.output and "The log is NOT" not in right.output
-    for told, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
-        result = run(wanted / "log.csv", *GIVEN, "--plant", told, "--problem", "standard")
+    for message, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
+        result = run(wanted / "log.csv", *GIVEN, "--plant", message, "--problem", "standard")
         first = " ".join(result.output.partition("The closed loop")[0].split())
         assert "NOT" in first and words in first
-        asked = run(wanted / "log.csv", *GIVEN, "--plant", told, "--problem", "standard", "--json")
-        assert strict(asked.output)["plant_residual"]["is_doubtful"]
+        outcome = run(
+            wanted / "log.csv", *GIVEN, "--plant", message, "--problem", "standard", "--json"
+        )
+        assert strict(outcome.output)["plant_residual"]["is_doubtful"]
     # The plant of the other sign is that of a servo loop with no command.
     other = run(wanted / "log.csv", *GIVEN, "--plant", "-1/(q - 2)")
     assert "The log decides for servo" in " ".join(other.output.split())
@@ -387,8 +389,8 @@ def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     log = tmp_path / "pi.csv"
     write_csv(log, {"u": ran.u, "y": ran.y})
     options = (str(log), "--plant", plant, "--problem", "standard", "--json")
-    found = run(*options, "--controller", pi)
-    assert found.exit_code == 0 and strict(found.output)["replay"]["agrees"]
+    outcome = run(*options, "--controller", pi)
+    assert outcome.exit_code == 0 and strict(outcome.output)["replay"]["agrees"]
     assert run(*options, "--controller", "-(0.5*q - 0.3)/(q - 1)").exit_code == 1
     assert "--controller" in run(*options).output
     assert "in continuous time" in run(*options, "--controller", "1/(s + 1)").output

@@ -76,11 +76,11 @@ def test_what_cannot_be_read_is_said_before_anything_is_asked(
 
 @pytest.mark.parametrize("said", ["none", "0"])
 def test_no_disturbance_can_be_said(said):
-    given = ("--noise", "0.01", "--u-limits", "none", "--seeds", "1", "--command", "1")
-    result = run(*LAG, "--disturbance", said, *given)
+    argument = ("--noise", "0.01", "--u-limits", "none", "--seeds", "1", "--command", "1")
+    result = run(*LAG, "--disturbance", said, *argument)
     assert result.exit_code == 0, result.output
     assert "Assumed: disturbance" not in result.output
-    nothing = run(*LAG, "--disturbance", said, *given[:-2])
+    nothing = run(*LAG, "--disturbance", said, *argument[:-2])
     assert nothing.exit_code == 2 and "nothing to control" in nothing.stderr
 
 

@@ -41,7 +41,7 @@ R_theta = 1e-3
 steps = 60
 """
     )
-    said = CliRunner().invoke(main, ["verify", str(file)])
-    assert "Warning (unmodelled zero)" in said.output.replace("\n", " ")
+    message = CliRunner().invoke(main, ["verify", str(file)])
+    assert "Warning (unmodelled zero)" in message.output.replace("\n", " ")
     record = json.loads(CliRunner().invoke(main, ["verify", str(file), "--json"]).output)
     assert "unmodelled zero" in {warning["code"] for warning in record["warnings"]}

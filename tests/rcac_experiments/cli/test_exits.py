@@ -161,8 +161,8 @@ def test_the_table_of_commands_is_that_of_the_commands():
         command = getattr(importlib.import_module(module), function)
         assert command.name == name
         text = command.help.split("\n")[0].rstrip(".").lower()
-        said = help_text.rstrip(".").lower()
-        assert set(said.split()) & set(text.split()) - {"a", "the", "is", "that"}, name
+        message = help_text.rstrip(".").lower()
+        assert set(message.split()) & set(text.split()) - {"a", "the", "is", "that"}, name
     shown = CliRunner().invoke(main.main, ["--help"]).stdout
     assert all(f"\n  {name} " in shown for name in main.COMMANDS)
 

@@ -16,6 +16,6 @@ def test_it_goes_by_the_backward_error(tmp_path, given, status):
     """Six poles at 0 and 1/2: RCAC matches its target to 1e-5, and a pole is off by 0.2."""
     file = tmp_path / "run.npz"
     delayed_run(**given).save(file)
-    found = CliRunner().invoke(main, ["check", str(file)])
-    assert found.exit_code == status, found.output
-    assert ("NOT reached" in found.output) == (status == MISSED)
+    result = CliRunner().invoke(main, ["check", str(file)])
+    assert result.exit_code == status, result.output
+    assert ("NOT reached" in result.output) == (status == MISSED)

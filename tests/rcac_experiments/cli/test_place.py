@@ -79,22 +79,26 @@ def test_missing_or_wrong_options_are_status_2(rcac):
 
 def test_well_conditioned():
     for n in (2, 3):
-        found = placement_conditioning(*hard_case(n), feedback=-1)
-        assert found.digits > 10 and found.float64_is_stable
-        rebuilt = found.matrix @ np.array(
-            [float(c) for c in found.exact.denominator.all_coeffs()]
-            + [float(c) for c in found.exact.numerator.all_coeffs()]
+        conditioning = placement_conditioning(*hard_case(n), feedback=-1)
+        assert conditioning.digits > 10 and conditioning.float64_is_stable
+        rebuilt = conditioning.matrix @ np.array(
+            [float(c) for c in conditioning.exact.denominator.all_coeffs()]
+            + [float(c) for c in conditioning.exact.numerator.all_coeffs()]
         )
-        assert rebuilt == pytest.approx([float(c) for c in found.exact.target.all_coeffs()])
+        assert rebuilt == pytest.approx([float(c) for c in conditioning.exact.target.all_coeffs()])
 
 
 def test_at_order_20_the_float64_solve_is_unstable_and_the_exact_answer_is_right():
     plant, poles = hard_case(20)
     with pytest.warns(RoundingWarning, match="UNSTABLE"):
-        found = placement_conditioning(plant, poles, feedback=-1)
-    assert found.target_is_stable and not found.float64_is_stable
-    assert found.abscissa > 0 and found.condition_number > 1e15 and found.digits < 1
-    exact = found.exact
+        conditioning = placement_conditioning(plant, poles, feedback=-1)
+    assert conditioning.target_is_stable and not conditioning.float64_is_stable
+    assert (
+        conditioning.abscissa > 0
+        and conditioning.condition_number > 1e15
+        and conditioning.digits < 1
+    )
+    exact = conditioning.exact
     assert exact.residual.is_zero
     assert exact.closed_loop_polynomial(exact.compensator) == polynomial_from_roots(poles, "s")
     system = exact.to_control()  # rounding the exact answer is harmless, so it does not warn
@@ -161,11 +165,11 @@ def test_no_feedback_is_said_in_words(rcac):
 
 
 def test_a_constant_is_given_its_variable(rcac):
-    asked = ("place", "--plant", "3", "--poles", "-1")
-    refused = rcac(*asked)
+    requested = ("place", "--plant", "3", "--poles", "-1")
+    refused = rcac(*requested)
     assert refused.exit_code == 2 and "--variable s" in refused.stderr
     assert "=" not in refused.stderr
-    assert rcac(*asked, "--variable", "s").exit_code == 0
+    assert rcac(*requested, "--variable", "s").exit_code == 0
 
 
 @pytest.mark.parametrize(

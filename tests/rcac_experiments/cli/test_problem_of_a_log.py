@@ -40,9 +40,9 @@ def checked(path, *options):
 def test_the_log_that_was_certified_with_the_wrong_sign(tmp_path):
     """The servo run without r was called UNSTABLE as the standard problem, with status 0."""
     path = csv_of(servo_run(), tmp_path / "log.csv")
-    found = checked(path)
-    assert found.exit_code == DONE, found.output
-    assert "decides for servo" in found.output and "is stable" in found.output
+    result = checked(path)
+    assert result.exit_code == DONE, result.output
+    assert "decides for servo" in result.output and "is stable" in result.output
     wrong = checked(path, "--problem", "standard")
     assert wrong.exit_code == NO or "UNSTABLE" in wrong.output
     quiet = servo_run(steps=600, noise=0.0)
@@ -52,14 +52,14 @@ def test_the_log_that_was_certified_with_the_wrong_sign(tmp_path):
 
 def test_unstable_and_missed_have_a_status(tmp_path):
     plant = PLANTS["servo"]
-    asked = ["0.1", "0.2", "0.3", "0.4"]
-    target = rn.pole_placement_target(plant, asked[:3])
+    requested = ["0.1", "0.2", "0.3", "0.4"]
+    target = rn.pole_placement_target(plant, requested[:3])
     run = servo_run(noise=0.0, target=target, k_w=4)
     path = csv_of(run, tmp_path / "missed.csv")
     words = f"{' + '.join(f'({c:.17g})*q**{-i}' for i, c in enumerate(target.numerator[:, 0, 0]))}"
     lower = " + ".join(f"({c:.17g})*q**{-i}" for i, c in enumerate(target.denominator[:, 0, 0]))
-    found = checked(path, "--problem", "servo", "--target", f"({words})/({lower})")
-    assert found.exit_code == MISSED, found.output
+    result = checked(path, "--problem", "servo", "--target", f"({words})/({lower})")
+    assert result.exit_code == MISSED, result.output
     theta = np.tile(run.theta[-1], (len(run.theta), 1))
     theta[-1, 2:] *= -40  # the last coefficients make the loop unstable
     unstable = tmp_path / "unstable.npz"

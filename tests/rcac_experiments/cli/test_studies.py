@@ -31,9 +31,9 @@ def store(tmp_path_factory):
 def test_the_same_command_again_has_nothing_to_do(store):
     before = read_table(store)
     result = rcac("sweep", store.parent / "study.toml", "-o", store, "--workers", 0, "--json")
-    found = json.loads(result.stdout)
-    assert result.exit_code == 0 and found["study"]["stored"] == found["study"]["runs"] == 24
-    assert found["outcomes"] == {"completed": 24} and read_table(store) == before
+    loaded = json.loads(result.stdout)
+    assert result.exit_code == 0 and loaded["study"]["stored"] == loaded["study"]["runs"] == 24
+    assert loaded["outcomes"] == {"completed": 24} and read_table(store) == before
 
 
 def test_show_groups_draws_and_exports(store, tmp_path):
@@ -45,8 +45,8 @@ def test_show_groups_draws_and_exports(store, tmp_path):
         result.stdout.split()
     ) and picture.read_text().startswith("<?xml")
     assert len(table.read_text().splitlines()) == 25
-    found = json.loads(rcac("show", store, "--by", "n_c", "--json").stdout)
-    assert found["groups"]["n_c"] == [3, 6] and found["groups"]["runs"] == [12, 12]
+    loaded = json.loads(rcac("show", store, "--by", "n_c", "--json").stdout)
+    assert loaded["groups"]["n_c"] == [3, 6] and loaded["groups"]["runs"] == [12, 12]
 
 
 @pytest.mark.parametrize(
@@ -74,9 +74,9 @@ def test_a_run_is_replayed(store, tmp_path):
     result = rcac("replay", store, 7, "--plot", tmp_path / "run.png")
     assert result.exit_code == 0 and "Bit for bit the run that is stored." in result.stdout
     assert (tmp_path / "run.png").stat().st_size > 1000
-    found = json.loads(rcac("replay", store, 7, "--json").stdout)
+    loaded = json.loads(rcac("replay", store, 7, "--json").stdout)
     row = read_table(store)
-    assert found["is_identical"] and found["found"]["rms"] == row["rms"][7]
+    assert loaded["is_identical"] and loaded["found"]["rms"] == row["rms"][7]
     missing = rcac("replay", store, 24)
     assert missing.exit_code == 2 and "its runs are 0 to 23" in missing.stderr
 

@@ -113,8 +113,8 @@ def test_a_kill_leaves_one_of_the_two_pictures(tmp_path, in_full):
         time.sleep(delay)
         process.kill()
         process.wait()
-        found = picture.read_bytes()
-        assert found == OLD or (found.startswith(b"\x89PNG") and found.endswith(b"IEND\xaeB`\x82"))
+        bytes = picture.read_bytes()
+        assert bytes == OLD or (bytes.startswith(b"\x89PNG") and bytes.endswith(b"IEND\xaeB`\x82"))
         for left in _others(tmp_path, picture):
             left.unlink()
 

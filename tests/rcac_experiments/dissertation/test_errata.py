@@ -42,8 +42,8 @@ def test_the_ledger_has_the_entry_and_its_counterexample_holds(erratum):
     entry = next(entry for entry in ledger() if entry.name == erratum.evidence.ledger)
     cases = {case.check: case for case in entry.counterexamples}
     if erratum.evidence.counterexample:
-        found = run_counterexample(cases[erratum.evidence.counterexample])
-        assert found.status == "holds", found.detail
+        result = run_counterexample(cases[erratum.evidence.counterexample])
+        assert result.status == "holds", result.detail
     else:
         assert entry.difference or erratum.where in entry.text
 
@@ -73,9 +73,9 @@ def test_the_claim_exists_and_its_verdict_goes_with_the_kind(erratum):
     """A misprint shows as one, and what depends on something does."""
     assert erratum.evidence.example in example_ids()
     example = load_example(erratum.evidence.example)
-    said = {c.text for c in example.claims if c.text.startswith(erratum.evidence.claim)}
-    assert len(said) == 1, "the words are those of one claim"
-    claims = [claim for claim in example.claims if claim.text in said]
+    message = {c.text for c in example.claims if c.text.startswith(erratum.evidence.claim)}
+    assert len(message) == 1, "the words are those of one claim"
+    claims = [claim for claim in example.claims if claim.text in message]
     verdicts = {claim.recorded for claim in claims if claim.quote or len(claims) == 1}
     assert verdicts <= set(SHOWN_BY.get(erratum.kind, verdicts))
 

@@ -35,17 +35,17 @@ UNTURNED = {
 def turned(number):
     """The quoted claims that hold, and those of them that some mutation turns."""
     table = read_example(number)[0]
-    own = outcomes(table, number)
+    ours = outcomes(table, number)
     claims = [claim for claim in load_example(number).claims if claim.whose != OURS]
-    held = {i for i, outcome in enumerate(own) if outcome == HOLDS}
-    found = set()
+    stored = {i for i, outcome in enumerate(ours) if outcome == HOLDS}
+    names = set()
     for _, changed in mutations(table):
         try:
             after = outcomes(changed, number)
         except CompensatorError:
             continue  # a plant that is none shows nothing
-        found |= {i for i in held if after[i] != HOLDS}
-    return {i: claims[i].text for i in held}, found
+        names |= {i for i in stored if after[i] != HOLDS}
+    return {i: claims[i].text for i in stored}, names
 
 
 @pytest.mark.parametrize(
@@ -55,8 +55,8 @@ def turned(number):
 def test_a_change_of_the_file_turns_every_claim_that_holds(number, request):
     if number not in QUICK and not request.config.getoption("--long"):
         pytest.skip("runs every example several times; --long runs them all")
-    held, found = turned(number)
-    left = {text for i, text in held.items() if i not in found}
+    stored, result = turned(number)
+    left = {text for i, text in stored.items() if i not in result}
     known = {words for (example, words) in UNTURNED if example == number}
     assert all(any(text.startswith(words) for words in known) for text in left), left
 

@@ -61,12 +61,14 @@ def undisturbed(experiments, tmp_path_factory):
 def test_what_is_done_is_not_done_again(experiments, undisturbed, tmp_path):
     first, second = Counting(), Counting()
     reproduce(experiments, tmp_path, executor=first)
-    told = []
-    found = reproduce(experiments, tmp_path, executor=second, progress=lambda *p: told.append(p))
+    message = []
+    reproduction = reproduce(
+        experiments, tmp_path, executor=second, progress=lambda *p: message.append(p)
+    )
     assert (first.ran, second.ran) == (list(NUMBERS), [])
-    assert told == [(n, i, len(NUMBERS)) for i, n in enumerate(NUMBERS, 1)]
-    assert found.page.read_bytes() == undisturbed
-    assert pickle.loads(pickle.dumps(found)) == found
+    assert message == [(n, i, len(NUMBERS)) for i, n in enumerate(NUMBERS, 1)]
+    assert reproduction.page.read_bytes() == undisturbed
+    assert pickle.loads(pickle.dumps(reproduction)) == reproduction
 
 
 @pytest.mark.parametrize("at_most", range(len(NUMBERS)))
@@ -74,11 +76,11 @@ def test_an_interrupt_costs_only_what_was_running(experiments, undisturbed, tmp_
     first, second = Counting(at_most), Counting()
     with pytest.raises(KeyboardInterrupt):
         reproduce(experiments, tmp_path, executor=first)
-    kept = len(list((tmp_path / "cases").glob("*"))) if at_most else 0
+    count = len(list((tmp_path / "cases").glob("*"))) if at_most else 0
     assert not (tmp_path / "index.html").exists(), "a page is whole or not there"
-    found = reproduce(experiments, tmp_path, executor=second)
-    assert len(second.ran) == len(NUMBERS) - kept
-    assert found.page.read_bytes() == undisturbed
+    reproduction = reproduce(experiments, tmp_path, executor=second)
+    assert len(second.ran) == len(NUMBERS) - count
+    assert reproduction.page.read_bytes() == undisturbed
 
 
 @pytest.mark.parametrize("damage", [b"", b"[]", b'{"digest": 1}', b"\xff\x00"])
@@ -88,18 +90,18 @@ def test_a_damaged_file_is_made_anew(experiments, undisturbed, tmp_path, damage)
     whole = file.read_bytes()
     file.write_bytes(damage)
     again = Counting()
-    found = reproduce(experiments, tmp_path, executor=again)
+    reproduction = reproduce(experiments, tmp_path, executor=again)
     assert again.ran == ["7.6"]
-    assert file.read_bytes() == whole and found.page.read_bytes() == undisturbed
+    assert file.read_bytes() == whole and reproduction.page.read_bytes() == undisturbed
 
 
 def test_a_kept_case_of_other_fields_is_made_anew(experiments, tmp_path):
-    kept = KeptCases(tmp_path)
-    kept.keep(experiments[0], made(experiments[0]))
+    remaining = KeptCases(tmp_path)
+    remaining.keep(experiments[0], made(experiments[0]))
     record = json.loads((tmp_path / "7.1.json").read_text())
     del record["case"]["body"]
     (tmp_path / "7.1.json").write_text(json.dumps(record))
-    assert kept.find(experiments[0]) is None
+    assert remaining.find(experiments[0]) is None
 
 
 def test_other_data_are_another_case():
@@ -117,10 +119,10 @@ def test_the_digest_is_the_same_in_every_process():
         "print(*(digest_of(load_example(n)) for n in ('2.2', '2.6', '6.4', '7.1')))"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "1"}
-    found = subprocess.run(
+    outcome = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
     ).stdout
-    assert found.split() == [digest_of(load_example(n)) for n in ("2.2", "2.6", "6.4", "7.1")]
+    assert outcome.split() == [digest_of(load_example(n)) for n in ("2.2", "2.6", "6.4", "7.1")]
 
 
 def test_one_that_cannot_be_verified_costs_no_other(experiments, tmp_path):
@@ -128,9 +130,9 @@ def test_one_that_cannot_be_verified_costs_no_other(experiments, tmp_path):
     [claim, *_] = bad.claims
     unknown = Check("rsm", "main", at_most=1)
     bad = replace(bad, id="bad", claims=[replace(claim, checks=(unknown,))])
-    found = reproduce([bad, experiments[1]], tmp_path)
-    assert [case.status for case in found.cases] == [2, 0] and found.exit_status == 2
-    assert "could not be verified" in found.page.read_text()
+    reproduction = reproduce([bad, experiments[1]], tmp_path)
+    assert [case.status for case in reproduction.cases] == [2, 0] and reproduction.exit_status == 2
+    assert "could not be verified" in reproduction.page.read_text()
     assert not (tmp_path / "cases" / "bad.json").exists(), "it is tried again"
 
 
@@ -145,13 +147,13 @@ def test_a_quick_look_repeats_less_and_says_so():
 
 @pytest.mark.costly
 def test_an_archive_holds_what_a_reader_needs(experiments, tmp_path):
-    found = reproduce(experiments, tmp_path)
+    reproduction = reproduce(experiments, tmp_path)
     for name in ("a.zip", "b.zip"):
-        write_archive(found, tmp_path / name)
+        write_archive(reproduction, tmp_path / name)
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
         names = set(archive.namelist())
-        assert archive.read("index.html") == found.page.read_bytes()
+        assert archive.read("index.html") == reproduction.page.read_bytes()
         assert "numpy" in json.loads(archive.read("environment.json"))["versions"]
     needed = {"README.txt", "cases/7.6.json", "examples/4.7.toml", "errata/chapter_7.toml"}
     needed |= {"sources/rcac_experiments/dissertation/_reproduction.py"}
@@ -178,8 +180,8 @@ def test_the_command_writes_a_page_and_says_what_is_so(tmp_path):
         main, ["reproduce", "--chapter", "b", "--jobs", "1", "-o", str(tmp_path), "--json"]
     )
     assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)
-    assert [example["id"] for example in told["examples"]] == [f"B.{i}" for i in range(1, 6)]
+    loaded = json.loads(result.stdout)
+    assert [example["id"] for example in loaded["examples"]] == [f"B.{i}" for i in range(1, 6)]
     assert "Two coprime polynomials" in (tmp_path / "index.html").read_text()
     result = CliRunner().invoke(main, ["reproduce", "--chapter", "10", "-o", str(tmp_path)])
     assert result.exit_code == 2 and "there is no example of chapter" in result.output
@@ -188,9 +190,9 @@ def test_the_command_writes_a_page_and_says_what_is_so(tmp_path):
 @pytest.mark.costly
 def test_processes_make_the_same_cases_and_end_with_the_block(experiments, undisturbed, tmp_path):
     with case_workers(2) as executor:
-        found = reproduce(experiments, tmp_path, executor=executor)
+        reproduction = reproduce(experiments, tmp_path, executor=executor)
         processes = list(executor._processes.values())
-    assert found.page.read_bytes() == undisturbed
+    assert reproduction.page.read_bytes() == undisturbed
     assert not any(process.is_alive() for process in processes)
 
 

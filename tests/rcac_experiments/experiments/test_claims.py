@@ -35,8 +35,8 @@ CASE = {
 def with_check(**check):
     check = {"measure": "rms", "at_most": 1, **check}
     table = copy.deepcopy(CASE)
-    kept = {key: value for key, value in check.items() if value is not None}
-    return {**table, "claims": [{"text": "x", "checks": [kept]}]}
+    remaining = {key: value for key, value in check.items() if value is not None}
+    return {**table, "claims": [{"text": "x", "checks": [remaining]}]}
 
 
 @pytest.mark.parametrize(
@@ -146,8 +146,8 @@ def test_a_standard_claim_is_the_same_as_its_checks_written_out(name):
     ]  # fmt: skip
     verdicts = {"verdicts": dict.fromkeys("ab", "does not hold")}
     short = build({**table, "claims": [{"standard": name, **verdicts}]}, "case").claims
-    own = {"text": standard.text, "checks": checks}
-    assert short == build({**table, "claims": [{**own, **verdicts}]}, "case").claims
+    ours = {"text": standard.text, "checks": checks}
+    assert short == build({**table, "claims": [{**ours, **verdicts}]}, "case").claims
     assert [check.run for claim in short for check in claim.checks] == [
         run for run in "ab" for _ in checks
     ]
@@ -223,9 +223,9 @@ def test_a_check_of_ones_own_is_asked_before_anything_runs():
         (Check("rms", "main", at_most=1, arguments={"band": 1}), "unexpected keyword argument"),
     ]:
         claim = build(with_check(), "case").claims[0]
-        own = type(claim)(claim.text, (check,))
+        ours = type(claim)(claim.text, (check,))
         with pytest.raises(InputError, match=message):
-            verify(type(experiment)("i", "t", "s", experiment.runs, [own]), started.append)
+            verify(type(experiment)("i", "t", "s", experiment.runs, [ours]), started.append)
     assert not started
 
 
@@ -268,8 +268,8 @@ def test_the_verdict_of_completions(own, others, control, words, expected):
 
 def test_an_outcome_of_record_counts_where_a_completion_did_not_run():
     claim = Claim("x", (), quote="x", place="(1)", run="main", over={"b": FAILS, "c": ""})
-    found = Verdict(claim, (result(True),))
-    assert found.outcomes == {"main": HOLDS, "b": FAILS} and found.verdict == "depends"
+    answer = Verdict(claim, (result(True),))
+    assert answer.outcomes == {"main": HOLDS, "b": FAILS} and answer.verdict == "depends"
     changed = Verdict(claim, (result(True),), {"b": (result(True),)})
     assert changed.verdict == "reproduced" and "b" in changed.changed_completions
 
@@ -294,11 +294,13 @@ def test_no_adaptation_is_no_answer():
     table["controller"]["R_theta"] = 1e30
     for bound in ({"at_most": 1e9}, {"at_least": 1e9}):
         check = {"measure": "rms", **bound}
-        found = verify(build({**table, "claims": [{"text": "x", "checks": [check]}]}, "case"))
-        assert found.verdicts[0].verdict == NO_ANSWER
+        verification = verify(
+            build({**table, "claims": [{"text": "x", "checks": [check]}]}, "case")
+        )
+        assert verification.verdicts[0].verdict == NO_ANSWER
     of_plant = {"measure": "plant_spectral_radius", "at_most": 0.91}
-    found = verify(build({**table, "claims": [{"text": "x", "checks": [of_plant]}]}, "case"))
-    assert found.verdicts[0].verdict == HOLDS
+    verification = verify(build({**table, "claims": [{"text": "x", "checks": [of_plant]}]}, "case"))
+    assert verification.verdicts[0].verdict == HOLDS
 
 
 @pytest.mark.parametrize(

@@ -102,9 +102,9 @@ def test_every_target_model_is_held_against_what_the_loop_made_of_it(number):
     """The match at steps 10^3, 10^4 and 10^5, and the split of the residual at the same ones."""
     checks = [check for claim in load_example(number).claims for check in claim.checks]
     for measure in ("median_match", "matching_error_share"):
-        found = {(c.run, c.until) for c in checks if c.measure == measure}
-        last = {run for run, until in found if until in (None, 100_000)}
-        assert any({(run, 1000), (run, 10_000)} <= found for run in last), measure
+        result = {(c.run, c.until) for c in checks if c.measure == measure}
+        last = {run for run, until in result if until in (None, 100_000)}
+        assert any({(run, 1000), (run, 10_000)} <= result for run in last), measure
 
 
 def test_5_1_the_margins_of_twenty_seeds():
@@ -173,8 +173,8 @@ def test_2_6_adaptation_is_what_avoids_the_windup(verifications):
     )
     assert (adaptive.theta[:2001] == fixed.theta[:2001]).all()
     assert (fixed.theta[2000:] == fixed.theta[2000]).all()
-    held = [np.flatnonzero(run.u_applied[2500:2999, 0] < 0.0)[0] for run in (adaptive, fixed)]
-    assert held[0] < 10 and held[1] > 50
+    stored = [np.flatnonzero(run.u_applied[2500:2999, 0] < 0.0)[0] for run in (adaptive, fixed)]
+    assert stored[0] < 10 and stored[1] > 50
 
 
 @pytest.mark.costly
@@ -198,6 +198,6 @@ def test_2_3_fir_never_settles(in_full):
 @pytest.mark.parametrize("of", LOOPS, ids=str)
 def test_the_loops_that_tests_of_the_library_take_are_those_of_the_examples(of):
     number, run = of
-    asked, loop = load_example(number).runs[run], LOOPS[of]
-    assert (asked.plant, asked.settings) == (loop.plant, loop.settings)
-    assert asked.signals == loop.signals and asked.steps == loop.steps
+    requested, loop = load_example(number).runs[run], LOOPS[of]
+    assert (requested.plant, requested.settings) == (loop.plant, loop.settings)
+    assert requested.signals == loop.signals and requested.steps == loop.steps

@@ -73,9 +73,9 @@ def url(tmp_path_factory):
 @pytest.fixture(scope="module")
 def browser():
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield found
-        found.close()
+        result = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield result
+        result.close()
 
 
 @pytest.fixture
@@ -119,9 +119,9 @@ def scripts(browser):
 
 def settle(page):
     page.evaluate(DRAWN)
-    found = page.evaluate(LOOP)
-    found["theta"] = np.array(found["theta"]).reshape(-1, 2 * found["dials"]["n_c"])
-    return found
+    evaluation = page.evaluate(LOOP)
+    evaluation["theta"] = np.array(evaluation["theta"]).reshape(-1, 2 * evaluation["dials"]["n_c"])
+    return evaluation
 
 
 def same_bits(a, b):
@@ -167,10 +167,10 @@ def test_twenty_settings_come_back_as_files_with_the_same_run(opened, monkeypatc
     for _ in range(20):
         page.locator("#scenes button").nth(draw.randrange(1 + len(SCENES))).click()
         moved_at_random(page, draw)
-        found = settle(page)
-        assert not found["wrong"]
-        as_simulated(found)
-        kinds.add(found["kind"])
+        settled = settle(page)
+        assert not settled["wrong"]
+        as_simulated(settled)
+        kinds.add(settled["kind"])
     assert len(kinds) >= 3  # some are lost, some stable, some reach the rings
 
 
@@ -181,13 +181,13 @@ def test_what_saturates_has_the_bits_of_simulate_and_says_so(opened, monkeypatch
     for part in (0.2, 0.3, 0.4):
         page.get_by_role("button", name="Follow a command").click()
         page.evaluate(MOVE, ["bound", part])
-        found = settle(page)
-        run = as_simulated(found).execute().first.run
+        settled = settle(page)
+        run = as_simulated(settled).execute().first.run
         learnt = run.u[run.settings.k_w :]
-        at_limit = np.abs(learnt) > float(found["dials"]["bound"])
+        at_limit = np.abs(learnt) > float(settled["dials"]["bound"])
         shares.append(at_limit.mean())
-        said = re.search(r"at its limit in (\d+) %", found["besides"])
-        assert abs(int(said[1]) - 100 * at_limit.mean()) <= 0.5 + 1e-9
+        message = re.search(r"at its limit in (\d+) %", settled["besides"])
+        assert abs(int(message[1]) - 100 * at_limit.mean()) <= 0.5 + 1e-9
     assert max(shares) > 0.1
 
 
@@ -204,11 +204,11 @@ def test_margins_are_those_of_the_numeric_half(opened):
     for _ in range(16):
         page.locator("#scenes button").nth(draw.randrange(1 + len(SCENES))).click()
         moved_at_random(page, draw)
-        found = settle(page)
-        if found["lost"]:
+        settled = settle(page)
+        if settled["lost"]:
             continue
-        margins = margins_of(build(tomllib.loads(found["toml"]), "page.toml").main_run)
-        mine = found["margins"]
+        margins = margins_of(build(tomllib.loads(settled["toml"]), "page.toml").main_run)
+        mine = settled["margins"]
         assert (mine is not None) == margins.is_stable
         if mine is None or margins.worst_gap > 1e-8:
             continue
@@ -222,21 +222,21 @@ def test_margins_are_those_of_the_numeric_half(opened):
 @pytest.mark.costly
 def test_the_prediction_is_the_exact_one(opened):
     """It is the characteristic polynomial of the matched loop, by the exact half."""
-    page, seen = opened(), 0
+    page, observed = opened(), 0
     for number in range(1 + len(SCENES)):
         page.locator("#scenes button").nth(number).click()
-        found = settle(page)
-        specification = build(tomllib.loads(found["toml"]), "page.toml").main_run
-        if found["predicted"] is None:
-            assert "No loop matches" in found["besides"]
+        settled = settle(page)
+        specification = build(tomllib.loads(settled["toml"]), "page.toml").main_run
+        if settled["predicted"] is None:
+            assert "No loop matches" in settled["besides"]
             continue
-        seen += 1
+        observed += 1
         comparison = specification.execute().first.comparison
-        wanted = np.sort_complex(np.asarray(comparison.asked_poles))
-        mine = np.sort_complex([complex(*pole) for pole in found["predicted"]])
+        expected = np.sort_complex(np.asarray(comparison.asked_poles))
+        mine = np.sort_complex([complex(*pole) for pole in settled["predicted"]])
         # a root of multiplicity m is known to the m-th root of rounding
-        np.testing.assert_allclose(mine, wanted, atol=1e-4)
-    assert seen >= 3
+        np.testing.assert_allclose(mine, expected, atol=1e-4)
+    assert observed >= 3
 
 
 @pytest.mark.costly
@@ -246,14 +246,14 @@ def test_the_prediction_is_the_exact_one(opened):
 def test_theta_is_that_of_the_exported_core_bit_for_bit(opened, number):
     page = opened()
     page.locator("#scenes button").nth(number).click()
-    found = settle(page)
-    settings = build(tomllib.loads(found["toml"]), "page.toml").main_run.settings
+    settled = settle(page)
+    settings = build(tomllib.loads(settled["toml"]), "page.toml").main_run.settings
     core = Core(core_tables(settings))
-    for k in range(found["done"]):
-        assert same_bits(core.theta, found["theta"][k])
-        status, u = core.step([found["y"][k]], [found["z"][k]])
-        assert not status & 2 and same_bits(u, [found["u"][k]])
-    assert same_bits(core.theta, found["theta"][found["done"]])
+    for k in range(settled["done"]):
+        assert same_bits(core.theta, settled["theta"][k])
+        status, u = core.step([settled["y"][k]], [settled["z"][k]])
+        assert not status & 2 and same_bits(u, [settled["u"][k]])
+    assert same_bits(core.theta, settled["theta"][settled["done"]])
 
 
 @pytest.mark.costly
@@ -414,9 +414,9 @@ def test_a_typed_plant_is_told_its_zeros_and_keeps_them_in_its_file(opened, monk
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
     page = opened()
     page.fill("#G", "2(q - 1.5)(q + 0.25)/((3q - 1)(q^2 - .8q + 0.52))")
-    found = settle(page)
-    assert found["dials"]["told"] == [[1.5, 0]]
-    specification = as_simulated(found)
+    settled = settle(page)
+    assert settled["dials"]["told"] == [[1.5, 0]]
+    specification = as_simulated(settled)
     numerator, denominator = specification.plant.scalar_map("zu")
     assert (numerator.LC(), denominator.degree()) == (Fraction(2, 3), 3)
 
@@ -467,23 +467,23 @@ def test_a_track_is_painted_by_what_each_place_comes_to(opened):
 
 def test_numbers_are_rounded_once(scripts):
     draw = random.Random(1)
-    given = [
+    argument = [
         (draw.randrange(-(10**a), 10**a), draw.randrange(1, 10**b))
         for a, b in ((3, 3), (20, 3), (3, 25), (40, 40), (17, 17))
         for _ in range(200)
     ]
-    given += [(2**53 + 1, 1), (2**54 + 3, 2), (-(2**60) - 129, 1), (1, 10**300)]  # ties, tiny
-    found = scripts.evaluate(
+    argument += [(2**53 + 1, 1), (2**54 + 3, 2), (-(2**60) - 129, 1), (1, 10**300)]  # ties, tiny
+    evaluation = scripts.evaluate(
         "rows => rows.map(([n, d]) => known.rounded(known.rational(BigInt(n), BigInt(d))))",
-        [[str(n), str(d)] for n, d in given],
+        [[str(n), str(d)] for n, d in argument],
     )
-    assert same_bits(found, [float(Fraction(n, d)) for n, d in given])
+    assert same_bits(evaluation, [float(Fraction(n, d)) for n, d in argument])
 
 
 def test_decimals_are_read_and_written_exactly(scripts):
     texts = ["0.1", "-2", "1e-40", "5/3", "1.250", "0", "12e3", "-0.000123", ".5"]
-    found = scripts.evaluate("texts => texts.map(t => known.written(known.exactly(t)))", texts)
-    assert [Fraction(text) for text in found] == [Fraction(text) for text in texts]
+    evaluation = scripts.evaluate("texts => texts.map(t => known.written(known.exactly(t)))", texts)
+    assert [Fraction(text) for text in evaluation] == [Fraction(text) for text in texts]
 
 
 @pytest.mark.costly
@@ -493,11 +493,13 @@ def test_decimals_are_read_and_written_exactly(scripts):
      "(q^2 - 1.44*q + 0.81)/((q - 0.9)(q^2 - 1.71q + 0.903))", "1e-3*(z+1)/(z*(z-1))/2"],
 )  # fmt: skip
 def test_a_formula_is_read_as_python_reads_it(scripts, text):
-    found = scripts.evaluate("t => known.transferFunction(t).map(p => p.map(known.rounded))", text)
+    evaluation = scripts.evaluate(
+        "t => known.transferFunction(t).map(p => p.map(known.rounded))", text
+    )
     words = re.sub(r"(?<=[\d)])(?=[qz(])|(?<=[qz])(?=\()", "*", text).replace("^", "**")
     read = exact.transfer_function(words)
     lead = read.denominator.LC()
-    for part, poly in zip(found, (read.numerator, read.denominator), strict=True):
+    for part, poly in zip(evaluation, (read.numerator, read.denominator), strict=True):
         assert same_bits(part, rounded([c / lead for c in poly.all_coeffs()], "p"))
 
 
@@ -507,9 +509,9 @@ def test_roots_are_as_good_as_their_coefficients(scripts):
     generator = np.random.default_rng(4)
     polynomials = [[1.0, *generator.normal(size=n)] for n in range(1, 17) for _ in range(5)]
     polynomials += [[1, 0, 0, 0], [1, -2, 1.04, 0, 0], [2, -3.2, 1.5, 1e-12]]
-    found = scripts.evaluate("ps => ps.map(p => known.rootsOf(p))", polynomials)
+    evaluation = scripts.evaluate("ps => ps.map(p => known.rootsOf(p))", polynomials)
     with mpmath.workdps(40):
-        for p, roots in zip(polynomials, found, strict=True):
+        for p, roots in zip(polynomials, evaluation, strict=True):
             assert len(roots) == len(p) - 1
             for x, y in roots:
                 root, n = mpmath.mpc(x, y), len(p) - 1
@@ -538,8 +540,8 @@ def test_poles_are_judged_by_the_polynomial_and_not_by_multiple_roots(scripts):
     assert scripts.evaluate(of, [[[0.5, 0]] * 3, split]) < 1e-7
     circle = np.exp(1j * np.linspace(0, np.pi, 4001))
     change = np.abs(0.06 / np.maximum(np.abs(circle - 0.4), np.abs(circle - 0.46))).max()
-    found = scripts.evaluate(of, [[[0.4, 0]], [[0.46, 0], [0.9, 0]]])
-    assert abs(found - change) < 1e-4 * change
+    evaluation = scripts.evaluate(of, [[[0.4, 0]], [[0.46, 0], [0.9, 0]]])
+    assert abs(evaluation - change) < 1e-4 * change
     assert scripts.evaluate("f => known.backwardError([[0, 0], [0, 0]], f) === Infinity", [[0, 0]])
 
 

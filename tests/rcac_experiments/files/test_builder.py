@@ -394,15 +394,15 @@ def test_a_file_without_target_is_given_the_lines_that_work():
 def test_a_plant_in_s_is_sampled_with_the_sample_time(problem):
     """As SciPy samples it: the same response to u, at 20 frequencies."""
     plant = {"problem": problem, "G": "(s + 3)/((s + 1)*(s + 1/2))", "sample_time": 0.2}
-    made = build({**CASE, "plant": plant, "signals": {}}, "case.toml").main_run.plant
+    built = build({**CASE, "plant": plant, "signals": {}}, "case.toml").main_run.plant
     num, den, _ = scipy.signal.cont2discrete(([1, 3], [1, 1.5, 0.5]), 0.2)
     z = np.exp(1j * np.linspace(0.05, 3.1, 20))
     for point in z:
-        response = made.E_1 @ np.linalg.solve(point * np.eye(made.n) - made.A, made.B)
+        response = built.E_1 @ np.linalg.solve(point * np.eye(built.n) - built.A, built.B)
         sign = -1 if problem == "servo" else 1  # z = r - y
         expected = sign * np.polyval(num[0], point) / np.polyval(den, point)
         assert response[0, 0] == pytest.approx(expected, rel=1e-9)
-    assert made.sample_time == 0.2
+    assert built.sample_time == 0.2
     del plant["sample_time"]
     with pytest.raises(InputError, match=r"is in s, .* Add sample_time"):
         build({**CASE, "plant": plant, "signals": {}}, "case.toml")

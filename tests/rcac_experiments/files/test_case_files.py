@@ -12,10 +12,10 @@ CASE = "examples/octave/example_4_7.toml"
 
 def test_the_file_of_the_octave_log_says_what_the_numbered_example_says():
     run = load_example("4.7").main_run
-    found = check_arguments(CASE)
-    assert found["plant"] == run.plant and found["target"] == run.settings.target
-    assert found["structure"] == iir(n_c=4) and found["k_w"] == run.settings.k_w
-    check = check_controller(read_log("examples/octave/rcac_loop.mat"), **found)
+    report = check_arguments(CASE)
+    assert report["plant"] == run.plant and report["target"] == run.settings.target
+    assert report["structure"] == iir(n_c=4) and report["k_w"] == run.settings.k_w
+    check = check_controller(read_log("examples/octave/rcac_loop.mat"), **report)
     assert check.is_consistent and check.replay.start == 50
 
 
@@ -27,9 +27,9 @@ def test_what_wants_a_run_names_the_door_that_needs_none():
 def test_a_file_with_a_plant_alone(tmp_path):
     file = tmp_path / "plant.toml"
     file.write_text('[plant]\nproblem = "standard"\nG = "1/(q - 0.5)"\n')
-    found = check_arguments(file)
-    assert found["plant"].n == 1
-    assert found["structure"] is found["target"] is found["k_w"] is None
+    report = check_arguments(file)
+    assert report["plant"].n == 1
+    assert report["structure"] is report["target"] is report["k_w"] is None
 
 
 @pytest.mark.parametrize(

@@ -39,17 +39,17 @@ def load_of(found):
     ],
 )
 def test_the_file_says_the_same(arguments, tmp_path):
-    found = rn.design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
+    designed = rn.design("1/(8*s + 1)", sample_time=0.5, dead_time=0.5, **QUICK, **arguments)
     path = tmp_path / "tuned.toml"
-    save_design(found, path)
+    save_design(designed, path)
     experiment = load_experiment(path)
     run = experiment.runs[RCAC]
-    assert equal(run.settings, found.settings)
-    assert np.array_equal(run.plant.A, found.plant.A) and run.plant.sample_time == 0.5
-    assert experiment.main_run.name == ("RCAC" if found.verdict.use == RCAC else "fixed")
-    assert np.allclose(run.cases()[0].w, found.expected.w(300, run.seed))
-    assert equal(run.saturation, found.saturation)
-    assert path.read_text(encoding="utf-8").startswith(f"# {found.verdict}")
+    assert equal(run.settings, designed.settings)
+    assert np.array_equal(run.plant.A, designed.plant.A) and run.plant.sample_time == 0.5
+    assert experiment.main_run.name == ("RCAC" if designed.verdict.use == RCAC else "fixed")
+    assert np.allclose(run.cases()[0].w, designed.expected.w(300, run.seed))
+    assert equal(run.saturation, designed.saturation)
+    assert path.read_text(encoding="utf-8").startswith(f"# {designed.verdict}")
 
 
 def test_a_file_is_read_for_a_design(tmp_path):
@@ -58,20 +58,20 @@ def test_a_file_is_read_for_a_design(tmp_path):
         '[plant]\nproblem = "servo"\nG = "1/(8*s + 1)"\nsample_time = 0.5\n[signals]\n'
         "r = 1\nd = { step = 0.3 }\nv = { white_noise = 0.02 }\n[saturation]\nlow = -1\nhigh = 1\n"
     )
-    found = rn.design(**design_arguments(file), **QUICK)
-    assert found.model.continuous is not None and found.plant.sample_time == 0.5
-    assert (found.expected.noise, found.expected.disturbance.height) == (0.02, 0.3)
-    assert {question.name for question in found.questions} == {"plant", "dead_time"}
+    designed = rn.design(**design_arguments(file), **QUICK)
+    assert designed.model.continuous is not None and designed.plant.sample_time == 0.5
+    assert (designed.expected.noise, designed.expected.disturbance.height) == (0.02, 0.3)
+    assert {question.name for question in designed.questions} == {"plant", "dead_time"}
     file.write_text('[plant]\nproblem = "servo"\nG = "1/(q - 0.5)"\n[signals]\nv = { step = 1 }\n')
     with pytest.raises(InputError, match="white"):
         design_arguments(file)
 
 
 def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
-    found = rn.design("1/(q - 0.9)", disturbance=rn.Step(1.0), noise=0.1, **QUICK)
+    designed = rn.design("1/(q - 0.9)", disturbance=rn.Step(1.0), noise=0.1, **QUICK)
     monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
     with pytest.raises(PrecisionError, match="does not read back"):
-        design_toml(found)
+        design_toml(designed)
 
 
 def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
@@ -101,7 +101,7 @@ def test_the_file_of_a_design_from_a_log_has_both_controllers(tmp_path):
 )
 def test_the_file_of_a_design_of_a_structure_says_the_same(asked):
     G = "1/((20*s + 1)*(3*s + 1))"
-    found = rn.design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **asked)
-    read = load_of(found)
-    assert equal(read.runs[RCAC].settings, found.settings)
-    assert equal(read.runs["fixed"].settings, found.frozen)
+    designed = rn.design(G, sample_time=1.0, disturbance=0.5, noise=0.01, **QUICK, **asked)
+    read = load_of(designed)
+    assert equal(read.runs[RCAC].settings, designed.settings)
+    assert equal(read.runs["fixed"].settings, designed.frozen)

@@ -25,8 +25,8 @@ CHAPTER = [f"8.{i}" for i in range(1, 8)]
 
 
 def test_chapter_8_is_all_here():
-    found = [number for number in example_ids() if "estimation" in read_example(number)[0]]
-    assert found == CHAPTER and not set(CHAPTER) & dict(absent_examples()).keys()
+    result = [number for number in example_ids() if "estimation" in read_example(number)[0]]
+    assert result == CHAPTER and not set(CHAPTER) & dict(absent_examples()).keys()
 
 
 @given(seed=st.integers(0, 10_000))

@@ -49,8 +49,8 @@ CASES = {
 
 
 def test_chapters_7_and_b_are_all_here():
-    wanted = {f"7.{i}" for i in range(1, 7)} | {f"B.{i}" for i in range(1, 6)}
-    assert set(EXACT) == wanted
+    expected = {f"7.{i}" for i in range(1, 7)} | {f"B.{i}" for i in range(1, 6)}
+    assert set(EXACT) == expected
 
 
 def test_every_statement_has_a_case():

@@ -59,8 +59,8 @@ def test_every_shipped_file_is_valid(table):
 
 @pytest.mark.parametrize("name", DECLARED)
 def test_every_key_has_words(name):
-    for key, found in DECLARED[name].all_keys().items():
-        assert any(k.doc for k in found), f"{key} of [{name}] is not described"
+    for key, result in DECLARED[name].all_keys().items():
+        assert any(k.doc for k in result), f"{key} of [{name}] is not described"
 
 
 @pytest.mark.parametrize(
@@ -73,9 +73,9 @@ def test_every_key_has_words(name):
 )
 def test_what_a_file_says_otherwise_of_a_parameter_is_said_of_one_that_there_is(module, kinds):
     """Renamed in the library, a parameter would lose the words and the bounds that files add."""
-    asked = {key.parameter for table in kinds.tables() for key in table.keys}
+    requested = {key.parameter for table in kinds.tables() for key in table.keys}
     for name in ("DOCS", "FORMS", "NAMES"):
-        assert set(getattr(module, name, {})) <= asked, name
+        assert set(getattr(module, name, {})) <= requested, name
 
 
 def test_every_measure_is_a_kind_of_check():

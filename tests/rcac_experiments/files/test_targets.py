@@ -25,8 +25,8 @@ def test_markov(tmp_path):
     run = experiment(tmp_path, 'model = "markov"\nn_bar = 5')
     expected = markov_target(standard_plant(G), 5)
     assert np.array_equal(run.settings.target.numerator, expected.numerator)
-    given = 'model = "markov"\nmarkov_parameters = [0.0, -1.0, 0.5]'
-    run = experiment(tmp_path, given, problem="servo")
+    argument = 'model = "markov"\nmarkov_parameters = [0.0, -1.0, 0.5]'
+    run = experiment(tmp_path, argument, problem="servo")
     assert run.settings.target.numerator.ravel().tolist() == [0, -1, 0.5]
 
 

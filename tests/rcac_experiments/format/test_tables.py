@@ -77,9 +77,9 @@ def test_what_is_wrong_with_it_is_said(table, message):
 def test_all_that_is_wrong_is_said_at_once():
     with pytest.raises(InputError) as error:
         read(structure="spread", n_c=0.5, spacing=0, memory="lnog", terms="P")
-    said = str(error.value)
+    text = str(error.value)
     for part in ("n_c must be an integer", "spacing = 0", "memory = 'lnog'", "sets 'terms'"):
-        assert part in said
+        assert part in text
 
 
 def test_editors_know_it():

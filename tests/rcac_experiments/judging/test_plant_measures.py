@@ -21,32 +21,32 @@ def run(**plant):
 
 
 def test_zeros_and_poles_of_a_known_plant():
-    found = run(problem="standard", G="(q - 0.5)*(q**2 - 2*q + 2)/((q - 0.25)*(q + 0.75)*q**3)")
-    assert MEASURES["largest_plant_zero"](found) == pytest.approx(2**0.5)
-    assert MEASURES["plant_zero_distance"](found, value=1, imaginary=1.5) == pytest.approx(0.5)
-    assert MEASURES["plant_zero_distance"](found, value=0.25) == pytest.approx(0.25)
-    assert MEASURES["plant_spectral_radius"](found) == pytest.approx(0.75)
+    outcome = run(problem="standard", G="(q - 0.5)*(q**2 - 2*q + 2)/((q - 0.25)*(q + 0.75)*q**3)")
+    assert MEASURES["largest_plant_zero"](outcome) == pytest.approx(2**0.5)
+    assert MEASURES["plant_zero_distance"](outcome, value=1, imaginary=1.5) == pytest.approx(0.5)
+    assert MEASURES["plant_zero_distance"](outcome, value=0.25) == pytest.approx(0.25)
+    assert MEASURES["plant_spectral_radius"](outcome) == pytest.approx(0.75)
 
 
 def test_the_plant_is_that_of_the_step():
-    found = run(problem="aircraft transition", start=7, duration=0.1)
-    radii = [MEASURES["plant_spectral_radius"](found, at=k) for k in (69, 71)]
-    zeros = [MEASURES["plant_zero_distance"](found, value=1.1359, at=k) for k in (69, 71)]
+    outcome = run(problem="aircraft transition", start=7, duration=0.1)
+    radii = [MEASURES["plant_spectral_radius"](outcome, at=k) for k in (69, 71)]
+    zeros = [MEASURES["plant_zero_distance"](outcome, value=1.1359, at=k) for k in (69, 71)]
     assert radii[0] < radii[1] and zeros[0] > 0.15 and zeros[1] < 5e-5
 
 
 def test_identified_zeros_without_noise_and_over_the_transition():
     """Each window of 70 by itself; the one that holds the transition shows no plant."""
-    found = run(problem="aircraft transition", start=10, duration=1)
-    assert MEASURES["identified_zero_error"](found, stop=70) < 1e-5
-    assert MEASURES["identified_zero_error"](found, start=140) < 1e-5
-    assert MEASURES["identified_zero_error"](found) > 1e-2
+    outcome = run(problem="aircraft transition", start=10, duration=1)
+    assert MEASURES["identified_zero_error"](outcome, stop=70) < 1e-5
+    assert MEASURES["identified_zero_error"](outcome, start=140) < 1e-5
+    assert MEASURES["identified_zero_error"](outcome) > 1e-2
     with pytest.raises(InputError, match="no window of 70 samples lies in"):
-        MEASURES["identified_zero_error"](found, start=150)
+        MEASURES["identified_zero_error"](outcome, start=150)
 
 
 def test_a_disturbance_that_enters_with_the_control_acts_as_it_does():
-    found = run(problem="aircraft")
-    assert np.array_equal(acting_input(found.run), found.run.u_applied + found.run.w[:, 1:2])
+    outcome = run(problem="aircraft")
+    assert np.array_equal(acting_input(outcome.run), outcome.run.u_applied + outcome.run.w[:, 1:2])
     dummies = run(problem="aircraft", measured="dummy commands")
     assert np.array_equal(acting_input(dummies.run), dummies.run.u_applied + dummies.run.w[:, 1:])

@@ -34,9 +34,9 @@ def test_identified_zeros_lie_on_those_of_the_plant(flight):
     request = FigureRequest("identified zeros", "words")
     (axis,) = plot_request(flight, request).axes
     run = flight.main.first.run
-    found = np.concatenate([np.abs(w.zeros.zeros) for w in windows_of(run) if w.zeros is not None])
+    result = np.concatenate([np.abs(w.zeros.zeros) for w in windows_of(run) if w.zeros is not None])
     drawn = np.concatenate([bar.get_children()[0].get_ydata() for bar in axis.containers])
-    assert np.allclose(np.sort(drawn), np.sort(found)) and len(found) == 3 * 3
+    assert np.allclose(np.sort(drawn), np.sort(result)) and len(result) == 3 * 3
     assert "1 of 4 windows refused" in axis.get_title(), "that of the transition"
 
 
@@ -48,9 +48,9 @@ def test_plant_zeros_are_those_of_the_steps_that_are_asked_for(flight):
 
 
 def test_plants_that_do_not_change_are_drawn_in_planes_alone():
-    found = verify(load_example("1.3").reduced(1))
+    verification = verify(load_example("1.3").reduced(1))
     names = ["h = 0.1, zero known", "h = 0.2"]
-    axes = plot_request(found, FigureRequest("plant zeros", "words", runs=names)).axes
+    axes = plot_request(verification, FigureRequest("plant zeros", "words", runs=names)).axes
     assert len(axes) == 2 and "moduli 1.822, 0.1164" in axes[0].get_title()
     for axis, h in zip(axes, (0.1, 0.2), strict=True):
         (line,) = [line for line in axis.get_lines() if line.get_label() == "zeros"]

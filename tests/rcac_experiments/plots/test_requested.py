@@ -75,9 +75,9 @@ def test_a_distribution_has_every_repetition(rounding):
 def test_the_poles_asked_for_are_drawn(rounding):
     name = next(iter(rounding.results))
     figure = plot_request(rounding, FigureRequest("poles", "", runs=[name]))
-    asked = lines(figure)["asked for"]
-    wanted = rounding.results[name].first.comparison.asked_poles
-    assert np.allclose(sorted(asked.get_xdata()), sorted(wanted.real))
+    requested = lines(figure)["asked for"]
+    expected = rounding.results[name].first.comparison.asked_poles
+    assert np.allclose(sorted(requested.get_xdata()), sorted(expected.real))
 
 
 @pytest.fixture(scope="module")
@@ -95,14 +95,14 @@ def test_costs_are_those_of_the_noise_that_is_named(noisy):
 
 
 def test_disturbance_responses_stand_beside_lqg(noisy):
-    found = noisy
-    figure = plot_request(found, FigureRequest("disturbance response", ""))
+    answer = noisy
+    figure = plot_request(answer, FigureRequest("disturbance response", ""))
     drawn = lines(figure)
-    assert {"without control", "LQG", *found.results} <= set(drawn)
+    assert {"without control", "LQG", *answer.results} <= set(drawn)
     best = np.mean(np.square(drawn["LQG"].get_ydata()))
     of_its_plant = [
-        name for name, result in found.results.items()
-        if result.first.plant == found.main.first.plant
+        name for name, result in answer.results.items()
+        if result.first.plant == answer.main.first.plant
     ]  # fmt: skip
     for name in of_its_plant:
         assert np.mean(np.square(drawn[name].get_ydata())) > best * (1 - 1e-9)

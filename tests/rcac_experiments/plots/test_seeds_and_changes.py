@@ -85,10 +85,10 @@ def test_frequency_responses_of_seeds_are_a_median_in_a_band(changing, kind):
 def test_several_lqg_designs_stand_in_one_pair_of_axes():
     example = load_example("4.5")
     (run,) = [replace(example.runs["as printed"], steps=300, stride=100, seeds=1)]
-    found = verify(replace(example, runs={"as printed": run}, claims=()))
+    verification = verify(replace(example, runs={"as printed": run}, claims=()))
     designs = [{"d": 1.0, "v": value} for value in (0.05, 2.0)]
     request = FigureRequest("disturbance response", "", channel="d", designs=designs)
-    drawn = labelled(plot_request(found, request).axes[0])
+    drawn = labelled(plot_request(verification, request).axes[0])
     assert "LQG" not in drawn
     for noise in designs:
         curve = drawn[f"LQG, d = 1, v = {noise['v']:g}"]
@@ -101,10 +101,10 @@ def test_several_lqg_designs_stand_in_one_pair_of_axes():
 def test_two_target_models_are_both_drawn():
     example = load_example("2.5")
     runs = {name: replace(run, steps=60) for name, run in example.runs.items()}
-    found = verify(replace(example, runs=runs, claims=()))
+    verification = verify(replace(example, runs=runs, claims=()))
     names = ["(2.50)", "(2.50), k_w = 50", "(2.49)"]
     drawn = labelled(
-        plot_request(found, FigureRequest("intercalated match", "", runs=names)).axes[0]
+        plot_request(verification, FigureRequest("intercalated match", "", runs=names)).axes[0]
     )
     assert {"$G_f$", "$G_f$ of (2.49)"} <= set(drawn)
     assert sum("G_f" in label for label in drawn) == 2
@@ -113,10 +113,10 @@ def test_two_target_models_are_both_drawn():
 @pytest.mark.costly
 @pytest.mark.parametrize("magnitude", [False, True])
 def test_a_run_that_diverged_does_not_blow_up_the_axis(magnitude):
-    found = verify(replace(load_example("2.5"), claims=()))
-    axis = plot_request(found, FigureRequest("responses", "", magnitude=magnitude)).axes[0]
-    kept = [r for r in found.results.values() if not r.diverged]
-    largest = max(np.abs(r.first.run.z).max() for r in kept)
+    verification = verify(replace(load_example("2.5"), claims=()))
+    axis = plot_request(verification, FigureRequest("responses", "", magnitude=magnitude)).axes[0]
+    remaining = [r for r in verification.results.values() if not r.diverged]
+    largest = max(np.abs(r.first.run.z).max() for r in remaining)
     assert largest <= axis.get_ylim()[1] <= (1000 if magnitude else 2) * largest
     crosses = [x for x in axis.get_lines() if x.get_marker() == "x"]
     low, high = axis.get_ylim()

@@ -60,10 +60,12 @@ def test_text_and_page_begin_with_what_the_record_says(motor):
 
 
 def test_the_boost_converter_says_its_gain_margin():
-    found = verify(load_experiment("examples/boost_converter.toml"))
-    health = loop_health(found)
-    oracle = stability_margins(found.main.first.loop).gain_up.value
+    verification = verify(load_experiment("examples/boost_converter.toml"))
+    health = loop_health(verification)
+    oracle = stability_margins(verification.main.first.loop).gain_up.value
     assert oracle < 1.5 and health.margins["u"].gain_up.value == oracle
     assert "small margins" in codes(health)
-    assert f"{oracle:.3g} times the gain is unstable" in str(found).split("The problem")[0]
-    assert health.is_stable and "NOT reached" not in str(found), "an example shows what works"
+    assert f"{oracle:.3g} times the gain is unstable" in str(verification).split("The problem")[0]
+    assert health.is_stable and "NOT reached" not in str(verification), (
+        "an example shows what works"
+    )

@@ -30,9 +30,9 @@ def url(tmp_path_factory):
 @pytest.fixture(scope="module")
 def browser():
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield found
-        found.close()
+        result = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield result
+        result.close()
 
 
 @pytest.fixture
@@ -67,8 +67,8 @@ def test_nothing_is_wider_than_the_window(opened, width, scheme):
 
 @pytest.mark.costly
 def test_all_that_is_read_stands_in_a_landmark(opened):
-    found = opened().evaluate("[...document.body.children].map(part => part.tagName)")
-    assert set(found) == {"A", "HEADER", "MAIN", "SCRIPT"} and found.count("A") == 1
+    result = opened().evaluate("[...document.body.children].map(part => part.tagName)")
+    assert set(result) == {"A", "HEADER", "MAIN", "SCRIPT"} and result.count("A") == 1
 
 
 def test_the_keyboard_reaches_the_content_the_filters_and_the_words(opened):
@@ -100,8 +100,8 @@ def test_every_picture_is_there_and_not_empty(opened):
         "[...document.querySelectorAll('figure svg')].map(s => s.getBBox())"
         ".map(box => box.width * box.height)"
     )
-    asked = sum(len(load_example(number).figures) for number in NUMBERS)
-    assert len(sizes) == asked > 4 and min(sizes) > 1000
+    total = sum(len(load_example(number).figures) for number in NUMBERS)
+    assert len(sizes) == total > 4 and min(sizes) > 1000
 
 
 @pytest.mark.costly
@@ -116,8 +116,8 @@ def test_filters_work_and_stand_in_the_address(opened):
     shown = page.locator("#claims tbody tr:visible")
     assert shown.evaluate_all("rows => rows.map(r => r.dataset.case)") == [f"e{n}" for n in lost]
     assert page.url.endswith("?verdict=misprint")
-    kept = page.locator(".case:not([hidden])")
-    assert kept.count() == len(set(lost)) < len(NUMBERS)
+    remaining = page.locator(".case:not([hidden])")
+    assert remaining.count() == len(set(lost)) < len(NUMBERS)
     page.reload()
     assert page.locator("#claims tbody tr:visible").count() == len(lost)
 

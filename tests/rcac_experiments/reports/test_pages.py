@@ -53,16 +53,16 @@ def test_it_asks_for_nothing_from_a_network(gallery):
 
 def test_every_reference_has_its_target(gallery):
     page = Page(gallery)
-    wanted = set(re.findall(r'(?:href="#|url\(#)([^")]+)', gallery))
+    names = set(re.findall(r'(?:href="#|url\(#)([^")]+)', gallery))
     drawn = [a for a in page.all("svg") if "aria-hidden" not in a]
-    wanted |= {a["aria-labelledby"] for a in drawn}
-    assert wanted <= set(page.ids)
+    names |= {a["aria-labelledby"] for a in drawn}
+    assert names <= set(page.ids)
 
 
 def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
     rows = [row for row in Page(gallery).all("tr") if "data-verdict" in row]
-    asked = [(case.anchor, claim.verdict) for case in cases for claim in case.claims]
-    assert [(row["data-case"], row["data-verdict"]) for row in rows] == asked
+    requested = [(case.anchor, claim.verdict) for case in cases for claim in case.claims]
+    assert [(row["data-case"], row["data-verdict"]) for row in rows] == requested
     text = Page(gallery).text
     for case in cases:
         for claim in case.claims:
@@ -82,8 +82,8 @@ def test_the_headline_counts_sentences_and_none_of_ours(cases):
 def test_the_author_stands_first_and_a_case_of_ones_own_knows_none(gallery, cases):
     text = Page(gallery).text
     assert text.index(WORK["author"]) < text.index("Sentences that the text states")
-    own = case_page(replace(cases[0], id="mine", source=""))
-    assert "issertation" not in own.split("<h2>Claims")[0] and WORK["author"] not in own
+    ours = case_page(replace(cases[0], id="mine", source=""))
+    assert "issertation" not in ours.split("<h2>Claims")[0] and WORK["author"] not in ours
 
 
 def test_a_quick_look_says_so(cases):
@@ -103,17 +103,19 @@ def test_an_example_is_one_click_away_and_opens_with_its_picture(gallery, cases)
 
 def test_every_verdict_is_explained(gallery):
     text = Page(gallery).text
-    for name, told in (*VERDICTS.items(), *CLASSES.items(), *LETTERS.items()):
-        assert name in text and " ".join(told.split()) in text
+    for name, message in (*VERDICTS.items(), *CLASSES.items(), *LETTERS.items()):
+        assert name in text and " ".join(message.split()) in text
 
 
 @pytest.mark.costly
 def test_quotes_are_typeset(gallery):
     assert "<i>M<sub>" in str(typeset(r"$M_{2}$"))
-    said = re.findall("\N{LEFT DOUBLE QUOTATION MARK}[^\N{RIGHT DOUBLE QUOTATION MARK}]*", gallery)
-    said += re.findall("<q>.*?</q>", gallery)
-    assert any("<sub>" in words for words in said) and all(
-        words.count("$") < 2 for words in said
+    message = re.findall(
+        "\N{LEFT DOUBLE QUOTATION MARK}[^\N{RIGHT DOUBLE QUOTATION MARK}]*", gallery
+    )
+    message += re.findall("<q>.*?</q>", gallery)
+    assert any("<sub>" in words for words in message) and all(
+        words.count("$") < 2 for words in message
     )  # one alone is no formula
 
 
@@ -130,9 +132,11 @@ def test_examples_that_run_have_pictures_with_titles(gallery, cases):
     )
     for case in cases:
         experiment = load_example(case.id)
-        asked = [figure.caption for figure in experiment.figures if figure.kind != "sheet"]
-        found = [picture.title for picture in case.pictures]
-        assert found == asked or (not asked and len(found) == (4 if experiment.runs else 0))
+        requested = [figure.caption for figure in experiment.figures if figure.kind != "sheet"]
+        result = [picture.title for picture in case.pictures]
+        assert result == requested or (
+            not requested and len(result) == (4 if experiment.runs else 0)
+        )
     assert all(svg["role"] == "img" and svg["viewbox"] for svg in drawn)
     assert all(picture.svg.count("<path") > 10 for picture in pictures)
 
@@ -217,7 +221,11 @@ def test_control_characters_of_a_user_are_written_out():
     plain = build(table, "case.toml")  # a file with such characters is refused
     claims = tuple(replace(claim, text="d\x07") for claim in plain.claims)
     user = replace(plain, title="a\x1b[31m\nb\u202e", notes="c\x9b\u2066", claims=claims)
-    found = verify(user)
-    for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.report()):
+    verification = verify(user)
+    for text in (
+        case_page(case_of(verification)),
+        as_text(verification_sheet(verification)),
+        verification.report(),
+    ):
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", text)
         assert r"a\x1b[31m\nb\u202e" in text and r"c\x9b\u2066" in text and r"d\x07" in text

@@ -69,19 +69,27 @@ def told(make):
 
 
 def specification(cells, coordinates):
-    made = cells.cell(coordinates).specification
-    return [getattr(made, name) for name in ("plant", "settings", "signals", "steps", "stride")] + [
-        made.target, made.arithmetic, made.saturation
-    ]  # fmt: skip
+    built = cells.cell(coordinates).specification
+    names = (
+        "plant",
+        "settings",
+        "signals",
+        "steps",
+        "stride",
+        "target",
+        "arithmetic",
+        "saturation",
+    )
+    return [getattr(built, name) for name in names]
 
 
 MAKES = Part.of
 
 
 def of_no_target(part, plant, **others):
-    made = MAKES(part, plant, **others)
-    assert not isinstance(made, TargetModel), "a target model is made again"
-    return made
+    built = MAKES(part, plant, **others)
+    assert not isinstance(built, TargetModel), "a target model is made again"
+    return built
 
 
 @given(walks())
@@ -89,9 +97,9 @@ def test_it_does_not_depend_on_those_before(walk):
     """In any order, with tables that are wrong among them: the same settings, the same errors."""
     study, coordinates = walk
     together = Cells(study)
-    for here in coordinates:
-        alone = told(lambda here=here: specification(Cells(study), here))
-        assert told(lambda here=here: specification(together, here)) == alone, here
+    for place in coordinates:
+        alone = told(lambda here=place: specification(Cells(study), here))
+        assert told(lambda here=place: specification(together, here)) == alone, place
 
 
 @pytest.mark.parametrize(
@@ -110,9 +118,9 @@ def test_a_number_of_the_controller_reads_no_table(path, values, monkeypatch):
     monkeypatch.setattr(_runs, "read_controllers", None)  # a call would fail
     monkeypatch.setattr(Part, "of", of_no_target)
     for value in values[1:]:
-        made = cells.cell({"x": value}).specification
-        assert made.settings.structure is first.settings.structure
-        assert made.plant is first.plant and made.settings != first.settings
+        built = cells.cell({"x": value}).specification
+        assert built.settings.structure is first.settings.structure
+        assert built.plant is first.plant and built.settings != first.settings
 
 
 @pytest.mark.parametrize(
@@ -128,8 +136,8 @@ def test_a_target_model_is_made_once(path, values, monkeypatch):
     first = cells.cell({"x": values[0]}).specification
     monkeypatch.setattr(Part, "of", of_no_target)
     for value in values[1:]:
-        made = cells.cell({"x": value}).specification
-        assert made.settings.target is first.settings.target
-        assert made != first
+        built = cells.cell({"x": value}).specification
+        assert built.settings.target is first.settings.target
+        assert built != first
     with pytest.raises(AssertionError, match="made again"):
         Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")])).cell({"x": values[0]})

@@ -39,16 +39,16 @@ def made(tmp_path_factory):
 
 def same_rows(new, before):
     """Every chunk that was made is that of before, and only what was named is not there."""
-    found, expected = studies.contents(new / "chunks"), studies.contents(before / "chunks")
-    assert found.items() <= expected.items()
-    return len(expected) - len(found)
+    result, expected = studies.contents(new / "chunks"), studies.contents(before / "chunks")
+    assert result.items() <= expected.items()
+    return len(expected) - len(result)
 
 
 def test_an_old_store_becomes_the_folder_that_the_study_makes(made, tmp_path):
     """File by file; its runs keep their numbers, so a replay finds them."""
     before = made[1].read_bytes()
-    found = convert_store(made[1], tmp_path / "new")
-    assert found.is_whole and found.done == found.total == STUDY.runs
+    converted = convert_store(made[1], tmp_path / "new")
+    assert converted.is_whole and converted.done == converted.total == STUDY.runs
     assert studies.contents(tmp_path / "new") == studies.contents(made[0])
     assert read_table(tmp_path / "new") == read_table(made[0])
     assert replay_run(tmp_path / "new", 17).is_identical and made[1].read_bytes() == before
@@ -62,8 +62,8 @@ def test_failures_and_growth_and_what_has_not_run_are_kept(tmp_path, monkeypatch
         run_study(study, folder, workers=0)
     (folder / "chunks" / "00000002.parquet").unlink()
     old_stores.write(folder, tmp_path / "old")
-    found = convert_store(tmp_path / "old", tmp_path / "new")
-    assert found.is_whole and (found.done, found.total, found.failed) == (6, 8, 4)
+    converted = convert_store(tmp_path / "old", tmp_path / "new")
+    assert converted.is_whole and (converted.done, converted.total, converted.failed) == (6, 8, 4)
     assert studies.contents(tmp_path / "new") == studies.contents(folder)
     assert run_study(study, tmp_path / "new", workers=0).failed == 4
 
@@ -144,12 +144,12 @@ def test_bytes_that_change_are_left_out_and_named(made, tmp_path, damage, in_ful
         shutil.rmtree(new, ignore_errors=True)
         path.write_bytes(damage(bytearray(data), rng, i % (len(data) // page_size(data))))
         try:
-            found = convert_store(path, new)
+            converted = convert_store(path, new)
         except StoreError:
             refused += 1
             continue
-        assert same_rows(new, made[0]) == len(found.damaged) == len(found.faults)
-        refused += not found.is_whole
+        assert same_rows(new, made[0]) == len(converted.damaged) == len(converted.faults)
+        refused += not converted.is_whole
     assert refused
 
 
@@ -184,8 +184,8 @@ def test_rows_that_are_edited_are_left_out_and_named(made, tmp_path, sql):
         connection.execute(sql)
         assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
     with suppress(StoreError):
-        found = convert_store(path, new)
-        assert found.damaged and same_rows(new, made[0]) == len(found.damaged)
+        converted = convert_store(path, new)
+        assert converted.damaged and same_rows(new, made[0]) == len(converted.damaged)
         run_study(STUDY, new, workers=0)
         assert studies.contents(new) == studies.contents(made[0])
 

@@ -108,8 +108,8 @@ def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, what):
         data = bytearray(chunk.read_bytes())
         data[data.index(b"completed") if what == "a row" else 40] ^= 1
         chunk.write_bytes(data)
-        found = check_store(path)
-        assert found.damaged == ((16, 23),) and "runs 16 to 23 (00000003.parquet)" in str(found)
+        report = check_store(path)
+        assert report.damaged == ((16, 23),) and "runs 16 to 23 (00000003.parquet)" in str(report)
         for use in (read_table, sweep_overview, lambda p: replay_run(p, 17)):
             with pytest.raises(StoreError, match="is damaged: the runs 16 to 23"):
                 use(path)
@@ -122,8 +122,10 @@ def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, what):
 def test_other_files_among_the_chunks_are_named(stored, tmp_path):
     path = copied(stored, tmp_path)
     shutil.copy(path / "chunks" / "00000001.parquet", path / "chunks" / "00000099.parquet")
-    found = check_store(path)
-    assert not found.is_whole and not found.damaged and "00000099.parquet is no" in found.faults[0]
+    report = check_store(path)
+    assert (
+        not report.is_whole and not report.damaged and "00000099.parquet is no" in report.faults[0]
+    )
     assert read_table(path) == read_table(stored)
 
 
@@ -259,10 +261,10 @@ def test_a_chunk_reads_back_bit_for_bit(rows):
     columns = dict(zip(dict(LAYOUT.columns), (run, x, why, truth, z, shapes), strict=True))
     data = encode(LAYOUT, 3, columns)
     assert data == encode(LAYOUT, 3, columns)
-    found = decode(LAYOUT, 3, len(rows), data)
-    assert found["run"].tolist() == run and found["why"] == why and found["is"].tolist() == truth
+    result = decode(LAYOUT, 3, len(rows), data)
+    assert result["run"].tolist() == run and result["why"] == why and result["is"].tolist() == truth
     expected = np.array([np.nan if value is None else value for value in x])
-    assert found["x"].tobytes() == expected.tobytes()
+    assert result["x"].tobytes() == expected.tobytes()
     kept = pytest.importorskip("pyarrow.parquet").read_table(io.BytesIO(data)).to_pydict()
     assert repr(kept["z.values"]) == repr(z) and kept["z.shape"] == shapes  # repr: nan is nan
     for layout, number in ((LAYOUT, 4), (Layout("t", LAYOUT.columns), 3)):

@@ -74,9 +74,9 @@ def test_each_run_is_the_one_that_its_coordinates_ask_for(undisturbed):
     cells = Cells(study)
     for i in range(0, 120, 13):
         cell = cells.cell({name: table[name][i] for name in table.axes})
-        made = cell.specification
-        assert made.settings.update.R_theta == table["R_theta"][i]
-        run = simulate(made.plant, made.settings, cell.w(int(table["repetition"][i])))
+        built = cell.specification
+        assert built.settings.update.R_theta == table["R_theta"][i]
+        run = simulate(built.plant, built.settings, cell.w(int(table["repetition"][i])))
         assert np.isclose(np.sqrt(np.mean(run.z**2)), table["rms"][i], rtol=1e-9)
         assert np.isclose(np.abs(run.z[100:]).max(), table["late"][i], rtol=1e-9)
 
@@ -87,17 +87,17 @@ def test_a_run_does_not_depend_on_its_company(data):
     study = studies.study(8)
     numbers = data.draw(st.permutations(range(8)))
     cut = data.draw(st.integers(0, 8))
-    here = {"R_theta": 1.0, "noise": 2}
+    place = {"R_theta": 1.0, "noise": 2}
     other = {"R_theta": 0.01, "noise": 0.5}
 
     def records(runs):
         task = ChunkTask(sweep.pickle.dumps(study), study.fingerprint, instruction_set(), runs)
         return {record.run: record.values for record in run_chunk(task).records}
 
-    whole = records([(here, [(i, i) for i in range(8)])])
+    whole = records([(place, [(i, i) for i in range(8)])])
     pieces = {
-        **records([(here, [(i, i) for i in numbers[:cut]]), (other, [(100, 3)])]),
-        **records([(other, [(101, 4)]), (here, [(i, i) for i in numbers[cut:]])]),
+        **records([(place, [(i, i) for i in numbers[:cut]]), (other, [(100, 3)])]),
+        **records([(other, [(101, 4)]), (place, [(i, i) for i in numbers[cut:]])]),
     }
     assert {i: pieces[i] for i in range(8)} == whole
 
@@ -246,16 +246,16 @@ def test_a_run_that_ends_its_worker_is_one_run_that_failed(tmp_path, small_chunk
 @pytest.mark.costly
 def test_an_executor_that_a_function_makes_is_made_again(tmp_path, small_chunks):
     """A run that ends its worker breaks the whole pool; it is found by halves, and named."""
-    made = []
+    built = []
 
     def make():
-        made.append(ProcessPoolExecutor(1, multiprocessing.get_context("spawn")))
-        return made[-1]
+        built.append(ProcessPoolExecutor(1, multiprocessing.get_context("spawn")))
+        return built[-1]
 
     study = studies.over_R_theta([studies.DEADLY, 1.0], studies.deadly)
     assert "1 failed" in str(run_study(study, tmp_path / "s", executor=make))
     table = read_table(tmp_path / "s")
-    assert table.failed["R_theta"].tolist() == [studies.DEADLY] and len(made) > 2
+    assert table.failed["R_theta"].tolist() == [studies.DEADLY] and len(built) > 2
     assert table.failed["outcome"].tolist() == ["worker died"] and len(table) == 1
     with (
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as one,
@@ -388,11 +388,11 @@ def test_ball_arithmetic_and_signals_that_are_kept(tmp_path):
     run_study(study, store, workers=0)
     table = read_table(store)
     assert table["rms"][0] == pytest.approx(table["rms"][1], rel=1e-10)
-    kept = pytest.importorskip("pyarrow.parquet").read_table(store / "chunks")
-    assert kept["z.shape"].to_pylist() == [[30, 1]] * 2
-    assert kept["theta.shape"].to_pylist() == [[30, 6]] * 2
-    assert len(kept["theta.values"][0]) == 180
-    z = [values.as_py() for values in kept["z.values"]]
+    remaining = pytest.importorskip("pyarrow.parquet").read_table(store / "chunks")
+    assert remaining["z.shape"].to_pylist() == [[30, 1]] * 2
+    assert remaining["theta.shape"].to_pylist() == [[30, 6]] * 2
+    assert len(remaining["theta.values"][0]) == 180
+    z = [values.as_py() for values in remaining["z.values"]]
     assert z[0] == pytest.approx(z[1], abs=1e-10)
     again = replay_run(store, 0).analysed.run
     assert np.array_equal(again.z.ravel(), z[0])
@@ -437,14 +437,14 @@ def test_two_coordinators_finish_with_one_table(tmp_path):
 def test_two_coordinators_leave_out_what_the_other_has_written(tmp_path, small_chunks):
     """The second goes through the whole study while the first is at its first chunk."""
     study, store = studies.study(), tmp_path / "store"
-    seen = []
+    observed = []
 
     def other(progress):
-        if not seen and progress.done:
-            seen.append(run_study(study, store, workers=0))
+        if not observed and progress.done:
+            observed.append(run_study(study, store, workers=0))
 
     progress = run_study(study, store, workers=0, progress=other)
-    assert seen[0].done == progress.done == 120 and check_store(store).is_whole
+    assert observed[0].done == progress.done == 120 and check_store(store).is_whole
 
 
 def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chunks):
@@ -454,12 +454,12 @@ def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chun
         axis = Axis("R_theta", values, sets="controller.R_theta")
         return studies.study(repetitions, axes=[axis], keep=[Kept("rms")])
 
-    store, seen = tmp_path / "store", []
+    store, observed = tmp_path / "store", []
     run_study(study([1.0], 9), store, workers=0)
 
     def other(progress):
-        if not seen and progress.done > 9:
-            seen.append(1)
+        if not observed and progress.done > 9:
+            observed.append(1)
             with Folder(store) as opened:  # as it does that read study.json before we wrote it
                 opened.write(before)
             run_study(study([1.0, 2.0], 9), store, workers=0)
@@ -468,7 +468,7 @@ def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chun
         before = opened.study
     run_study(study([1.0], 30), store, workers=0, progress=other)
     table = read_table(store)
-    assert seen and check_store(store).is_whole and len(table) == 60
+    assert observed and check_store(store).is_whole and len(table) == 60
     run_study(study([1.0, 2.0], 30), tmp_path / "whole", workers=0)
     a, b = ({(R, n): rms for R, n, rms in zip(t["R_theta"], t["repetition"], t["rms"], strict=True)}
             for t in (table, read_table(tmp_path / "whole")))  # fmt: skip
@@ -511,9 +511,11 @@ def test_ctrl_c_says_how_to_go_on(tmp_path, workers, at_a_terminal):
         time.sleep(0.05)
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate()
-    assert process.returncode == 130, said
-    assert "runs are stored" in said and f"sweep {file} -o {store} --workers {workers}" in said
+    _, message = process.communicate()
+    assert process.returncode == 130, message
+    assert (
+        "runs are stored" in message and f"sweep {file} -o {store} --workers {workers}" in message
+    )
     assert 0 < len(read_table(store)) < 3000
 
 
@@ -537,11 +539,11 @@ def _sweep(file, store, *options):
 
 def _children(pid):
     """The processes that any thread of a process has started."""
-    found = []
+    result = []
     for listed in Path(f"/proc/{pid}/task").glob("*/children"):
         with suppress(OSError):
-            found += listed.read_text().split()
-    return found
+            result += listed.read_text().split()
+    return result
 
 
 def _ends(pid):
@@ -559,8 +561,8 @@ def _ends(pid):
 
 def _status(process):
     """How it ended; what it said is in the way of an assertion that fails."""
-    _, said = process.communicate()
-    assert "Traceback" not in said, said
+    _, message = process.communicate()
+    assert "Traceback" not in message, message
     return process.returncode
 
 

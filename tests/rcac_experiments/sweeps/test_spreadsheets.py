@@ -23,11 +23,11 @@ DELIMITERS = (",", ";", "\t", "|")
 def computed(cell):
     """Whether a spreadsheet might take a cell for a formula: what is not seen passed over."""
     shown = [c for c in cell if unicodedata.category(c) not in ("Cc", "Cf", "Mn", "Zl", "Zp", "Zs")]
-    seen = unicodedata.normalize("NFKC", "".join(shown).lstrip('"'))
-    if not seen.startswith(("=", "+", "-", "@", "\u2212")):
+    observed = unicodedata.normalize("NFKC", "".join(shown).lstrip('"'))
+    if not observed.startswith(("=", "+", "-", "@", "\u2212")):
         return False
     try:
-        float(seen.rstrip('"'))
+        float(observed.rstrip('"'))
     except ValueError:
         return True
     return False

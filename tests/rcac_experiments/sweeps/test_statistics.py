@@ -56,31 +56,31 @@ def table(seed, rows=60):
 def test_a_summary_is_that_of_pandas(seed, by, many):
     pandas = pytest.importorskip("pandas")
     data, axes = table(seed), by[:many]
-    found = summarise(data, "rms", axes, quantiles=[0.1, 0.9])
+    summary = summarise(data, "rms", axes, quantiles=[0.1, 0.9])
     frame = pandas.DataFrame(data.columns)
-    assert found["runs"].sum() == len(data)
-    for i in range(len(found)):
+    assert summary["runs"].sum() == len(data)
+    for i in range(len(summary)):
         chosen = np.ones(len(frame), dtype=bool)
         for name in axes:
-            chosen &= frame[name] == found[name][i]
+            chosen &= frame[name] == summary[name][i]
         group = frame[chosen]
         good = group[group.outcome == "completed"].rms.dropna()
-        assert found["runs"][i] == len(group)
-        assert found["not_completed"][i] == (group.outcome != "completed").sum()
-        assert found["measured"][i] == len(good)
+        assert summary["runs"][i] == len(group)
+        assert summary["not_completed"][i] == (group.outcome != "completed").sum()
+        assert summary["measured"][i] == len(good)
         for name, q in (("median", 0.5), ("q0.1", 0.1), ("q0.9", 0.9)):
-            assert found[name][i] == pytest.approx(good.quantile(q), nan_ok=True)
+            assert summary[name][i] == pytest.approx(good.quantile(q), nan_ok=True)
 
 
 def test_a_map_has_its_values_where_they_belong():
-    found = summarise(table(1), "rms", ["gain", "n_c"])
-    xs, ys, values = found.grid("median", "n_c", "gain")
+    summary = summarise(table(1), "rms", ["gain", "n_c"])
+    xs, ys, values = summary.grid("median", "n_c", "gain")
     assert values.shape == (2, 3)
-    for i in range(len(found)):
-        j, k = list(ys).index(found["gain"][i]), list(xs).index(found["n_c"][i])
-        assert values[j, k] == found["median"][i]
+    for i in range(len(summary)):
+        j, k = list(ys).index(summary["gain"][i]), list(xs).index(summary["n_c"][i])
+        assert values[j, k] == summary["median"][i]
     with pytest.raises(InputError, match="by="):
-        found.grid("median", "n_c", "way")
+        summary.grid("median", "n_c", "way")
 
 
 @pytest.mark.costly

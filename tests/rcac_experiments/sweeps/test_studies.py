@@ -76,11 +76,11 @@ def test_the_fingerprint_is_the_same_in_every_process():
 
 def test_a_data_file_that_changes_changes_the_fingerprint(tmp_path):
     base = {**studies.BASE, "signals": {"w": {"recorded": "w.csv"}}}
-    made = []
+    built = []
     for value in (1.0, 2.0):
         np.savetxt(tmp_path / "w.csv", np.full(120, value), header="w", comments="")
-        made.append(studies.study(base=base, file=str(tmp_path / "s.toml"), axes=[]).fingerprint)
-    assert made[0] != made[1]
+        built.append(studies.study(base=base, file=str(tmp_path / "s.toml"), axes=[]).fingerprint)
+    assert built[0] != built[1]
 
 
 @given(st.integers(1, 30), st.integers(0, 30), st.sampled_from(["uniform", "normal"]))
@@ -99,13 +99,13 @@ def test_noise_belongs_to_coordinates_and_repetition():
             Axis("noise", [2.0, 1.5], sets="signals.w.white_noise"),
         ]
     )  # fmt: skip
-    here = {"R_theta": 0.01, "noise": 2}
-    w = [Cells(s).cell(here).w(7) for s in (small, large)]
+    place = {"R_theta": 0.01, "noise": 2}
+    w = [Cells(s).cell(place).w(7) for s in (small, large)]
     assert np.array_equal(*w)
-    others = [Cells(small).cell(here).w(8), Cells(small).cell({**here, "R_theta": 1.0}).w(7)]
+    others = [Cells(small).cell(place).w(8), Cells(small).cell({**place, "R_theta": 1.0}).w(7)]
     assert not any(np.array_equal(w[0], other) for other in others)
     common = Cells(studies.study(common_noise=True))
-    a, b = (common.cell({**here, "R_theta": R}).w(7) for R in (0.01, 1.0))
+    a, b = (common.cell({**place, "R_theta": R}).w(7) for R in (0.01, 1.0))
     assert np.array_equal(a, b)
     assert words_of({"a": 1}) != words_of({"a": 1.5})
 
@@ -225,9 +225,9 @@ def test_functions_must_be_found_by_workers():
 
 
 def test_keywords_in_the_wrong_place_are_told_the_right_one():
-    with pytest.raises(InputError, match=r"goes into arguments=\{'start': 200\}") as told:
+    with pytest.raises(InputError, match=r"goes into arguments=\{'start': 200\}") as message:
         Kept("rms", start=200)
-    assert "not start" in str(told.value)
+    assert "not start" in str(message.value)
     assert Kept("rms", arguments={"start": 200}).arguments == {"start": 200}
     with pytest.raises(InputError, match=r"not kept\. Did you mean 'keep'\?"):
         Study(studies.BASE, [], kept=[Kept("rms")])

@@ -47,16 +47,16 @@ def assert_margins_hold(seed):
     if not margins.is_stable:
         assert margins.gain_up is margins.phase is margins.delay is margins.disk is None
         return False
-    for found in (margins.gain_up, margins.gain_down, margins.phase, margins.delay):
-        if found.is_reached and not found.jumps:
-            assert abs(found.radius_at - 1) < 1e-6, (seed, found)
-            assert found.radius_before < 1 < found.radius_after, (seed, found)
-    for found in (margins.phase_lag, margins.phase_lead):  # the farther one of them, too
-        assert not found.is_reached or abs(found.radius_at - 1) < 1e-6, (seed, found)
+    for result in (margins.gain_up, margins.gain_down, margins.phase, margins.delay):
+        if result.is_reached and not result.jumps:
+            assert abs(result.radius_at - 1) < 1e-6, (seed, result)
+            assert result.radius_before < 1 < result.radius_after, (seed, result)
+    for result in (margins.phase_lag, margins.phase_lead):  # the farther one of them, too
+        assert not result.is_reached or abs(result.radius_at - 1) < 1e-6, (seed, result)
     assert abs(margins.disk.radius_at - 1) < 1e-6, seed
     # Nothing is lost before the margin, and nothing is missed where there is said to be none.
-    for up, found in ((True, margins.gain_up), (False, margins.gain_down)):
-        end = found.value if found.is_reached else (1e3 if up else 1e-3)
+    for up, result in ((True, margins.gain_up), (False, margins.gain_down)):
+        end = result.value if result.is_reached else (1e3 if up else 1e-3)
         for share in np.linspace(0, 0.999, 12):
             assert radius(L, 1 + (end - 1) * share) < 1, (seed, share)
     turn = np.radians(margins.phase.value if margins.phase.is_reached else 180.0)
@@ -80,9 +80,9 @@ def test_at_a_margin_the_poles_cross(seed):
 
 @pytest.mark.long
 def test_at_a_margin_the_poles_cross_in_10_000_loops(in_full):
-    wanted = 10_000 if in_full else 60
+    expected = 10_000 if in_full else 60
     seed = stable = 0
-    while stable < wanted:
+    while stable < expected:
         stable += assert_margins_hold(seed)
         seed += 1
 
@@ -147,19 +147,19 @@ def loop_with(omega, phase):
 
     Of all such loops one that is stable and whose delay margin is decided at omega.
     """
-    wanted = np.exp(1j * (np.radians(phase) - np.pi))
+    exponential = np.exp(1j * (np.radians(phase) - np.pi))
     z = np.exp(1j * omega)
     choices = product(range(4), np.linspace(0.1, 1.0, 10), np.linspace(0.05, 3.1, 62))
     for d, r, angle in choices:
         D = np.array([1, -2 * r * np.cos(angle), r * r])
-        value = wanted * np.polyval(D, z) * z**d
+        value = exponential * np.polyval(D, z) * z**d
         g = value.imag / z.imag
         h = value.real - g * z.real
         L = tf([g, h], np.concatenate([D, np.zeros(d)]))
         if radius(L) < 0.999 and abs((h - g) / np.polyval(D, -1)) < 1:
-            found = stability_margins(L, feedback=-1).delay
-            decided_here = np.isclose(found.frequency, omega, rtol=1e-9)
-            if decided_here and radius(L, delay=int(np.ceil(found.value))) > 1:
+            margins = stability_margins(L, feedback=-1).delay
+            decided_here = np.isclose(margins.frequency, omega, rtol=1e-9)
+            if decided_here and radius(L, delay=int(np.ceil(margins.value))) > 1:
                 return L
     raise AssertionError("no such loop found")
 
@@ -179,9 +179,9 @@ def test_nearest_boundary_of_a_loop_with_three_phase_crossovers():
     margins = stability_margins(L, feedback=-1)
     assert margins.is_stable and len(margins.phase_crossovers) >= 2
     assert 0 < margins.gain_down.value < 1 < margins.gain_up.value < np.inf
-    for found in (margins.gain_down, margins.gain_up):
-        assert radius(L, found.value * 1.01) != radius(L, found.value * 0.99)
-        assert (radius(L, found.value * 1.01) > 1) != (radius(L, found.value * 0.99) > 1)
+    for result in (margins.gain_down, margins.gain_up):
+        assert radius(L, result.value * 1.01) != radius(L, result.value * 0.99)
+        assert (radius(L, result.value * 1.01) > 1) != (radius(L, result.value * 0.99) > 1)
 
 
 def test_an_unstable_loop_has_no_margins_and_says_so():
@@ -214,13 +214,13 @@ def test_exactly_proper_loops_at_the_ends_of_the_circle():
     margins = stability_margins(L, feedback=-1)
     assert len(margins.gain_crossovers) == 1 and margins.gain_up.value == np.inf
     at_one = tf([0.25, 0.25], [1, -0.5])  # L(1) = 1 exactly: a crossover at 0 that no delay moves
-    found = stability_margins(at_one, feedback=-1)
-    assert found.gain_crossovers.tolist() == [0.0] and found.delay.value == np.inf
-    assert np.isclose(found.phase.value, 180)
+    result = stability_margins(at_one, feedback=-1)
+    assert result.gain_crossovers.tolist() == [0.0] and result.delay.value == np.inf
+    assert np.isclose(result.phase.value, 180)
     at_minus_one = tf([0.75, -0.75], [1, -0.5])  # L(-1) = 1: one step of delay puts a pole at -1
-    found = stability_margins(at_minus_one, feedback=-1)
-    assert np.isclose(found.gain_crossovers[-1], np.pi)
-    assert np.isclose(found.delay.value, 1) and np.isclose(radius(at_minus_one, delay=1), 1)
+    result = stability_margins(at_minus_one, feedback=-1)
+    assert np.isclose(result.gain_crossovers[-1], np.pi)
+    assert np.isclose(result.delay.value, 1) and np.isclose(radius(at_minus_one, delay=1), 1)
 
 
 def test_positive_feedback_is_the_negative_loop():

@@ -147,9 +147,9 @@ def test_an_exactly_placed_loop_matches_its_target():
     """The compensator that the theory asks for, rounded once, gives G_f in float64."""
     run = EXAMPLE_4_8.run()
     plant, target = run.plant, run.settings.target
-    asked = rn.compare_exactly(plant, run.compensator, target).compensators
-    D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
-    N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]
+    comparison = rn.compare_exactly(plant, run.compensator, target).compensators
+    D_c = [Fraction(str(c)) for c in comparison.denominator.all_coeffs()]
+    N_c = [Fraction(str(c)) for c in comparison.numerator.all_coeffs()]
     N_c = [Fraction(0)] * (len(D_c) - len(N_c)) + N_c
     ideal = rn.Compensator(
         past_u=[[[-float(c)]] for c in D_c[1:]], past_y=[[[float(c)]] for c in N_c]

@@ -34,10 +34,12 @@ def left_over(A, B, Q, R, N, P):
 @pytest.mark.parametrize("name", INDEFINITE)
 def test_an_indefinite_weight_has_the_stabilising_solution(name):
     A, B, Q, R, N = (None if one is None else np.array(one) for one in INDEFINITE[name])
-    found = solve_riccati(A, B, Q, R, N, time="continuous")
-    assert found.P_root is None and found.margin > 0
-    assert np.abs(left_over(A, B, Q, R, N, found.P)).max() < 1e-13 * (1 + np.abs(found.P).max())
-    assert np.allclose(found.P, linalg.solve_continuous_are(A, B, Q, R, s=N), rtol=1e-9)
+    solution = solve_riccati(A, B, Q, R, N, time="continuous")
+    assert solution.P_root is None and solution.margin > 0
+    assert np.abs(left_over(A, B, Q, R, N, solution.P)).max() < 1e-13 * (
+        1 + np.abs(solution.P).max()
+    )
+    assert np.allclose(solution.P, linalg.solve_continuous_are(A, B, Q, R, s=N), rtol=1e-9)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -58,22 +60,22 @@ def test_weights_and_their_factors_have_one_solution(seed):
 def test_a_stable_plant_is_never_called_unstabilisable(slow, fast, reached):
     """By hand: the slow mode is reached by nothing, the fast one by itself alone."""
     try:
-        found = solve_riccati(
+        solution = solve_riccati(
             np.diag([-slow, -fast]), [[0.0], [reached]], I_2, [[1.0]], time="continuous"
         )
     except NoSolutionError as error:  # float64 cannot hold both modes in one Schur form
         assert slow / fast < 1e-15 and "found in float64" in str(error)
         return
     p = 1 / (fast + np.hypot(fast, 1.0)) if reached else 1 / (2 * fast)
-    assert np.diag(found.P) == pytest.approx([1 / (2 * slow), p], rel=1e-9)
+    assert np.diag(solution.P) == pytest.approx([1 / (2 * slow), p], rel=1e-9)
 
 
 @pytest.mark.parametrize("slow", [1e-3, 1e-9])
 def test_a_slow_mode_that_z_does_not_show_is_no_zero_on_the_axis(slow):
-    found = solve_riccati(
+    solution = solve_riccati(
         np.diag([-slow, -1e6]), [[0.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]], time="continuous"
     )
-    assert np.diag(found.P) == pytest.approx([0.0, 1 / 2e6], rel=1e-9)
+    assert np.diag(solution.P) == pytest.approx([0.0, 1 / 2e6], rel=1e-9)
     with pytest.raises(UnitCircleError, match="zero on the imaginary axis at 0 "):
         solve_riccati(
             np.diag([0.0, -1e6]), [[1.0], [1.0]], np.diag([0.0, 1.0]), [[1.0]], time="continuous"

@@ -27,35 +27,35 @@ def gap(design):
     1e-12 of the terms C (qI - A)^{-1} B that it is the sum of; the gap is then relative to them.
     """
     A, B, C, _ = design.state_space
-    wanted, found = response(design.state_space), response(design.compensator.state_space())
-    sizes = np.linalg.norm(wanted, axis=(1, 2))
+    expected, result = response(design.state_space), response(design.compensator.state_space())
+    sizes = np.linalg.norm(expected, axis=(1, 2))
     terms = np.linalg.norm(C) * np.linalg.norm(response((A, B, np.eye(len(A)), 0 * B)), axis=(1, 2))
     is_any = sizes.max() > 1e-12 * terms.max() + np.finfo(float).tiny
-    gaps = np.linalg.norm(found - wanted, axis=(1, 2))
+    gaps = np.linalg.norm(result - expected, axis=(1, 2))
     return float((gaps / (sizes if is_any else np.maximum(terms, 1.0))).max()), is_any
 
 
 @pytest.mark.costly
 def test_random_designs_with_delays_keep_their_response(in_full):
-    made, refused, nothing, worst = 0, 0, 0, 0.0
+    built, refused, nothing, worst = 0, 0, 0, 0.0
     rng = np.random.default_rng(0)
-    while made < (2000 if in_full else 60):
+    while built < (2000 if in_full else 60):
         try:
             design = lqg_controller(delayed_plant(rng))
         except CompensatorError:
             continue
-        made += 1
+        built += 1
         try:
-            found, is_any = gap(design)
+            result, is_any = gap(design)
         except IllConditionedError:
             refused += 1
             continue
-        worst, nothing = max(worst, found), nothing + (not is_any)
-        assert found < 1e-8
+        worst, nothing = max(worst, result), nothing + (not is_any)
+        assert result < 1e-8
         assert design.certificate.worst < 1e-9
         assert design.loop.is_stable == np.isfinite(design.cost.value)
-    assert refused <= made / 100
-    print(f"{made} designs, {refused} refused by name, {nothing} zero, worst gap {worst:.1e}")
+    assert refused <= built / 100
+    print(f"{built} designs, {refused} refused by name, {nothing} zero, worst gap {worst:.1e}")
 
 
 def test_two_delayed_inputs_with_a_common_mode():
@@ -81,9 +81,9 @@ def test_a_deadbeat_gain_makes_nilpotent_what_is_shown(seed, n, outputs, hidden)
     whole = np.block([[A, np.zeros((n, hidden))], [np.zeros((hidden, n)), 1.3 * np.eye(hidden)]])
     Q = np.linalg.qr(rng.standard_normal((n + hidden, n + hidden)))[0]
     whole, shown = Q @ whole @ Q.T, np.hstack([C, np.zeros((outputs, hidden))]) @ Q.T
-    F, kept, steps = deadbeat_gain(whole, shown, 1e-9)
-    assert kept.shape[1] == n and steps == -(-n // min(outputs, n))
-    closed = kept.T @ (whole - F @ shown) @ kept
+    F, remaining, steps = deadbeat_gain(whole, shown, 1e-9)
+    assert remaining.shape[1] == n and steps == -(-n // min(outputs, n))
+    closed = remaining.T @ (whole - F @ shown) @ remaining
     size = np.linalg.norm(closed) ** steps
     assert np.abs(np.linalg.matrix_power(closed, steps)).max() < 1e-6 * max(size, 1.0)
 
@@ -117,13 +117,15 @@ def test_an_error_is_seen_where_the_response_is_small(monkeypatch):
 
 
 def test_an_integrator_is_checked_beside_its_pole():
-    found = compensator_from_state_space(np.eye(2), np.eye(2), np.eye(2))
-    assert np.allclose(found.past_u[0], np.eye(2)) and np.allclose(found.past_y[1], np.eye(2))
+    compensator = compensator_from_state_space(np.eye(2), np.eye(2), np.eye(2))
+    assert np.allclose(compensator.past_u[0], np.eye(2)) and np.allclose(
+        compensator.past_y[1], np.eye(2)
+    )
     assert np.isfinite(converted((np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2))))[1].residual)
 
 
 def test_a_response_that_is_rounding_only_is_none():
     """C and B are orthogonal up to rounding: what is left is 1e-17 of the terms."""
     B, C = np.array([[0.1], [0.2], [-0.3]]), np.array([[1.0, 1.0, 1.0], [3.0, 3.0, 3.0]])
-    found, certificate = converted((0.5 * np.eye(3), B, C, np.zeros((2, 1))))
-    assert np.abs(found.past_y).max() < 1e-15 and certificate.worst < 1e-9
+    result, certificate = converted((0.5 * np.eye(3), B, C, np.zeros((2, 1))))
+    assert np.abs(result.past_y).max() < 1e-15 and certificate.worst < 1e-9

@@ -38,9 +38,9 @@ def loop_of(plant, compensator):
     inverse = (mpmath.eye(plant.l_u) - D_c * D_0) ** -1
     K_x, K_w = inverse * beside(D_c * C, C_c), inverse * D_c * D_2
     y_x, y_w = beside(C, mpmath.zeros(plant.l_y, n_c)) + D_0 * K_x, D_2 + D_0 * K_w
-    own = above(beside(A, mpmath.zeros(n, n_c)), beside(mpmath.zeros(n_c, n), A_c))
+    ours = above(beside(A, mpmath.zeros(n, n_c)), beside(mpmath.zeros(n_c, n), A_c))
     return (
-        own + above(B * K_x, B_c * y_x), above(D_1 + B * K_w, B_c * y_w),
+        ours + above(B * K_x, B_c * y_x), above(D_1 + B * K_w, B_c * y_w),
         beside(E_1, mpmath.zeros(plant.l_z, n_c)) + E_2 * K_x, E_0 + E_2 * K_w,
     )  # fmt: skip
 
@@ -59,10 +59,10 @@ def oracle(plant, compensator):
             for b in range(n):
                 if A[i, a] and A[j, b]:
                     equations[k, place[min(a, b), max(a, b)]] -= A[i, a] * A[j, b]
-    found = mpmath.lu_solve(equations, mpmath.matrix([Q[pair] for pair in pairs]))
+    result = mpmath.lu_solve(equations, mpmath.matrix([Q[pair] for pair in pairs]))
     X = mpmath.matrix(n, n)
     for k, (i, j) in enumerate(pairs):
-        X[i, j] = X[j, i] = found[k]
+        X[i, j] = X[j, i] = result[k]
     ZX = Z * X
     return sum(ZX[i, j] * Z[i, j] for i in range(Z.rows) for j in range(n)) + sum(w * w for w in W)
 

@@ -182,31 +182,32 @@ def test_a_difference_equation_has_the_response_of_its_state_space(seed, n, l_u,
         rng.standard_normal((l_u, n)),
         rng.standard_normal((l_u, l_y)),
     )
-    found = compensator_from_state_space(*parts)
-    assert found.n_c <= n
+    compensator = compensator_from_state_space(*parts)
+    assert compensator.n_c <= n
     points = np.array([2.0, -1.7, 1.3j, 0.9 + 1.1j])
 
     def response(A, B, C, D):
         return np.array([C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D for z in points])
 
-    wanted = response(*parts)
-    size = np.abs(found.past_u).max() + np.abs(found.past_y).max() + 1
+    responses = response(*parts)
+    size = np.abs(compensator.past_u).max() + np.abs(compensator.past_y).max() + 1
     assert (
-        np.abs(response(*found.state_space()) - wanted).max() < 1e-9 * size * np.abs(wanted).max()
+        np.abs(response(*compensator.state_space()) - responses).max()
+        < 1e-9 * size * np.abs(responses).max()
     )
     # det D_c is det(qI - A_c) and a power of q: nothing unstable is hidden
-    poles, own = found.poles(), np.linalg.eigvals(parts[0])
-    assert len(poles) == l_u * found.n_c >= n
+    poles, ours = compensator.poles(), np.linalg.eigvals(parts[0])
+    assert len(poles) == l_u * compensator.n_c >= n
     for z in points:
-        ratio = np.prod(z - poles) / (np.prod(z - own) * z ** (len(poles) - n))
+        ratio = np.prod(z - poles) / (np.prod(z - ours) * z ** (len(poles) - n))
         assert abs(ratio - 1) < 1e-9 * size
 
 
 def test_nearly_parallel_outputs_and_hidden_modes():
     A = np.diag([0.5, -0.4, 1.3])
     parallel = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0 + 1e-9]]
-    found = compensator_from_state_space(A, [[1.0], [2.0], [1.0]], parallel)
-    assert max(np.abs(found.past_u).max(), np.abs(found.past_y).max()) < 100
+    compensator = compensator_from_state_space(A, [[1.0], [2.0], [1.0]], parallel)
+    assert max(np.abs(compensator.past_u).max(), np.abs(compensator.past_y).max()) < 100
     hidden = compensator_from_state_space(A, np.ones((3, 1)), [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
     assert np.abs(hidden.poles()).max() < 0.6  # u does not show the mode 1.3
     constant = compensator_from_state_space(A, np.ones((3, 1)), np.zeros((2, 3)), [[1.0], [2.0]])

@@ -75,7 +75,7 @@ def test_a_residual_that_is_not_finite_is_infinite():
 def test_the_column_of_wood_and_berry_is_designed_at_every_level_of_noise(noise):
     G = [["12.8/(16.7*s + 1)", "-18.9/(21*s + 1)"], ["6.6/(10.9*s + 1)", "-19.4/(14.4*s + 1)"]]
     late = [[1, 3], [7, 3]]
-    found = design(
+    designed = design(
         G, sample_time=1.0, dead_time=late, disturbance=0.1, noise=noise, seeds=1, steps=100
     )
-    assert np.isfinite(found.controller.theta_0).all()
+    assert np.isfinite(designed.controller.theta_0).all()

@@ -26,9 +26,9 @@ def test_in_blocks_as_one_by_one(seed, n, steps, radius):
     A *= radius / np.abs(np.linalg.eigvals(A)).max()
     drive = rng.standard_normal((steps, n))
     expected = one_by_one(A, drive)
-    found = linear_states(A, drive)
-    assert found.shape == (steps + 1, n)
-    assert np.allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+    result = linear_states(A, drive)
+    assert result.shape == (steps + 1, n)
+    assert np.allclose(result, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("steps", [0, 1, FEW - 1, FEW, FEW + 1, FEW + 40])

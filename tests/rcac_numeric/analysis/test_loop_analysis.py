@@ -44,8 +44,8 @@ def test_a_run_and_its_log_have_the_same_analyses(run):
 
 def test_the_target_that_is_given_goes_before_that_of_the_settings(run):
     other = target_model("1/q")
-    given = LoopAnalysis(run, other)
-    assert given.compared_with == other and given.match.worst > 1e-2
+    analysis = LoopAnalysis(run, other)
+    assert analysis.compared_with == other and analysis.match.worst > 1e-2
     assert LoopAnalysis(run).compared_with == run.settings.target
 
 
@@ -156,8 +156,8 @@ def test_reports_begin_with_stability(run):
 
 def test_plant_compensator_and_target_may_be_texts():
     plant, compensator = "1/(q - 2)", "-4/(q + 2)"  # D D_c - N N_c = q^2
-    found = compare_exactly(plant, compensator, "1/q")
-    assert found.worst_distance == 0 and found.controller_distance == 0
+    comparison = compare_exactly(plant, compensator, "1/q")
+    assert comparison.worst_distance == 0 and comparison.controller_distance == 0
     assert LoopAnalysis((plant, compensator), "1/q").match.worst < 1e-12
     assert not LoopAnalysis((plant, "0")).loop.is_stable
 

@@ -73,10 +73,10 @@ def test_spectra_are_the_exact_prediction(plant):
     """Against the spectral factors, which no Riccati solver had a part in; and the exact cost."""
     design, exact = lqg_controller(plant), compensator_theory.lqg_controller(plant.problem)
     assert design.agreement.coefficient_distance < 1e-13
-    wanted = [float(c) for c in exact.enclosure.centre.all_coeffs()]
-    assert np.abs(np.poly(design.poles).real - wanted).max() < 1e-13
+    expected = [float(c) for c in exact.enclosure.centre.all_coeffs()]
+    assert np.abs(np.poly(design.poles).real - expected).max() < 1e-13
     # and by the loop itself, from its coefficients (2.28)
-    assert np.abs(np.poly(design.loop.poles()).real - wanted).max() < 1e-12
+    assert np.abs(np.poly(design.loop.poles()).real - expected).max() < 1e-12
     P, Q = (
         np.array([[float(c.centre) for c in row] for row in s.P_enclosure])
         for s in (exact.regulator, exact.estimator)
@@ -291,8 +291,10 @@ def test_a_filter_form_that_no_controller_has():
 def test_no_exact_poles_are_explained():
     """A plant whose numbers are beyond what the exact half reads says why."""
     plant = servo_plant("1/(q - 2)", performance="true")
-    found = lqg_controller(plant, noise={"d": 1.0, "v": 2.0}).agreement  # sqrt(2), rounded once
-    assert found.coefficient_distance < 1e-14
+    controller = lqg_controller(
+        plant, noise={"d": 1.0, "v": 2.0}
+    ).agreement  # sqrt(2), rounded once
+    assert controller.coefficient_distance < 1e-14
     with pytest.raises(InputError, match="form = 'both'"):
         lqg_controller(plant, form="both")
     with pytest.raises(InputError, match="plant = 3"):

@@ -37,9 +37,9 @@ def test_float_forms_agree_with_the_exact_ones(plant, data):
     assert numeric.rejected == len(exact.rejections)
     for form in exact.forms:
         roots = np.array([np.poly(row).real for row in numeric.regulator_roots])
-        wanted = as_array(form.regulator.all_coeffs())
-        index = int(np.argmin(np.abs(roots - wanted).sum(axis=1)))
-        assert np.allclose(roots[index], wanted, rtol=1e-9, atol=1e-9)
+        expected = as_array(form.regulator.all_coeffs())
+        index = int(np.argmin(np.abs(roots - expected).sum(axis=1)))
+        assert np.allclose(roots[index], expected, rtol=1e-9, atol=1e-9)
         T = as_array(form.T)
         accuracy = 1e-9 * numeric.condition[index] * (1 + np.linalg.norm(T))
         assert np.allclose(numeric.T[index], T, rtol=1e-6, atol=accuracy)
@@ -58,27 +58,27 @@ def test_random_minimal_loops_have_as_many_forms_as_real_divisors(n_c):
             system, controller = (Realisation(*matrices) for matrices in (plant, other))
             if not (system.is_minimal and controller.is_minimal):
                 continue
-            found = observer_forms(system, controller)
+            forms = observer_forms(system, controller)
             loop = np.block([[plant[0], plant[1] @ other[2]], [other[1] @ plant[2], other[0]]])
-            assert found.rejected == 0
+            assert forms.rejected == 0
             if n_c <= n:
                 decision = realisation_is_observer_based(system, controller)
-                assert decision.number_of_forms == len(found)
-            for i in range(len(found)):
-                A_R = plant[0] + plant[1] @ found.K[i]
-                left = np.vstack([np.eye(n), found.T[i]])
+                assert decision.number_of_forms == len(forms)
+            for i in range(len(forms)):
+                A_R = plant[0] + plant[1] @ forms.K[i]
+                left = np.vstack([np.eye(n), forms.T[i]])
                 assert np.allclose(
-                    loop @ left, left @ A_R, rtol=1e-6, atol=1e-6 * found.condition[i]
+                    loop @ left, left @ A_R, rtol=1e-6, atol=1e-6 * forms.condition[i]
                 )
-                both = np.concatenate([found.regulator_roots[i], found.observer_roots[i]])
+                both = np.concatenate([forms.regulator_roots[i], forms.observer_roots[i]])
                 assert np.allclose(
                     np.poly(both).real, np.poly(np.linalg.eigvals(loop)).real, rtol=1e-6, atol=1e-6
                 )
                 if n_c == n:
-                    built = A_R - found.F[i] @ plant[2]
-                    T = found.T[i]
+                    built = A_R - forms.F[i] @ plant[2]
+                    T = forms.T[i]
                     assert np.allclose(
-                        other[0] @ T, T @ built, rtol=1e-6, atol=1e-8 * found.condition[i] ** 2
+                        other[0] @ T, T @ built, rtol=1e-6, atol=1e-8 * forms.condition[i] ** 2
                     )
 
 
@@ -91,34 +91,34 @@ def test_hidden_modes_are_rejected_as_the_exact_rule_says(data):
     )
     modes = data.draw(st.lists(st.integers(-9, 9), min_size=n, max_size=n, unique=True))
     compensator = realisation((
-        sympy.diag(*modes), [[reached] for reached, _ in shown], [[seen for _, seen in shown]]
+        sympy.diag(*modes), [[b] for b, _ in shown], [[c for _, c in shown]]
     ), "s")  # fmt: skip
     decision = realisation_is_observer_based(plant, compensator)
     try:
-        found = observer_forms(plant, compensator)
+        forms = observer_forms(plant, compensator)
     except InputError as error:
         assert "Jordan blocks" in str(error)
         assert decision.number_of_forms == "a continuum" or decision.number_of_forms in (0, None)
         return
-    assert decision.number_of_forms == len(found)
+    assert decision.number_of_forms == len(forms)
 
 
 def test_a_regulator_that_stands_still_has_its_form():
     """A + BK = 0: both sides of T^-1 A_c T = A + BK - FC are zero, and so is not what they sum."""
     matrices = [[-2]], [[1]], [[1]]
-    (found,) = observer_forms(
+    (result,) = observer_forms(
         Realisation(*matrices, variable="s"), Realisation([[0]], [[0]], [[1]], variable="s")
     ).T
-    assert np.allclose(found, 2)
+    assert np.allclose(result, 2)
 
 
 def test_repeated_roots_keep_their_digits():
     for n in (2, 3, 4, 5):
         design = observer_based_compensator(f"1/(s**{n} + 1)", [-1] * n, [-1] * n)
-        found = observer_forms(design.plant, design.compensator)
-        assert len(found) == 1
-        assert np.allclose(found.K[0], as_array(design.K), rtol=1e-8)
-        assert np.allclose(found.F[0], as_array(design.F), rtol=1e-8)
+        forms = observer_forms(design.plant, design.compensator)
+        assert len(forms) == 1
+        assert np.allclose(forms.K[0], as_array(design.K), rtol=1e-8)
+        assert np.allclose(forms.F[0], as_array(design.F), rtol=1e-8)
 
 
 def test_several_signals_and_python_control():
@@ -129,14 +129,14 @@ def test_several_signals_and_python_control():
     )
     plant = control.ss(A, np.eye(2), np.eye(2), np.zeros((2, 2)))
     compensator = control.ss(A + K - F, F, K, np.zeros((2, 2)))
-    found = observer_forms(plant, compensator)
-    closest = found.closest_to(K, F)
+    forms = observer_forms(plant, compensator)
+    closest = forms.closest_to(K, F)
     assert np.allclose(closest.K, K) and np.allclose(closest.F, F)
-    assert found.best_conditioned() == found.forms[int(np.argmin(np.linalg.cond(found.T)))]
-    slowest = found.observer_roots.real.max(axis=1)
-    assert found.fastest_observer().observer_roots.real.max() == slowest.min()
-    assert len(found.forms) == len(found) and found.forms[0].residual == found.residual[0]
-    assert "cond(T)" in str(found)
+    assert forms.best_conditioned() == forms.forms[int(np.argmin(np.linalg.cond(forms.T)))]
+    slowest = forms.observer_roots.real.max(axis=1)
+    assert forms.fastest_observer().observer_roots.real.max() == slowest.min()
+    assert len(forms.forms) == len(forms) and forms.forms[0].residual == forms.residual[0]
+    assert "cond(T)" in str(forms)
 
 
 def test_refusals():
@@ -173,19 +173,19 @@ def test_forms_that_float64_does_not_resolve_are_named_and_the_rest_delivered(n,
     def plant(first):
         return "1/(" + "*".join(f"(s + {first + i})" for i in range(n)) + ")"
 
-    found = observer_forms(plant(1), plant(poles))
-    unresolved = len(found.unresolved_roots)
-    assert len(found) and unresolved and found.unresolved_roots.shape[1] == n
-    assert len(found) + unresolved + found.rejected in (924, 3432)  # n of 2n simple real roots
-    assert found.residual.max() <= 1e-6
-    assert np.isfinite(found.K).all() and np.isfinite(found.F).all()
-    assert f"{unresolved} that float64 does not resolve" in str(found)
+    forms = observer_forms(plant(1), plant(poles))
+    unresolved = len(forms.unresolved_roots)
+    assert len(forms) and unresolved and forms.unresolved_roots.shape[1] == n
+    assert len(forms) + unresolved + forms.rejected in (924, 3432)  # n of 2n simple real roots
+    assert forms.residual.max() <= 1e-6
+    assert np.isfinite(forms.K).all() and np.isfinite(forms.F).all()
+    assert f"{unresolved} that float64 does not resolve" in str(forms)
     system, other = realisation(plant(1)), realisation(plant(poles))
     A, B, C, A_c, B_c, C_c = map(
         as_array, (system.A, system.B, system.C, other.A, other.B, other.C)
     )
-    for i in (0, len(found) // 2, len(found) - 1):
-        T, K, F = found.T[i], found.K[i], found.F[i]
+    for i in (0, len(forms) // 2, len(forms) - 1):
+        T, K, F = forms.T[i], forms.K[i], forms.F[i]
         terms = [np.linalg.norm(part) for part in (B_c @ C, A_c @ T, T @ A, T @ B @ K)]
         assert np.linalg.norm(B_c @ C + A_c @ T - T @ (A + B @ K)) <= 1e-3 * max(terms)
         assert np.linalg.norm(T @ F - B_c) <= 1e-6 * np.linalg.norm(T) * np.linalg.norm(F)

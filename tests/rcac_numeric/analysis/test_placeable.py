@@ -24,8 +24,8 @@ def test_iir_of_the_plants_order_places_them_whatever_it_is_now(plant, poles, se
     plant = rn.standard_plant(plant)
     structure = rn.iir(plant.n + 1)
     theta = np.random.default_rng(seed).uniform(-1, 1, structure.l_theta)
-    found = comparison(plant, structure, theta, [f"{p}/10" for p in poles])
-    assert found.can_be_placed_by(structure) is True
+    compared = comparison(plant, structure, theta, [f"{p}/10" for p in poles])
+    assert compared.can_be_placed_by(structure) is True
 
 
 def test_two_gains_place_what_two_gains_make_and_nothing_else():
@@ -36,24 +36,24 @@ def test_two_gains_place_what_two_gains_make_and_nothing_else():
     reached = comparison(plant, structure, theta, ["1/2"]).reached
     roots = np.roots([float(c) for c in reached.all_coeffs()])
     assert len(roots) == plant.n + n_c
-    asked = comparison(plant, structure, theta, ["1/2", "1/3"])
+    compared = comparison(plant, structure, theta, ["1/2", "1/3"])
     # least squares over the two gains, by the polynomials of two other gains
     columns = [
         [float(c) for c in comparison(plant, structure, e, ["1/2"]).reached.all_coeffs()]
         for e in (np.zeros(2), np.array([1.0, 0]), np.array([0, 1.0]))
     ]
     base, M = np.array(columns[0]), np.array(columns[1:]).T - np.array(columns[0])[:, None]
-    wanted = np.array([float(c) for c in asked.asked.all_coeffs()])
-    left = np.linalg.lstsq(M, wanted - base, rcond=None)[1]
-    assert (left.size and left[0] > 1e-6) == (asked.can_be_placed_by(structure) is False)
-    assert asked.can_be_placed_by(structure) is False
+    values = np.array([float(c) for c in compared.asked.all_coeffs()])
+    left = np.linalg.lstsq(M, values - base, rcond=None)[1]
+    assert (left.size and left[0] > 1e-6) == (compared.can_be_placed_by(structure) is False)
+    assert compared.can_be_placed_by(structure) is False
 
 
 def test_what_is_not_from_y_to_u_alone_is_not_decided():
     plant = rn.standard_plant(PLANTS[0])
-    found = comparison(plant, rn.iir(2), np.zeros(4), ["1/2"])
-    assert found.can_be_placed_by(rn.feedforward(2)) is None
-    assert found.can_be_placed_by(rn.fir(2)) is False  # no past u: fewer than the loop has poles
+    compared = comparison(plant, rn.iir(2), np.zeros(4), ["1/2"])
+    assert compared.can_be_placed_by(rn.feedforward(2)) is None
+    assert compared.can_be_placed_by(rn.fir(2)) is False  # no past u: fewer than the loop has poles
 
 
 @pytest.mark.parametrize("kind", ["P", "PI", "PID"])
@@ -62,8 +62,8 @@ def test_the_report_says_it_is_the_structure(kind):
     from rcac_numeric.reports._loop import missed_poles
 
     plant, structure = rn.standard_plant(PLANTS[1]), rn.pid(kind)
-    found = comparison(plant, structure, np.full(structure.l_theta, -0.1), ["1/2", "1/4"])
-    (line,) = missed_poles(found, structure)
+    compared = comparison(plant, structure, np.full(structure.l_theta, -0.1), ["1/2", "1/4"])
+    (line,) = missed_poles(compared, structure)
     assert line.level == "warning" and f"{structure.l_theta} coefficients" in line.words
-    (alarm,) = missed_poles(found)
+    (alarm,) = missed_poles(compared)
     assert alarm.level == "bad" and "NOT reached" in alarm.words

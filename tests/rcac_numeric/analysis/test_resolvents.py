@@ -46,15 +46,15 @@ def test_norms_of_inverses_are_estimated_from_below_within_ten(system):
     A, B, C, z = system
     H = hessenberg_form(A, B, C)[0]
     exact = np.linalg.norm(np.linalg.inv(z[:, None, None] * np.eye(len(H)) - H), 1, axis=(1, 2))
-    found = inverse_norms(H, z)
-    assert np.all(found <= exact * (1 + 1e-6)) and np.all(found >= exact / 10)
+    result = inverse_norms(H, z)
+    assert np.all(result <= exact * (1 + 1e-6)) and np.all(result >= exact / 10)
 
 
 def test_a_pole_is_infinite():
     A, B, C = np.diag([1.0, 0.5]), np.ones((2, 1)), np.ones((1, 2))
     points = np.array([1.0 + 0j, 2.0])
-    found = responses(A, B, C, points)
-    assert np.isinf(found[0, 0, 0]) and found[1, 0, 0] == 1 + 1 / 1.5
+    result = responses(A, B, C, points)
+    assert np.isinf(result[0, 0, 0]) and result[1, 0, 0] == 1 + 1 / 1.5
     with np.errstate(all="ignore"):
         assert inverse_norms(A, points).tolist() == [np.inf, 1.0]
 
@@ -70,9 +70,9 @@ def test_changes_of_sign_are_those_between_all_values_above_rounding(seed, sizes
         signs = np.sign(value[kept])
         return [(kept[i], kept[i + 1]) for i in np.flatnonzero(signs[1:] != signs[:-1])]
 
-    told = _boundaries._told_from_rounding(omega, value, lambda points: shares[points.astype(int)])
+    _told = _boundaries._told_from_rounding(omega, value, lambda points: shares[points.astype(int)])
     every = np.flatnonzero(np.abs(value) > shares)
-    assert changes(told) == changes(every)
+    assert changes(_told) == changes(every)
 
 
 LOOPS = [
@@ -108,7 +108,7 @@ def test_margins_of_long_dead_time(delay, monkeypatch):
             return usual(first, *others)
 
         monkeypatch.setattr(np.linalg, name, checked)
-    found = stability_margins(f"0.004/((z - 0.995)*z^{delay})", feedback=-1)
+    margins = stability_margins(f"0.004/((z - 0.995)*z^{delay})", feedback=-1)
     with mpmath.workdps(50):
         pole, gain = mpmath.mpf(0.995), mpmath.mpf(0.004)
 
@@ -117,7 +117,7 @@ def test_margins_of_long_dead_time(delay, monkeypatch):
 
         omega = mpmath.findroot(turned, (0.5 / delay, 3.0 / delay), solver="anderson")
         margin = abs(mpmath.expj(omega) - pole) / gain
-    assert found.is_stable and found.gain_up.frequency == pytest.approx(float(omega), rel=1e-10)
-    assert found.gain_up.value == pytest.approx(float(margin), rel=1e-9)
-    assert found.worst_gap < 1e-9
-    assert len(found.phase_crossovers) == delay // 2 + 1
+    assert margins.is_stable and margins.gain_up.frequency == pytest.approx(float(omega), rel=1e-10)
+    assert margins.gain_up.value == pytest.approx(float(margin), rel=1e-9)
+    assert margins.worst_gap < 1e-9
+    assert len(margins.phase_crossovers) == delay // 2 + 1

@@ -46,31 +46,31 @@ def newton(case, gain, digits=50, steps=8):
 @pytest.mark.costly
 @pytest.mark.parametrize("case", CASES)
 def test_published_equations(case):
-    found = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
+    solution = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
     # The gain, and with it the residual of a rounded P, is solved for with the innovation.
-    assert found.residual < 10 * len(found.P) * EPS * np.linalg.cond(found.innovation)
-    assert 0 < found.margin == 1 - np.abs(found.poles).max()
-    left = found.closed_loop.T @ found.P @ found.closed_loop - found.P
+    assert solution.residual < 10 * len(solution.P) * EPS * np.linalg.cond(solution.innovation)
+    assert 0 < solution.margin == 1 - np.abs(solution.poles).max()
+    left = solution.closed_loop.T @ solution.P @ solution.closed_loop - solution.P
     left += (
-        np.vstack([np.eye(len(left)), found.K]).T
-        @ np.block([[found.Q, found.N], [found.N.T, found.R]])
-        @ np.vstack([np.eye(len(left)), found.K])
+        np.vstack([np.eye(len(left)), solution.K]).T
+        @ np.block([[solution.Q, solution.N], [solution.N.T, solution.R]])
+        @ np.vstack([np.eye(len(left)), solution.K])
     )
-    assert np.abs(left).max() < 1e-11 * np.abs(found.P).max()
-    size = max(np.linalg.norm(found.P, 2), np.linalg.norm(found.Q, 2))
-    accuracy = 10 * len(left) * EPS * max(found.condition, 1.0) * size
+    assert np.abs(left).max() < 1e-11 * np.abs(solution.P).max()
+    size = max(np.linalg.norm(solution.P, 2), np.linalg.norm(solution.Q, 2))
+    accuracy = 10 * len(left) * EPS * max(solution.condition, 1.0) * size
     if case.P is not None:
-        assert np.linalg.norm(found.P - case.P, 2) <= accuracy
+        assert np.linalg.norm(solution.P - case.P, 2) <= accuracy
     if len(left) < 20:
-        oracle = newton(case, found.K)
-        assert np.linalg.norm(found.P - oracle, 2) <= accuracy
+        oracle = newton(case, solution.K)
+        assert np.linalg.norm(solution.P - oracle, 2) <= accuracy
 
 
 def test_the_accuracy_bound_is_a_bound_and_not_idle():
     """Perturb the data by delta: P moves by at most condition * delta, and near to it once."""
     rng = np.random.default_rng(3)
     case = DAREX[4]
-    found = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
+    solution = rcac.solve_riccati(case.A, case.B, *case.weights, time="discrete")
     moves = []
     for _ in range(60):
         delta = 1e-7
@@ -78,8 +78,10 @@ def test_the_accuracy_bound_is_a_bound_and_not_idle():
             _moved(np.array(x, float), delta, rng) for x in (case.A, case.B, case.R_1, case.R_2)
         )
         other = rcac.solve_riccati(A, B, R_1, R_2, time="discrete")
-        moves.append(np.linalg.norm(other.P - found.P, 2) / np.linalg.norm(found.P, 2) / delta)
-    assert 1e-3 * found.condition < max(moves) <= 2 * found.condition
+        moves.append(
+            np.linalg.norm(other.P - solution.P, 2) / np.linalg.norm(solution.P, 2) / delta
+        )
+    assert 1e-3 * solution.condition < max(moves) <= 2 * solution.condition
 
 
 def _moved(x, delta, rng):
@@ -132,11 +134,11 @@ def test_a_zero_beside_the_circle_is_solved(distance):
     """The closed loop has a pole at the zero or at its reciprocal, and the margin says so."""
     zero = 1 + distance
     A, B, E_1 = chain([1, -zero])
-    found = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
+    solution = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
     expected = min(zero, 1 / zero)
-    assert found.margin == pytest.approx(1 - expected, abs=10 * EPS * found.condition)
+    assert solution.margin == pytest.approx(1 - expected, abs=10 * EPS * solution.condition)
     # R_2 + B'PB of (A.15)'s spectral factor: H^2 times the squared zeros outside
-    assert found.innovation[0, 0] == pytest.approx(max(zero, 1.0) ** 2, rel=1e-9)
+    assert solution.innovation[0, 0] == pytest.approx(max(zero, 1.0) ** 2, rel=1e-9)
 
 
 @given(seeds, st.integers(1, 5), st.integers(1, 2), st.floats(-5, -1))
@@ -148,13 +150,13 @@ def test_a_square_map_with_zeros_inside_costs_nothing(seed, n, m, distance):
     zeros *= (1 - 10**distance) / np.abs(np.linalg.eigvals(zeros)).max()
     E_1, E_2 = rng.standard_normal((m, n)), np.eye(m) + rng.uniform(-0.3, 0.3, (m, m))
     gain = -np.linalg.solve(E_2, E_1)
-    found = rcac.solve_riccati(
+    solution = rcac.solve_riccati(
         zeros - B @ gain, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2, time="discrete"
     )
-    assert found.residual < 1e-13 and found.margin > 0
-    accuracy = 1e3 * EPS * max(found.condition, 1.0)
-    assert np.abs(found.P).max() <= accuracy * np.linalg.norm(found.Q, 2)
-    assert np.abs(found.K - gain).max() <= accuracy * np.linalg.norm(gain, 2)
+    assert solution.residual < 1e-13 and solution.margin > 0
+    accuracy = 1e3 * EPS * max(solution.condition, 1.0)
+    assert np.abs(solution.P).max() <= accuracy * np.linalg.norm(solution.Q, 2)
+    assert np.abs(solution.K - gain).max() <= accuracy * np.linalg.norm(gain, 2)
 
 
 def test_an_unobservable_mode_on_the_circle_counts_as_a_zero():
@@ -197,8 +199,8 @@ def test_scipys_user_reported_case_with_cross_terms():
         pytest.skip("this SciPy comes without the data of its tests")
     with data.open("rb") as file:
         case = SimpleNamespace(**np.load(file))
-        found = rcac.solve_riccati(case.A, case.B, case.Q, case.R, case.S, time="discrete")
-    assert found.residual < 1e-15 and found.margin > 0.02
+        solution = rcac.solve_riccati(case.A, case.B, case.Q, case.R, case.S, time="discrete")
+    assert solution.residual < 1e-15 and solution.margin > 0.02
 
 
 def test_indefinite_weights_without_a_solution():
@@ -229,10 +231,10 @@ def test_a_mode_that_no_gain_moves_is_named(A, B, mode):
 
 
 def test_stable_uncontrollable_modes_stay():
-    found = rcac.solve_riccati(
+    solution = rcac.solve_riccati(
         np.diag([1.5, 0.5, 0.99]), [[1.0], [0.0], [0.0]], np.eye(3), [[1.0]], time="discrete"
     )
-    assert {0.5, 0.99} <= set(found.poles.real.round(12))
+    assert {0.5, 0.99} <= set(solution.poles.real.round(12))
 
 
 @given(seeds, st.integers(1, 5), st.integers(1, 3), st.booleans())
@@ -247,16 +249,16 @@ def test_random_equations_agree_with_fifty_digits(seed, n, m, singular):
     if n < m and singular:
         return
     try:
-        found = rcac.solve_riccati(A, B, R_1, R_2, R_12, time="discrete")
+        solution = rcac.solve_riccati(A, B, R_1, R_2, R_12, time="discrete")
     except NoSolutionError:
         assert singular
         return
     case = SimpleNamespace(A=A, B=B, R_1=R_1, R_2=R_2, R_12=R_12)
-    oracle = newton(case, found.K)
-    gap = np.linalg.norm(found.P - oracle, 2) / max(
+    oracle = newton(case, solution.K)
+    gap = np.linalg.norm(solution.P - oracle, 2) / max(
         np.linalg.norm(oracle, 2), np.linalg.norm(R_1, 2)
     )
-    assert gap <= 10 * (n + m) * EPS * found.condition * max(1, found.innovation_condition)
+    assert gap <= 10 * (n + m) * EPS * solution.condition * max(1, solution.innovation_condition)
 
 
 @given(st.lists(st.integers(-9, 9), min_size=2, max_size=4), seeds)
@@ -272,9 +274,9 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
         with pytest.raises(UnitCircleError):
             rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
         return
-    found = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
+    solution = rcac.solve_riccati(A, B, E_1.T @ E_1, time="discrete")
     P = np.array([[float(c.centre) for c in row] for row in exact.P_enclosure])
-    assert np.abs(found.P - P).max() <= 1e-13 * max(found.condition, 1) * np.abs(P).max()
+    assert np.abs(solution.P - P).max() <= 1e-13 * max(solution.condition, 1) * np.abs(P).max()
 
 
 @pytest.mark.parametrize(

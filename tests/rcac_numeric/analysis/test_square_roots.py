@@ -35,15 +35,17 @@ def test_the_design_that_was_refused():
             A=[[0.6]], B=[[1.0]], C=[[0.3], [0.6], [-1.4]], D_1=[[1.6, 2, 0.7, -0.5]],
             D_2=size * D_2, E_1=[[1.0], [0]], E_2=[[0], [1.0]],
         )  # fmt: skip
-        found = lqg_controller(plant)
-        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, found.regulator.K)
-        _, Q = design_60_digits(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, found.estimator.K)
+        controller = lqg_controller(plant)
+        K, P = design_60_digits(plant.A, plant.B, plant.E_1, plant.E_2, controller.regulator.K)
+        _, Q = design_60_digits(
+            plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, controller.estimator.K
+        )
         noise = mpmath.matrix(plant.D_1.tolist())
         J = sum((noise.T * P * noise)[i, i] for i in range(noise.cols))
         J += ((1 + P[0, 0]) * K * Q * K.T)[0, 0]
-        assert found.cost.value == pytest.approx(float(J), rel=1e-8)
+        assert controller.cost.value == pytest.approx(float(J), rel=1e-8)
         if size == 1e-5:
-            assert found.cost.value == pytest.approx(9.38779688608, rel=1e-11)
+            assert controller.cost.value == pytest.approx(9.38779688608, rel=1e-11)
         lqg_controller(plant, form="filter")
 
 
@@ -51,10 +53,10 @@ def test_the_design_that_was_refused():
 @pytest.mark.parametrize("seed", range(20))
 def test_hard_designs_against_sixty_digits(seed):
     plant = hard_design(seed)
-    found = lqg_controller(plant)
+    controller = lqg_controller(plant)
     for one, system in (
-        (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
-        (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
+        (controller.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
+        (controller.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
     ):
         _, P = design_60_digits(*system, one.K)
         bound = 1e-13 * max(one.condition, 1.0) * len(plant.A)
@@ -131,19 +133,19 @@ def test_continuous_time_agrees_with_scipy_and_leaves_no_residual(seed):
     A, B = rng.standard_normal((n, n)), rng.standard_normal((n, m))
     E_1 = np.vstack([np.eye(n), np.zeros((m, n))])
     E_2 = np.vstack([rng.standard_normal((n, m)) / 10, np.eye(m)])
-    found = solve_riccati(A, B, E_1=E_1, E_2=E_2, time="continuous")
+    solution = solve_riccati(A, B, E_1=E_1, E_2=E_2, time="continuous")
     P = linalg.solve_continuous_are(A, B, E_1.T @ E_1, E_2.T @ E_2, s=E_1.T @ E_2)
-    assert found.margin > 0 and found.residual < 1e-11
-    assert np.allclose(found.P, P, rtol=1e-6, atol=1e-7 * np.abs(P).max())
+    assert solution.margin > 0 and solution.residual < 1e-11
+    assert np.allclose(solution.P, P, rtol=1e-6, atol=1e-7 * np.abs(P).max())
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-3, 1e-7])
 def test_cheap_control_of_a_double_integrator(size):
     """Textbook: u = -(x / rho + sqrt(2 / rho) v) for the weight rho^2 of u."""
-    found = solve_riccati(
+    solution = solve_riccati(
         [[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]],
         E_1=[[1.0, 0.0], [0.0, 0.0]], E_2=[[0.0], [size]], time="continuous",
     )  # fmt: skip
-    np.testing.assert_allclose(found.K, [[-1 / size, -np.sqrt(2 / size)]], rtol=1e-7)
+    np.testing.assert_allclose(solution.K, [[-1 / size, -np.sqrt(2 / size)]], rtol=1e-7)
     with pytest.raises(InputError, match="dependent columns"):
         solve_riccati([[1.0]], [[1.0]], E_1=[[1.0]], E_2=[[0.0]], time="continuous")

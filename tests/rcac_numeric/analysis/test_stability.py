@@ -79,12 +79,12 @@ def test_balls_hold_the_gramians(seed, n):
         assert enclosed_gramians(*map(rational, (A, A, A)), 128) is None
         return
     X, Y = enclosed_gramians(rational(A), rational(B @ B.T), rational(C.T @ C), 128)
-    for ball, wanted in (
+    for ball, expected in (
         (X, solve_discrete_lyapunov(A, B @ B.T)),
         (Y, solve_discrete_lyapunov(A.T, C.T @ C)),
     ):
         middles = np.array([float(e.mid()) for e in ball.entries()]).reshape(n, n)
-        assert np.allclose(middles, wanted, rtol=1e-6, atol=1e-9 * max(1, np.abs(wanted).max()))
+        assert np.allclose(middles, expected, rtol=1e-6, atol=1e-9 * max(1, np.abs(expected).max()))
         # what is left out when doubling ends is 2^-64 of the Frobenius norm
-        size = 2.0**-63 * n * (1 + np.abs(wanted).max())
+        size = 2.0**-63 * n * (1 + np.abs(expected).max())
         assert all(float(e.rad()) < size for e in ball.entries())

@@ -89,14 +89,14 @@ def test_a_field_that_differs_makes_a_difference(name):
     value = MAKERS[name]()
     changed = 0
     for field in fields(value):
-        kept = getattr(value, field.name)
-        if isinstance(kept, np.ndarray) and kept.size and kept.dtype.kind in "fc":
-            other = kept.copy()
+        remaining = getattr(value, field.name)
+        if isinstance(remaining, np.ndarray) and remaining.size and remaining.dtype.kind in "fc":
+            other = remaining.copy()
             other.flat[-1] += 1.0
-        elif isinstance(kept, bool) or not isinstance(kept, int | float):
+        elif isinstance(remaining, bool) or not isinstance(remaining, int | float):
             continue
         else:
-            other = kept + 1 if np.isfinite(kept) else 7.0
+            other = remaining + 1 if np.isfinite(remaining) else 7.0
         twin = pickle.loads(pickle.dumps(value))
         object.__setattr__(twin, field.name, other)
         assert twin != value, field.name
@@ -119,9 +119,9 @@ def test_what_reads_its_arguments_can_be_replaced(name):
 
 @pytest.mark.costly
 def test_in_a_fresh_process():
-    made = {name: make() for name, make in MAKERS.items()}
+    built = {name: make() for name, make in MAKERS.items()}
     code = "import sys, pickle as p; sys.stdout.buffer.write(p.dumps(p.load(sys.stdin.buffer)))"
     done = subprocess.run(
-        [sys.executable, "-c", code], input=pickle.dumps(made), capture_output=True, check=True
+        [sys.executable, "-c", code], input=pickle.dumps(built), capture_output=True, check=True
     )
-    assert pickle.loads(done.stdout) == made
+    assert pickle.loads(done.stdout) == built

@@ -19,9 +19,9 @@ def test_no_assignment_is_nearer(wanted, available):
     left = list(available)
     for _, b in pairs:
         left.remove(b)  # each is used once
-    found = sum(abs(a - b) for a, b in pairs)
+    total = sum(abs(a - b) for a, b in pairs)
     best = min(
         sum(abs(a - b) for a, b in zip(wanted, chosen, strict=True))
         for chosen in permutations(available, len(wanted))
     )
-    assert found <= best + 1e-12
+    assert total <= best + 1e-12

@@ -35,9 +35,9 @@ def test_a_strangers_text_reaches_no_terminal(text):
 
 def test_what_is_live_shows_where_it_stands():
     settings = ControllerSettings(structure=iir(1), target=TargetModel([0.0, 1.0]), update=UD(1.0))
-    for made, settings_of in (
+    for built, settings_of in (
         (Controller(settings), "R_theta=1.0"),
         (Estimator(EKF(LinearModel(A=1, C=1), Q=1, R=1)), "LinearModel"),
     ):
-        made.step([1.0], *([1.0],) * isinstance(made, Controller))
-        assert "k=1" in repr(made) and settings_of in made._repr_html_()
+        built.step([1.0], *([1.0],) * isinstance(built, Controller))
+        assert "k=1" in repr(built) and settings_of in built._repr_html_()

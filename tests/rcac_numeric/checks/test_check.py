@@ -62,8 +62,8 @@ def test_the_log_that_octave_wrote_is_the_run_that_our_engine_makes(octave, upda
 
 def test_the_octave_controller_has_the_poles_that_theory_asks_for(octave):
     """D_p has 1/2, -1/2, +-0.8j; the zeros of G are 0.72 +- 0.54j; the rest is 0."""
-    wanted = [0.5, -0.5, 0.8j, -0.8j, 0.72 + 0.54j, 0.72 - 0.54j, 0]
-    for pole in wanted:
+    expected = [0.5, -0.5, 0.8j, -0.8j, 0.72 + 0.54j, 0.72 - 0.54j, 0]
+    for pole in expected:
         assert np.abs(octave.poles - pole).min() < 1e-5
     assert octave.comparison.spectrum_distance < 1e-5 and octave.match.worst < 1e-5
 
@@ -125,8 +125,8 @@ def test_rows_that_an_update_left_are_recognised():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     run = logged(plant, iir(n_c=2), [WhiteNoise()])
     after = np.vstack([run.theta[1:], run.theta_final])
-    found = replay(ControllerLog(u=run.u, y=run.y, theta=after), iir(n_c=2))
-    assert found.agrees and found.shift == 1
+    replayed = replay(ControllerLog(u=run.u, y=run.y, theta=after), iir(n_c=2))
+    assert replayed.agrees and replayed.shift == 1
 
 
 @pytest.mark.parametrize(
@@ -143,8 +143,8 @@ def test_a_u_that_did_not_come_from_theta_is_found():
     run = logged(plant, iir(n_c=2), [WhiteNoise()])
     u = run.u.copy()
     u[200] += 0.1 * np.abs(u).max()
-    found = replay(ControllerLog(u=u, y=run.y, theta=run.theta), iir(n_c=2))
-    assert not found.agrees and 200 <= found.worst_step <= 202
+    replayed = replay(ControllerLog(u=u, y=run.y, theta=run.theta), iir(n_c=2))
+    assert not replayed.agrees and 200 <= replayed.worst_step <= 202
     check = check_controller(u, run.y, theta=run.theta, structure=iir(n_c=2))
     assert not check.is_consistent and "is NOT the output of theta" in str(check)
 
@@ -158,9 +158,9 @@ def test_a_shift_is_no_convention_where_u_is_not_the_output_either_way():
     assert fits.agrees and fits.shift == 1 and words in str(fits)
     u = run.u.copy()
     u[200] += 1e-3 * np.abs(u).max()
-    found = replay(ControllerLog(u=u, y=run.y, theta=left), iir(n_c=2))
-    assert not found.agrees and found.shift == 1
-    assert words not in str(found) and "row k - 1 of theta for step k" in str(found)
+    replayed = replay(ControllerLog(u=u, y=run.y, theta=left), iir(n_c=2))
+    assert not replayed.agrees and replayed.shift == 1
+    assert words not in str(replayed) and "row k - 1 of theta for step k" in str(replayed)
 
 
 def test_last_coefficients_alone_are_compared_with_the_last_tenth():
@@ -242,12 +242,12 @@ def test_without_a_plant_or_w_it_says_what_it_cannot_say(octave):
 def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
     fixed = octave.compensator
     log = octave.log
-    given = check_controller(log.u, log.y, compensator=fixed, plant=octave.plant)
+    check = check_controller(log.u, log.y, compensator=fixed, plant=octave.plant)
     polynomials = ControllerLog(
         u=log.u, y=log.y, D_c=2 * fixed.denominator, N_c=2 * fixed.numerator
     )
     other = check_controller(polynomials, plant=octave.plant)
-    assert np.allclose(given.poles, other.poles) and given.unanswered["convergence"]
+    assert np.allclose(check.poles, other.poles) and check.unanswered["convergence"]
 
 
 @pytest.mark.costly
@@ -307,9 +307,9 @@ def test_an_unstable_loop_and_several_inputs():
     ],
 )  # fmt: skip
 def test_refusals(arguments, words):
-    given = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": iir(n_c=2)}
+    argument = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": iir(n_c=2)}
     with pytest.raises(InputError, match=words):
-        check_controller(**{**given, **arguments})
+        check_controller(**{**argument, **arguments})
 
 
 def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():

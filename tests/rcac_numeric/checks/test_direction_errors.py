@@ -48,9 +48,9 @@ def health_of(plant, target, steps=400):
 def test_every_form_that_hides_an_instability_is_named(name):
     """Also of a loop that has not diverged yet, and with the remedy that cures it."""
     plant, target, code = WRONG[name]
-    found = [w for w in health_of(plant, target).warnings if w.code == code]
-    assert len(found) == 1 and "1.5" in found[0].sentence
-    assert "zero_direction_target" in found[0].next_step
+    result = [w for w in health_of(plant, target).warnings if w.code == code]
+    assert len(result) == 1 and "1.5" in result[0].sentence
+    assert "zero_direction_target" in result[0].next_step
     early = [w.code for w in health_of(plant, target, steps=12).warnings]
     assert code in early
 

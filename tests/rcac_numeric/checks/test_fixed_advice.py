@@ -62,13 +62,13 @@ def every_warning():
 
 @pytest.mark.costly
 def test_nothing_that_is_said_of_a_fixed_controller_speaks_of_adaptation():
-    seen = set()
+    names = set()
     for code, sentence, step in every_warning():
-        seen.add(code)
+        names.add(code)
         assert code in OF_A_FIXED_ONE, (code, step)
         assert not OF_ADAPTATION.search(step), (code, step)
         assert not OF_ADAPTATION.search(sentence), (code, sentence)
-    assert seen >= {"unstable", "slow", "inconsistent log", "saturated"}
+    assert names >= {"unstable", "slow", "inconsistent log", "saturated"}
 
 
 def test_an_adapting_one_still_gets_it():

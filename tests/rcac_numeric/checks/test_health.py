@@ -73,9 +73,9 @@ def test_a_wrong_sign_is_named_and_turning_it_is_the_cure():
 def test_contradictions_between_target_and_plant():
     plant = rn.standard_plant("(q - 1.25)/(q**2*(q - 0.5))")
     assert target_errors(plant, rn.fir_target(plant)) == ()
-    found = target_errors(plant, rn.TargetModel([0.0, 1.0]))
-    assert [e.code for e in found] == ["wrong d_zu", "unmodelled zero"]
-    assert "d_zu = 2" in found[0].next_step and "1.25" in found[1].next_step
+    result = target_errors(plant, rn.TargetModel([0.0, 1.0]))
+    assert [e.code for e in result] == ["wrong d_zu", "unmodelled zero"]
+    assert "d_zu = 2" in result[0].next_step and "1.25" in result[1].next_step
 
 
 def test_excitation_is_the_count_of_a_plain_sum():
@@ -100,16 +100,16 @@ def test_saturation_rounding_and_a_short_record_are_said():
     plant = rn.servo_plant("1/(q - 0.99)")
     w = np.zeros((400, 3))
     w[:, 0] = 1.0
-    held = adapted(
+    stored = adapted(
         plant, rn.fir_target(plant), w, 1e-3, saturation=rn.Saturation(low=-0.005, high=0.005)
     )
-    health = rn.loop_health(held)
+    health = rn.loop_health(stored)
     assert "saturated" in codes(health)
     assert health.signals["u"].after.peak > 0.005 == health.signals["u_applied"].after.peak
     assert "u_applied" not in rn.loop_health(adapted(plant, rn.fir_target(plant), w, 1e-3)).signals
     idle = rn.FixedController(rn.Compensator(np.zeros((0, 1, 1)), np.zeros((1, 1, 1))))
     assert codes(rn.loop_health(rn.simulate(plant, idle, w[:50]))) == ["slow"]
-    guarded = replace(held, guard_count=3, guard_first_step=7)
+    guarded = replace(stored, guard_count=3, guard_first_step=7)
     assert "rounding" in codes(rn.loop_health(guarded))
 
 
@@ -182,5 +182,5 @@ def test_the_next_disturbance_of_a_constant_has_its_size_not_that_of_its_roundin
     settings = rn.ControllerSettings(
         structure=rn.iir(n_c=3), target=rn.fir_target(plant), update=rn.UD(R_theta=1e-8), k_w=60
     )
-    tried = next_disturbance(rn.simulate(plant, settings, rn.exogenous([rn.Step(size)], 160)))
-    assert tried.frozen > 0.05 * size
+    candidates = next_disturbance(rn.simulate(plant, settings, rn.exogenous([rn.Step(size)], 160)))
+    assert candidates.frozen > 0.05 * size

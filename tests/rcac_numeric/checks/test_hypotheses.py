@@ -26,8 +26,8 @@ def test_an_excited_log_tells_its_sign_and_delay_in_any_unit(seed, sign, delay, 
     for k in range(2, 300):
         y[k] = 1.6 * y[k - 1] - 0.63 * y[k - 2] + sign * 0.1 * (late[k - 1] - 0.4 * late[k - 2])
         y[k] += 0.02 * rng.standard_normal()
-    found = decide_problem(rn.ControllerLog(unit * u, unit * y), PLANTS).decided
-    assert (found.problem, found.delay) == ("standard" if sign > 0 else "servo", delay)
+    decision = decide_problem(rn.ControllerLog(unit * u, unit * y), PLANTS).decided
+    assert (decision.problem, decision.delay) == ("standard" if sign > 0 else "servo", delay)
 
 
 def test_a_log_without_control_is_undecided():

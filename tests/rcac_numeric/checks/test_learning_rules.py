@@ -60,9 +60,9 @@ def test_it_stands_in_the_lines_and_in_the_record():
 def test_excitation_is_that_of_the_target_that_was_learnt():
     """As that of the same data with the learnt model told."""
     run, _ = health_of(LIGHT, rn.DataDriven(order=20), steps=2000)
-    told = rn.ControllerSettings(
+    settings = rn.ControllerSettings(
         structure=rn.iir(15), target=run.changes[-1].change.target, update=rn.UD(0.5), k_w=300
     )
-    assert excitation_of(run) == excitation_of(replace(run, settings=told, changes=()))
+    assert excitation_of(run) == excitation_of(replace(run, settings=settings, changes=()))
     assert not ours(health_of(LIGHT, rn.fir_target(LIGHT), steps=500)[1])
     assert np.isfinite(run.z).all()

@@ -33,9 +33,9 @@ def test_nothing_is_left_where_all_of_w_is_known(n, l_u, l_y, l_w, seed):
     )  # fmt: skip
     u, w = rng.standard_normal((60, l_u)), rng.standard_normal((60, l_w))
     y = response(plant, u, w, rng.standard_normal(n))
-    found = plant_residual(ControllerLog(u, y, w=w if l_w else None), plant)
-    assert found.rms <= 1e-6 * np.abs(y).max() and not found.is_doubtful
-    assert "fits" in str(found)
+    residual = plant_residual(ControllerLog(u, y, w=w if l_w else None), plant)
+    assert residual.rms <= 1e-6 * np.abs(y).max() and not residual.is_doubtful
+    assert "fits" in str(residual)
 
 
 @pytest.mark.parametrize(
@@ -46,8 +46,8 @@ def test_another_plant_is_doubted(told):
     u, w = rng.standard_normal((400, 1)), 0.05 * rng.standard_normal((400, 1))
     y = response(standard_plant("1/(q - 0.5)"), u, w, np.zeros(1))
     assert not plant_residual(ControllerLog(u, y), standard_plant("1/(q - 0.5)")).is_doubtful
-    found = plant_residual(ControllerLog(u, y), standard_plant(told))
-    assert found.is_doubtful and "another plant" in str(found)
+    residual = plant_residual(ControllerLog(u, y), standard_plant(told))
+    assert residual.is_doubtful and "another plant" in str(residual)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -72,8 +72,8 @@ def test_a_simple_mistake_is_named(words, change):
     u = rng.standard_normal((300, 1))
     plant = standard_plant("(q - 0.2)/(q*(q - 0.8))")
     y = response(plant, u, 0.01 * rng.standard_normal((300, 1)), np.zeros(2))
-    found = plant_residual(ControllerLog(change(u), y), plant)
-    assert found.is_doubtful and words in found.remedy and words in str(found)
+    residual = plant_residual(ControllerLog(change(u), y), plant)
+    assert residual.is_doubtful and words in residual.remedy and words in str(residual)
 
 
 def test_the_command_is_known_where_it_was_logged():
@@ -106,15 +106,15 @@ def test_however_little_it_leaves_another_plant_is_doubted_where_a_fit_leaves_no
 ):
     """All of w is logged, or none acts: what a fitted plant leaves is the yardstick, not y."""
     right = slow_plant(np.random.default_rng(seed), n)
-    told = slow_plant(np.random.default_rng(seed), n, **wrong)
+    message = slow_plant(np.random.default_rng(seed), n, **wrong)
     rng = np.random.default_rng([1, seed])
     u = np.cumsum(0.1 * rng.standard_normal((300, 1)), axis=0)
     w = 0.3 * rng.standard_normal((300, 1)) if is_logged else np.zeros((300, 1))
     y = response(right, u, w, np.zeros(n))
     log = ControllerLog(u, y, w=w if is_logged else None)
     assert not plant_residual(log, right).is_doubtful
-    found = plant_residual(log, told)
-    assert found.is_doubtful and "fits the log" not in str(found)
+    residual = plant_residual(log, message)
+    assert residual.is_doubtful and "fits the log" not in str(residual)
 
 
 @given(st.integers(1, 3), st.floats(0.5, 5), st.integers(0, 2**32 - 1))
@@ -146,8 +146,8 @@ def test_a_constant_that_was_not_logged_contradicts_no_plant(n, size, seed):
     )  # fmt: skip
     u = rng.standard_normal((80, 1))
     y = response(plant, u, np.full((80, 1), size), rng.standard_normal(n)) + size
-    found = plant_residual(ControllerLog(u, y), plant)
-    assert found.rms <= 1e-6 * np.abs(y).max()
-    assert not found.is_doubtful and not found.is_contradicted
-    if found.offset > 1e-3:
-        assert "a constant" in str(found)
+    residual = plant_residual(ControllerLog(u, y), plant)
+    assert residual.rms <= 1e-6 * np.abs(y).max()
+    assert not residual.is_doubtful and not residual.is_contradicted
+    if residual.offset > 1e-3:
+        assert "a constant" in str(residual)

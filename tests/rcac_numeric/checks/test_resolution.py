@@ -48,10 +48,10 @@ def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, write
     written = ControllerLog(
         **{name: rounded(getattr(log, name), writer) for name in ("u", "y", "theta")}
     )
-    found = replay(written, iir(n_c=2))
-    assert found.agrees, str(found)
+    replayed = replay(written, iir(n_c=2))
+    assert replayed.agrees, str(replayed)
     u = written.u.copy()
-    u[40] += 4 * found.tolerance * max(np.abs(u).max(), 1.0) * (1 + 4 * 0.4 * 4)
+    u[40] += 4 * replayed.tolerance * max(np.abs(u).max(), 1.0) * (1 + 4 * 0.4 * 4)
     faulty = replay(ControllerLog(u=u, y=written.y, theta=written.theta), iir(n_c=2))
     assert not faulty.agrees
 
@@ -71,8 +71,10 @@ def test_the_more_digits_the_less_is_left_open(seed):
 def test_the_error_of_a_number_is_bounded(seed, writer):
     values = 10 * np.random.default_rng(seed).standard_normal(200)
     written = rounded(values, writer)
-    found = resolution_of(written)
-    assert (np.abs(written - values) <= found.error(written) * (1 + 1e-9)).all(), str(found)
+    resolution = resolution_of(written)
+    assert (np.abs(written - values) <= resolution.error(written) * (1 + 1e-9)).all(), str(
+        resolution
+    )
 
 
 @pytest.mark.parametrize(
@@ -89,8 +91,8 @@ def test_the_report_says_what_is_allowed_and_the_option_decides():
     written = ControllerLog(
         **{name: rounded(getattr(log, name), "%.4f") for name in ("u", "y", "theta")}
     )
-    found = replay(written, iir(n_c=2))
-    assert "u to 4 decimals, y to 4 decimals, theta to 4 decimals" in str(found)
+    replayed = replay(written, iir(n_c=2))
+    assert "u to 4 decimals, y to 4 decimals, theta to 4 decimals" in str(replayed)
     assert not replay(written, iir(n_c=2), tolerance=1e-12).agrees
     check = check_controller(written, structure=iir(n_c=2), tolerance=1e-12)
     assert not check.is_consistent and "1e-12 is allowed" in str(check)

@@ -27,13 +27,14 @@ def test_the_zero_is_named_before_R_theta_and_only_it_helps(seed):
     peak, health = ran(CANCELLED, 1e-2, seed)
     advice = [w.next_step for w in health.warnings if w.code in SIZES]
     zero = f"{float(control.zeros(G)[0].real):.4g}"
-    assert advice and all(f"the zero {zero} of" in said.split(";")[0] for said in advice)
+    assert advice and all(f"the zero {zero} of" in message.split(";")[0] for message in advice)
     assert all(
-        "nmp_zeros" in said and said.index("-1") < said.index("100 times") for said in advice
+        "nmp_zeros" in message and message.index("-1") < message.index("100 times")
+        for message in advice
     )
     larger, _ = ran(CANCELLED, 1.0, seed)
-    told, mended = ran(TOLD, 1e-2, seed)
-    assert larger > peak > 5 * told
+    message, mended = ran(TOLD, 1e-2, seed)
+    assert larger > peak > 5 * message
     assert not any(warning.is_grave for warning in mended.warnings)
 
 

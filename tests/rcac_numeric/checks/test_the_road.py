@@ -20,8 +20,8 @@ def warnings_of(**change):
 
 
 def test_a_run_from_zero_names_design_once_and_what_to_expect():
-    found = warnings_of()
-    named = [one for one in found if "design(plant)" in one.next_step]
+    warnings = warnings_of()
+    named = [one for one in warnings if "design(plant)" in one.next_step]
     assert len(named) == 1
     assert "a damping of 0.035" in named[0].sentence and "a dead time of 7" in named[0].sentence
 

@@ -43,8 +43,12 @@ UPDATES = {
 
 
 def settings_of(**more):
-    given = {"structure": rn.iir(3), "target": rn.TargetModel([0, 1.0, -0.3]), "update": rn.UD(0.1)}
-    return rn.ControllerSettings(**{**given, **more})
+    argument = {
+        "structure": rn.iir(3),
+        "target": rn.TargetModel([0, 1.0, -0.3]),
+        "update": rn.UD(0.1),
+    }
+    return rn.ControllerSettings(**{**argument, **more})
 
 
 @st.composite
@@ -68,10 +72,10 @@ def additions(draw, settings):
         P, Q = rng.standard_normal((n, s.l_u, s.l_u)), rng.standard_normal((n + 1, s.l_u, inputs))
         more["fixed"] = rn.Compensator(P / 5, Q / 5)
     if s.derived and draw(st.booleans()):
-        held = [
+        stored = [
             rn.DerivedSignal(d.now, d.before, d.pole, draw(st.floats(0.1, 2))) for d in s.derived
         ]
-        more["structure"] = replace(s, derived=held)
+        more["structure"] = replace(s, derived=stored)
     return replace(settings, **more)
 
 
@@ -150,12 +154,12 @@ def test_a_clamped_integrator_never_leaves_its_limit(seed, limit):
     theta = np.array([0.1, -0.2, 0.3])
     settings = settings_of(structure=structure, theta_0=theta, k_update=10**6)
     run = rn.simulate(PLANT, settings, noise(seed, 60, 1))
-    gamma, held = 0.0, []
+    gamma, stored = 0.0, []
     for y in run.y[:, 0]:
         gamma = min(max(gamma + y, -limit), limit)
-        held.append(gamma)
+        stored.append(gamma)
     y = run.y[:, 0]
-    u = theta[0] * y[1:-1] + theta[1] * y[:-2] + theta[2] * np.array(held[2:])
+    u = theta[0] * y[1:-1] + theta[1] * y[:-2] + theta[2] * np.array(stored[2:])
     assert np.allclose(run.u[2:, 0], u, atol=1e-12)
     free = rn.simulate(PLANT, replace(settings, structure=rn.fir_integrator(2)), noise(seed, 60, 1))
     assert np.abs(np.cumsum(free.y)).max() <= limit or not np.array_equal(free.u, run.u)

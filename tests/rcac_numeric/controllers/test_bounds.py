@@ -16,23 +16,23 @@ PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 
 
 def settings_of(**more):
-    given = {"structure": rn.iir(2), "target": rn.TargetModel([0, 1.0]), "update": rn.UD(0.05)}
-    return rn.ControllerSettings(**{**given, **more})
+    argument = {"structure": rn.iir(2), "target": rn.TargetModel([0, 1.0]), "update": rn.UD(0.05)}
+    return rn.ControllerSettings(**{**argument, **more})
 
 
 def nearest(theta, P, low, high):
     """The minimiser of (t - theta)' P^-1 (t - theta) in the box, by trying all active sets."""
     M, best, cost = np.linalg.inv(P), None, np.inf
     for sides in product((None, 0, 1), repeat=len(theta)):
-        held = np.array([side is not None for side in sides])
+        values = np.array([side is not None for side in sides])
         t = theta.astype(float).copy()
-        t[held] = [(low, high)[side][i] for i, side in enumerate(sides) if side is not None]
+        t[values] = [(low, high)[side][i] for i, side in enumerate(sides) if side is not None]
         if not np.isfinite(t).all():
             continue
-        free = ~held
-        if free.any() and held.any():
+        free = ~values
+        if free.any() and values.any():
             t[free] -= np.linalg.solve(
-                M[np.ix_(free, free)], M[np.ix_(free, held)] @ (t - theta)[held]
+                M[np.ix_(free, free)], M[np.ix_(free, values)] @ (t - theta)[values]
             )
         value = (t - theta) @ M @ (t - theta)
         if (t >= low - 1e-12).all() and (t <= high + 1e-12).all() and value < cost:
@@ -63,11 +63,11 @@ def test_every_update_ends_in_the_nearest_point(method, update):
         past = lambda s, i, k=k: s[k - i] if k >= i else 0.0  # noqa: E731
         phi_f = np.array([past(s, i) for s in (u, y) for i in (2, 3)])
         free, P = recursion(theta, P, phi_f, z[k] - past(u, 1))
-        wanted = np.clip(free, low, high) if method == "clip" else nearest(free, P, low, high)
-        assert np.allclose(controller.theta, wanted, rtol=1e-7, atol=1e-9), k
+        expected = np.clip(free, low, high) if method == "clip" else nearest(free, P, low, high)
+        assert np.allclose(controller.theta, expected, rtol=1e-7, atol=1e-9), k
         outside = (free < low) | (free > high)
         moved += outside.any()
-        together += method == "metric" and not np.allclose(wanted, np.clip(free, low, high))
+        together += method == "metric" and not np.allclose(expected, np.clip(free, low, high))
     assert run.bounded == moved > 10
     assert method == "clip" or together > 3  # the other coefficients did move
 
@@ -94,7 +94,7 @@ def test_bounds_that_are_never_met_change_nothing(method):
 
 def test_where_bounds_hold_theta_they_and_no_failure_say_where_the_poles_are():
     target = rn.TargetModel([0.0, 1.0], [1.0, -1.2, 0.4])
-    held, free = (
+    stored, free = (
         rn.loop_health(
             rn.simulate(
                 PLANT, settings_of(target=target, update=rn.UD(5.0), **bounds), noise(2, 200, 1)
@@ -102,10 +102,10 @@ def test_where_bounds_hold_theta_they_and_no_failure_say_where_the_poles_are():
         )
         for bounds in ({"bounds": rn.CoefficientBounds(-0.01, 0.01)}, {})
     )
-    assert held.is_held and not free.is_held and min(held.missed_by, free.missed_by) > 0.01
-    codes = [{one.code for one in health.warnings} for health in (held, free)]
+    assert stored.is_held and not free.is_held and min(stored.missed_by, free.missed_by) > 0.01
+    codes = [{one.code for one in health.warnings} for health in (stored, free)]
     assert "missed poles" not in codes[0] and "missed poles" in codes[1]
-    assert "they decide where the poles are" in held.report()
+    assert "they decide where the poles are" in stored.report()
     assert "they decide" not in free.report()
 
 

@@ -20,26 +20,28 @@ def test_text_exact_and_python_control_agree(numerator, denominator):
     q = " + ".join(f"({c})*q**{i}" for i, c in enumerate(reversed(numerator)))
     D = " + ".join(f"({c})*q**{i}" for i, c in enumerate(reversed(denominator)))
     text = f"({q})/({D})"
-    made = compensator_of(transfer_function(text, "q"))
+    compensator = compensator_of(transfer_function(text, "q"))
     points = np.exp(1j * np.array([0.3, 1.1, 2.9]))
-    wanted = np.polyval(numerator, points) / np.polyval(denominator, points)
-    reached = np.polyval(made.numerator, points) / np.polyval(made.denominator, points)
+    expected = np.polyval(numerator, points) / np.polyval(denominator, points)
+    reached = np.polyval(compensator.numerator, points) / np.polyval(
+        compensator.denominator, points
+    )
     near = np.abs(np.polyval(denominator, points)) > 1e-3
-    np.testing.assert_allclose(reached[near], wanted[near], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(reached[near], expected[near], rtol=1e-9, atol=1e-12)
     if any(numerator) and len(denominator) > 1:
         same = compensator_of(text)
-        assert np.array_equal(made.denominator, same.denominator)
+        assert np.array_equal(compensator.denominator, same.denominator)
         foreign = compensator_of(control.tf(numerator, denominator, True))
         values = np.polyval(foreign.numerator, points) / np.polyval(foreign.denominator, points)
-        np.testing.assert_allclose(values[near], wanted[near], rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(values[near], expected[near], rtol=1e-9, atol=1e-12)
 
 
 def test_it_closes_loops_as_a_compensator_does():
     plant, text = "0.2*(q + 0.8)/((q - 0.9)*(q - 0.7))", "-(0.5*q - 0.4)/(q - 1)"
-    made = compensator_of(text)
-    assert compensator_of(made) is made
-    assert np.array_equal(ClosedLoop(plant, text).poles(), ClosedLoop(plant, made).poles())
-    assert h2_cost(plant, text).value == h2_cost(plant, made).value
+    compensator = compensator_of(text)
+    assert compensator_of(compensator) is compensator
+    assert np.array_equal(ClosedLoop(plant, text).poles(), ClosedLoop(plant, compensator).poles())
+    assert h2_cost(plant, text).value == h2_cost(plant, compensator).value
     assert FixedController(text).compensator.l_y == 1
     assert ClosedLoop("1/q", "0.25").poles() == pytest.approx([0.25])
 

@@ -68,13 +68,13 @@ def of_error(gain):
 def test_held_at_a_value_it_is_the_fixed_controller(value):
     schedule = rn.GainSchedule([0, 10], [of_error(0.001), of_error(0.004)], variable="r", l_r=1)
     w = rn.exogenous([rn.Step(value), rn.WhiteNoise(0.1), rn.WhiteNoise(0.01)], 400, seed=3)
-    found = rn.simulate(PLANT, schedule, w)
+    run = rn.simulate(PLANT, schedule, w)
     fixed = rn.simulate(PLANT, rn.FixedController(schedule.at(value), l_r=1), w)
-    assert found.outcome == "completed"
-    assert found.u == pytest.approx(fixed.u, rel=1e-9, abs=1e-12)
-    assert found.z == pytest.approx(fixed.z, rel=1e-9, abs=1e-12)
-    assert (found.theta == value).all()
-    assert np.allclose(found.compensator.past_y, schedule.at(value).past_y)
+    assert run.outcome == "completed"
+    assert run.u == pytest.approx(fixed.u, rel=1e-9, abs=1e-12)
+    assert run.z == pytest.approx(fixed.z, rel=1e-9, abs=1e-12)
+    assert (run.theta == value).all()
+    assert np.allclose(run.compensator.past_y, schedule.at(value).past_y)
 
 
 def test_integral_action_does_not_bump_where_the_variable_jumps():
@@ -175,11 +175,13 @@ def test_beside_a_device_it_copies_and_hears_what_was_applied():
     with pytest.raises(ValueError, match="do not fit"):
         one.take_up(np.zeros(3))
     # Held at its limit, an integrator that hears of it does not wind up.
-    wound, told = (rn.GainSchedule([0, 2], [integral(0.1)] * 2, "r", l_r=1).started() for _ in "ab")
+    wound, message = (
+        rn.GainSchedule([0, 2], [integral(0.1)] * 2, "r", l_r=1).started() for _ in "ab"
+    )
     b = np.zeros(1)
     for _ in range(100):
         a = wound.step([0.0], [1.0])
-        b = told.step([0.0], [1.0], u_applied=np.minimum(b, 1.0))
+        b = message.step([0.0], [1.0], u_applied=np.minimum(b, 1.0))
     assert a[0] > 9 and b[0] == pytest.approx(1.1)
 
 

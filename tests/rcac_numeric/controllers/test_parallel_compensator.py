@@ -35,8 +35,8 @@ GAIN = Compensator(np.zeros((0, 1, 1)), [[[-0.5]]])
 
 
 def settings_of(**more):
-    given = {"structure": iir(3), "target": TargetModel([0, 1.0, -0.3]), "update": UD(0.1)}
-    return ControllerSettings(**{**given, **more})
+    argument = {"structure": iir(3), "target": TargetModel([0, 1.0, -0.3]), "update": UD(0.1)}
+    return ControllerSettings(**{**argument, **more})
 
 
 def closed(plant, c):
@@ -99,9 +99,9 @@ def test_what_an_actuator_leaves_of_it_is_its_own_part():
     # Given v as a part of the plant, the same controller is told u_applied - v.
     other, before = Controller(replace(settings, fixed=None)), None
     for k in range(60):
-        own = other.step(run.y[k], run.z[k], u_applied=before)
+        output = other.step(run.y[k], run.z[k], u_applied=before)
         v = -0.5 * run.y[k]
-        assert np.allclose(own + v, run.u[k], rtol=1e-9, atol=1e-12)
+        assert np.allclose(output + v, run.u[k], rtol=1e-9, atol=1e-12)
         before = run.u_applied[k] - v
     report = loop_health(run)
     assert report.is_stable is not None and report.excitation is None

@@ -14,8 +14,10 @@ TARGET = rn.TargetModel([0, 2, 1], [1, -0.5, 0])
 
 
 def weight_of(structure, prior, target=TARGET):
-    made = rn.ControllerSettings(structure=structure, target=target, update=rn.UD(R_theta=prior))
-    return made.update.R_theta
+    settings = rn.ControllerSettings(
+        structure=structure, target=target, update=rn.UD(R_theta=prior)
+    )
+    return settings.update.R_theta
 
 
 @pytest.mark.costly
@@ -25,11 +27,11 @@ def test_sizes_are_those_of_a_white_record(structure):
     rng = np.random.default_rng(0)
     steps, sizes = 200_000, {"y": 2.0, "u": 0.3, "r": 1.5}
     record = {name: size * rng.standard_normal(steps) for name, size in sizes.items()}
-    found = weight_of(structure, rn.PriorSamples(1, **record))
+    weight = weight_of(structure, rn.PriorSamples(1, **record))
     exact = weight_of(structure, rn.PriorSamples(1, **sizes))
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     # Products of signals that G_f, of 10 samples' memory, has correlated.
-    assert np.abs((found - exact) / scale).max() < 5 * np.sqrt(2 * 10 / steps)
+    assert np.abs((weight - exact) / scale).max() < 5 * np.sqrt(2 * 10 / steps)
 
 
 def test_it_is_the_mean_of_the_regressor_by_hand():
@@ -38,9 +40,9 @@ def test_it_is_the_mean_of_the_regressor_by_hand():
     delayed = rn.TargetModel([0, 0, 3.0])
     phi = np.zeros((50, 2))
     phi[3:, 0], phi[3:, 1] = 3 * u[:-3], 3 * y[:-3]
-    wanted = 20 * phi.T @ phi / 50
-    wanted += FLOOR * np.diag(np.diag(wanted))
-    assert np.allclose(weight_of(rn.iir(1), rn.PriorSamples(20, y, u), delayed), wanted)
+    expected = 20 * phi.T @ phi / 50
+    expected += FLOOR * np.diag(np.diag(expected))
+    assert np.allclose(weight_of(rn.iir(1), rn.PriorSamples(20, y, u), delayed), expected)
 
 
 def test_sizes_of_a_target_of_one_lag_by_hand():
@@ -60,18 +62,18 @@ def test_units_change_nothing(u, y):
     w = rn.exogenous([Step(1.0), WhiteNoise(0.1), WhiteNoise(0.01)], steps, seed=1)
     thetas = []
     for one, scale, H in ((plant, np.ones(3), 1.0), (other, np.array([y, u, y]), y / u)):
-        made = rn.ControllerSettings(
+        settings = rn.ControllerSettings(
             structure=rn.iir(2), target=rn.TargetModel([0, -0.2 * H]),
             update=rn.UD(rn.PriorSamples(10, y=0.5 * scale[0])),
         )  # fmt: skip
-        run = rn.simulate(one, made, w * scale)
+        run = rn.simulate(one, settings, w * scale)
         thetas.append(run.theta_final / np.array([1, 1, 1 / H, 1 / H]))
     assert np.allclose(*thetas, rtol=1e-6, atol=1e-9)
 
 
 def test_an_integral_counts_as_a_slow_lag():
-    found = weight_of(rn.fir_integrator(2), rn.PriorSamples(1, y=1.0))
-    assert np.isfinite(found).all() and np.linalg.eigvalsh(found).min() > 0
+    weight = weight_of(rn.fir_integrator(2), rn.PriorSamples(1, y=1.0))
+    assert np.isfinite(weight).all() and np.linalg.eigvalsh(weight).min() > 0
 
 
 @pytest.mark.parametrize(

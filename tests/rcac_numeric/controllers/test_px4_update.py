@@ -30,7 +30,7 @@ def as_published(errors, answer, *, P_0, N, R_u, f, limit, first=4):
     """u and theta of every step; `errors` gives z(k), and `answer` takes u(k)."""
     theta, P = np.zeros(3), P_0 * np.eye(3)
     phis, us, integral, last = [np.zeros(3)] * 3, [0.0, 0.0], 0.0, 0.0
-    told = []
+    message = []
     for k, z in enumerate(errors):
         phi = np.array([z, integral, z - last])
         phis, z_f = [phi, *phis[:2]], f(z)
@@ -46,9 +46,9 @@ def as_published(errors, answer, *, P_0, N, R_u, f, limit, first=4):
         u = float(phi @ theta)
         us, last = [u, us[0]], z
         integral = min(max(integral + z, -limit), limit)
-        told.append((u, *theta))
+        message.append((u, *theta))
         answer(u)
-    return np.array(told)
+    return np.array(message)
 
 
 class Loop:
@@ -79,7 +79,7 @@ def test_the_engine_runs_the_published_update(name, R_u, update):
     loop = Loop(w)
     f = (lambda z: z) if name is None else (lambda z: FUNCTIONS[name](z, mu, nu))
     N, limit = 0.8, 0.8
-    told = as_published(loop, loop.take, P_0=0.1, N=N, R_u=R_u, f=f, limit=limit)
+    message = as_published(loop, loop.take, P_0=0.1, N=N, R_u=R_u, f=f, limit=limit)
     settings = rn.ControllerSettings(
         structure=rn.pid(k_c=0, integral_limit=limit),
         target=rn.TargetModel([0, 0, N]),
@@ -93,6 +93,6 @@ def test_the_engine_runs_the_published_update(name, R_u, update):
     for z in again:
         u.append(float(controller.step(z, z)[0]))
         again.take(u[-1])
-    assert 0.05 < np.abs(told[:, 0]).max() < 10
-    assert np.abs(np.array(u) - told[:, 0]).max() <= 1e-12 * np.abs(told[:, 0]).max()
-    assert np.abs(controller.theta - told[-1, 1:]).max() <= 1e-12 * np.abs(told[:, 1:]).max()
+    assert 0.05 < np.abs(message[:, 0]).max() < 10
+    assert np.abs(np.array(u) - message[:, 0]).max() <= 1e-12 * np.abs(message[:, 0]).max()
+    assert np.abs(controller.theta - message[-1, 1:]).max() <= 1e-12 * np.abs(message[:, 1:]).max()

@@ -30,8 +30,8 @@ PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 
 
 def settings_of(**more):
-    given = {"structure": iir(3), "target": TargetModel([0, 1.0, -0.3]), "update": UD(0.1)}
-    return ControllerSettings(**{**given, **more})
+    argument = {"structure": iir(3), "target": TargetModel([0, 1.0, -0.3]), "update": UD(0.1)}
+    return ControllerSettings(**{**argument, **more})
 
 
 def regressors(u, y, n):
@@ -90,8 +90,8 @@ def test_the_two_penalties_are_one_up_to_H_squared(seed, H, r, R_theta):
 
 
 def test_a_penalty_set_live_is_that_of_the_settings():
-    made, bare = settings_of(R_u_unfiltered=0.5), settings_of()
-    run = simulate(PLANT, made, noise(1, 50, 1))
+    built, bare = settings_of(R_u_unfiltered=0.5), settings_of()
+    run = simulate(PLANT, built, noise(1, 50, 1))
     controller = Controller(bare)
     controller.set_weights(R_u_unfiltered=0.5)
     u = [controller.step(y, z) for y, z in zip(run.y, run.z, strict=True)]

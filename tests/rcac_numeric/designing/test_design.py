@@ -51,11 +51,11 @@ def reference_of(G, disturbance, noise=0.01, sample_time=None, dead_time=0.0, co
 
 
 def test_the_peak_of_the_reference_is_that_of_the_margins():
-    plant, _, found = reference_of("1/(8*s + 1)**2", Step(0.5), sample_time=1.0, dead_time=2.5)
-    loop = found.loop(plant)
+    plant, _, result = reference_of("1/(8*s + 1)**2", Step(0.5), sample_time=1.0, dead_time=2.5)
+    loop = result.loop(plant)
     S_peak = stability_margins(loop).disk.S_peak
-    assert found.peak <= MOST
-    assert found.peak == pytest.approx(S_peak, rel=1e-3)
+    assert result.peak <= MOST
+    assert result.peak == pytest.approx(S_peak, rel=1e-3)
     assert sensitivity_peak(loop) == pytest.approx(S_peak, rel=1e-3)
 
 
@@ -79,10 +79,10 @@ def test_a_known_disturbance_has_its_model_in_the_controller():
 
 @given(omega=st.floats(0.1, 3), radius=st.floats(0.5, 0.99), power=st.floats(0.1, 10))
 def test_an_oscillation_has_the_mean_square_that_was_asked_for(omega, radius, power):
-    made = with_oscillation(
+    built = with_oscillation(
         standard_plant("1/(q - 0.5)"), "w", omega=omega, radius=radius, mean_square=power
     )
-    A, D_1 = made.A[1:, 1:], made.D_1[1:, 1:]
+    A, D_1 = built.A[1:, 1:], built.D_1[1:, 1:]
     covariance = solve_discrete_lyapunov(A, D_1 @ D_1.T)
     assert np.allclose(covariance, power * np.eye(2), rtol=1e-9)
     assert np.allclose(np.linalg.eigvals(A), radius * np.exp(1j * omega * np.array([1, -1])))
@@ -93,12 +93,12 @@ def test_a_ramp_leaves_no_error(of):
     """With poles at 1 - 1e-6 it is small, not 0; one integrator alone leaves a constant."""
     ramp = Ramp(slope=0.01)
     disturbance, command = (ramp, None) if of == "d" else (Step(0.1), ramp)
-    plant, _, found = reference_of(
+    plant, _, result = reference_of(
         "1/((20*s + 1)*(3*s + 1))", disturbance, sample_time=1.0, dead_time=4.0, command=command
     )
     w = np.zeros((1500, 3))
     w[:, "rd".index(of)] = ramp.samples(1500)
-    e = simulate(plant.servo(), found.fixed, w).z[-1, 0]
+    e = simulate(plant.servo(), result.fixed, w).z[-1, 0]
     assert abs(e) < 1e-2 * 0.01
 
 
@@ -114,20 +114,20 @@ def test_what_a_zero_keeps_from_y_has_no_integrator_in_the_controller(G, sample_
     for disturbance in (Step(1.0), "unknown"):
         plant = read_plant(G, sample_time, 0.0)
         expected, _ = read_expected(disturbance, 0.01, None, np.inf, plant.low_gain)
-        ladder = Ladder(plant, expected)
-        assert ladder.blocked == (0.0,) and not ladder.models
-        found = ladder.best()
-        assert found.loop(plant).spectral_radius < 1 - 1e-4
-        assert found.compensator.n_c == len(plant.A)  # and no more for the disturbance
+        grid = Ladder(plant, expected)
+        assert grid.blocked == (0.0,) and not grid.models
+        result = grid.best()
+        assert result.loop(plant).spectral_radius < 1 - 1e-4
+        assert result.compensator.n_c == len(plant.A)  # and no more for the disturbance
 
 
 @pytest.mark.costly
 def test_the_pendulum_of_a_cart_is_designed_for_in_words_of_its_own():
-    found = design(PENDULUM, sample_time=0.01, **QUICK)
-    report = " ".join(found.report().split())
+    designed = design(PENDULUM, sample_time=0.01, **QUICK)
+    report = " ".join(designed.report().split())
     assert "kept from y by the plant's zero at rest, z = 1 (s = 0)" in report
     assert "gain 0 at rest" in report and "sign +" not in report
-    nominal = next(t for t in found.evidence if t.controller == FIXED)
+    nominal = next(t for t in designed.evidence if t.controller == FIXED)
     assert all(nominal.stable)
 
 
@@ -147,8 +147,8 @@ def test_through_a_zero_no_controller_follows_a_command():
 def test_a_sinusoid_at_a_zero_has_no_oscillator_in_the_controller(omega):
     plant = read_plant(f"(q^2 - {2 * np.cos(omega):.17g}*q + 1)/(q - 0.5)^3", None, 0.0)
     expected, _ = read_expected(Harmonic(omega, 0.5), 0.01, None, np.inf, plant.low_gain)
-    ladder = Ladder(plant, expected)
-    assert ladder.blocked == (omega,) and not ladder.models
+    grid = Ladder(plant, expected)
+    assert grid.blocked == (omega,) and not grid.models
     assert Ladder(plant, read_expected(Step(1.0), 0.01, None, np.inf, 1.0)[0]).blocked == ()
 
 
@@ -194,11 +194,11 @@ def test_a_refusal_speaks_of_what_was_given(G, more, words):
 )
 def test_limits_at_the_working_point_are_the_first_line(limits, command, words):
     """Of a heater of 0 to 100 %: counted from its working point it can only be turned up."""
-    found = design("0.9/(175*s + 1)", sample_time=5.0, disturbance=0.44, noise=0.1,
+    designed = design("0.9/(175*s + 1)", sample_time=5.0, disturbance=0.44, noise=0.1,
                    u_limits=limits, command=command, seeds=1, steps=100)  # fmt: skip
-    first = found._sheet().health[0]
-    assert (words in found.no_room) if words else not found.no_room
-    assert (first.words == found.no_room) == bool(words)
+    first = designed._sheet().health[0]
+    assert (words in designed.no_room) if words else not designed.no_room
+    assert (first.words == designed.no_room) == bool(words)
 
 
 # What RCAC is told.
@@ -209,26 +209,28 @@ def test_limits_at_the_working_point_are_the_first_line(limits, command, words):
     [("1/(8*s + 1)", 0.0), ("(1 - 3*s)/(8*s + 1)**2", 3.0), ("1/(9*s - 1)", 1.0)],
 )
 def test_the_target_is_what_the_reference_loop_is(G, dead_time):
-    plant, expected, found = reference_of(G, Step(0.5), 0.01, 1.0, dead_time)
-    made = settings_of(plant, found, expected)
-    assert intercalated_match(found.loop(plant), made.target).worst < 1e-6
-    assert np.array_equal(made.compensator_of(made.theta_0).past_u, found.compensator.past_u)
-    low, high = made.bounds.box(made.structure)
-    assert (low <= made.theta_0).all() and (made.theta_0 <= high).all()
+    plant, expected, result = reference_of(G, Step(0.5), 0.01, 1.0, dead_time)
+    settings = settings_of(plant, result, expected)
+    assert intercalated_match(result.loop(plant), settings.target).worst < 1e-6
+    assert np.array_equal(
+        settings.compensator_of(settings.theta_0).past_u, result.compensator.past_u
+    )
+    low, high = settings.bounds.box(settings.structure)
+    assert (low <= settings.theta_0).all() and (settings.theta_0 <= high).all()
 
 
 def test_frozen_rcac_is_the_fixed_controller():
-    found = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), noise=0.01, **QUICK)
+    designed = design("1/(8*s + 1)", sample_time=1.0, disturbance=Step(0.5), noise=0.01, **QUICK)
     w = exogenous([Step(0.0), Step(0.5), WhiteNoise(0.01)], 200, seed=5)
-    ours = simulate(found.plant, found.frozen, w)
-    theirs = simulate(found.plant, found.fixed, w)
+    ours = simulate(designed.plant, designed.frozen, w)
+    theirs = simulate(designed.plant, designed.fixed, w)
     assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
 
 
 def test_spare_order_is_the_same_controller():
-    plant, expected, found = reference_of("1/(8*s + 1)", Step(0.5), 0.01, 1.0)
-    wide = settings_of(plant, found, expected, Knobs(spare=3))
-    assert wide.structure.n_c == found.compensator.n_c + 3
+    plant, expected, result = reference_of("1/(8*s + 1)", Step(0.5), 0.01, 1.0)
+    wide = settings_of(plant, result, expected, Knobs(spare=3))
+    assert wide.structure.n_c == result.compensator.n_c + 3
     loop = ClosedLoop(plant.servo(), wide.compensator_of(wide.theta_0))
     assert intercalated_match(loop, wide.target).worst < 1e-6
 
@@ -264,7 +266,7 @@ def test_units_change_nothing_but_units(u, y, t):
     n_c = one.settings.structure.n_c
     by = np.concatenate([np.ones(n_c), np.full(n_c, u / y)])  # theta
     assert_close(other.settings.theta_0 / by, one.settings.theta_0)
-    R_one, R_other = (found.settings.update.R_theta for found in (one, other))
+    R_one, R_other = (result.settings.update.R_theta for result in (one, other))
     size = np.sqrt(np.diag(R_one))
     assert_close(R_other * np.outer(by / size, by / size) / y**2, R_one / np.outer(size, size))
     assert_close(other.settings.target.numerator * u / y, one.settings.target.numerator)
@@ -278,13 +280,13 @@ def test_units_change_nothing_but_units(u, y, t):
 
 def trials(ours, theirs):
     """One run for each plant with these rms; None is a lost one."""
-    made = []
+    built = []
     for name, values in ((RCAC, ours), (FIXED, theirs)):
         for i, value in enumerate(values):
             lost = value is None
             rms = np.inf if lost else value
-            made.append(Trial(name, Variation(f"plant {i}"), (not lost,), (rms,), (1.0,), (1.5,)))
-    return tuple(made)
+            built.append(Trial(name, Variation(f"plant {i}"), (not lost,), (rms,), (1.0,), (1.5,)))
+    return tuple(built)
 
 
 def test_the_reference_keeps_to_the_actuator():
@@ -303,14 +305,14 @@ def test_the_reference_keeps_to_the_actuator():
 def test_the_reference_is_the_calmest_of_nearly_the_least_error(limits):
     plant = read_plant("1/(8*s + 1)", 1.0, 0.0)
     expected, _ = read_expected(Step(0.3), 0.01, None, np.inf, plant.low_gain)
-    ladder = Ladder(plant, expected, saturation=limits)
-    found = {(R_2, V_2): ladder.judged(parts) for R_2, V_2, parts in ladder.rungs()}
-    robust = [one for one in found.values() if one.peak <= MOST]
-    best = ladder.best()
-    taken = found[best.R_2, best.V_2]
+    grid = Ladder(plant, expected, saturation=limits)
+    result = {(R_2, V_2): grid.judged(parts) for R_2, V_2, parts in grid.rungs()}
+    robust = [one for one in result.values() if one.peak <= MOST]
+    best = grid.best()
+    elapsed = result[best.R_2, best.V_2]
     most = 1.1 * min(np.sqrt(one.error) for one in robust)
-    assert taken in robust and np.sqrt(taken.error) <= most
-    assert taken.control == min(one.control for one in robust if np.sqrt(one.error) <= most)
+    assert elapsed in robust and np.sqrt(elapsed.error) <= most
+    assert elapsed.control == min(one.control for one in robust if np.sqrt(one.error) <= most)
 
 
 def test_the_reference_is_stable_with_the_other_plants():
@@ -336,31 +338,32 @@ def test_the_reference_is_stable_with_the_other_plants():
     ],
 )
 def test_the_verdict_follows_from_the_evidence(ours, theirs, use):
-    found = verdict_of(trials(ours, theirs))
-    assert found.use == use
-    assert found.rcac.stable == (sum(one is not None for one in ours), 3)
-    assert str(found).startswith("Use RCAC: " if use == RCAC else "Use the fixed controller: ")
+    verdict = verdict_of(trials(ours, theirs))
+    assert verdict.use == use
+    assert verdict.rcac.stable == (sum(one is not None for one in ours), 3)
+    assert str(verdict).startswith("Use RCAC: " if use == RCAC else "Use the fixed controller: ")
 
 
 def test_the_interval_is_students():
-    found = verdict_of(trials([0.5, 0.6, 0.9], [1.0, 1.0, 1.0]))
+    verdict = verdict_of(trials([0.5, 0.6, 0.9], [1.0, 1.0, 1.0]))
     logs = np.log([0.5, 0.6, 0.9])
     half = student.ppf(0.975, 2) * logs.std(ddof=1) / np.sqrt(3)
-    assert found.rcac.ratio == pytest.approx(np.exp(logs.mean()))
-    assert found.rcac.interval == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]))
+    assert verdict.rcac.ratio == pytest.approx(np.exp(logs.mean()))
+    assert verdict.rcac.interval == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]))
 
 
 def test_a_right_plant_and_a_step_need_no_adaptation():
-    found = design("1/(8*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5), noise=0.01,
+    designed = design("1/(8*s + "
+                      "1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5), noise=0.01,
                    seeds=2, steps=600)  # fmt: skip
-    assert found.verdict.use == FIXED and equal(found.controller, found.frozen)
-    assert all(all(trial.stable) for trial in found.evidence)
-    assert found.report().splitlines()[1].startswith("  Use the fixed controller: ")
+    assert designed.verdict.use == FIXED and equal(designed.controller, designed.frozen)
+    assert all(all(trial.stable) for trial in designed.evidence)
+    assert designed.report().splitlines()[1].startswith("  Use the fixed controller: ")
 
 
 def test_a_sinusoid_of_unknown_frequency_is_worth_adapting_to():
-    found = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=6, steps=1500)
-    by_name = {(t.controller, t.variation.name): t for t in found.evidence}
+    designed = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=6, steps=1500)
+    by_name = {(t.controller, t.variation.name): t for t in designed.evidence}
     ours, theirs = (np.array(by_name[name, "nominal"].rms) for name in (RCAC, FIXED))
     kinds = [KINDS[seed % 3] for seed in range(1_000_000, 1_000_006)]
     sinusoids = np.array([kind == "sinusoid" for kind in kinds])
@@ -396,11 +399,11 @@ def test_the_limits_scale_what_nobody_said():
 
 
 def test_a_design_pickles_and_draws():
-    found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, **QUICK)
-    again = pickle.loads(pickle.dumps(found))
-    assert equal(again.settings, found.settings) and again.verdict == found.verdict
-    assert len(found.plot().axes) == 3 and isfinite(found.verdict.rcac.ratio)
-    assert "Use " in found._repr_html_()
+    designed = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, **QUICK)
+    again = pickle.loads(pickle.dumps(designed))
+    assert equal(again.settings, designed.settings) and again.verdict == designed.verdict
+    assert len(designed.plot().axes) == 3 and isfinite(designed.verdict.rcac.ratio)
+    assert "Use " in designed._repr_html_()
 
 
 @pytest.mark.parametrize(
@@ -424,7 +427,7 @@ def test_bad_arguments_are_named(arguments, words):
 
 def test_another_uncertainty_is_tried():
     weaker = Uncertainty(gain=(0.5, 1), delay=0, time=1, noise=1)
-    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, uncertainty=weaker, **QUICK)
-    assert [t.variation.name for t in found.evidence if t.controller == RCAC] == [
+    designed = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, uncertainty=weaker, **QUICK)
+    assert [t.variation.name for t in designed.evidence if t.controller == RCAC] == [
         "nominal", "gain x 0.5"
     ]  # fmt: skip

@@ -24,17 +24,17 @@ def size_of(found, controller):
 @pytest.mark.costly
 @pytest.mark.parametrize("lag", [2, 3, 4])
 def test_where_u_zero_is_better_the_first_line_and_the_status_say_so(lag):
-    found = design(f"0.5/(q**{lag}*(q - 0.5))", disturbance=SQUARE, noise=0.01, **QUICK)
+    designed = design(f"0.5/(q**{lag}*(q - 0.5))", disturbance=SQUARE, noise=0.01, **QUICK)
     idle = FixedController(Compensator(np.zeros((1, 1, 1)), np.zeros((2, 1, 1))))
-    chosen = found.settings if found.verdict.use == "RCAC" else found.fixed
-    own = size_of(found, chosen) / size_of(found, idle)
-    first, *rest = found._sheet().health
-    assert found.verdict.is_worse_than_none == (found.verdict.over_none > 1.005)
-    if own > 1.005:
+    chosen = designed.settings if designed.verdict.use == "RCAC" else designed.fixed
+    size = size_of(designed, chosen) / size_of(designed, idle)
+    first, *rest = designed._sheet().health
+    assert designed.verdict.is_worse_than_none == (designed.verdict.over_none > 1.005)
+    if size > 1.005:
         assert first.words.startswith("Use no controller") and first.level == "bad"
-        assert f"{found.verdict.over_none:.3g} times" in first.words
+        assert f"{designed.verdict.over_none:.3g} times" in first.words
         assert not any("leaves" in line.words for line in rest)
-    assert found.verdict.over_none >= own * (1 - 1e-9)
+    assert designed.verdict.over_none >= size * (1 - 1e-9)
 
 
 @pytest.mark.costly
@@ -46,8 +46,8 @@ def test_some_of_those_are_worse_than_none_and_a_step_is_not():
 
 
 def test_of_an_integrating_plant_nothing_is_said_of_u_zero():
-    found = design("0.1/(q - 1)", disturbance=Step(0.5), noise=0.01, **QUICK)
-    assert found.verdict.over_none is None and not found.verdict.is_worse_than_none
+    designed = design("0.1/(q - 1)", disturbance=Step(0.5), noise=0.01, **QUICK)
+    assert designed.verdict.over_none is None and not designed.verdict.is_worse_than_none
 
 
 PLANTS = [
@@ -60,8 +60,8 @@ PLANTS = [
 @pytest.mark.costly
 @pytest.mark.parametrize(("G", "options"), PLANTS)
 def test_limits_that_are_never_reached_change_nothing(G, options):
-    given = {"disturbance": Step(0.3), "noise": 0.05, "seeds": 1, "steps": 300, **options}
-    free, wide = design(G, **given), design(G, u_limits=(-1e4, 1e4), **given)
+    argument = {"disturbance": Step(0.3), "noise": 0.05, "seeds": 1, "steps": 300, **options}
+    free, wide = design(G, **argument), design(G, u_limits=(-1e4, 1e4), **argument)
     for side in ("past_u", "past_y"):
         of_free, of_wide = (getattr(one.fixed.compensator, side) for one in (free, wide))
         np.testing.assert_array_equal(of_free, of_wide)
@@ -71,22 +71,22 @@ def test_limits_that_are_never_reached_change_nothing(G, options):
 
 @pytest.mark.costly
 def test_limits_that_are_reached_do():
-    given = {"disturbance": Step(0.3), "noise": 0.05, "seeds": 1, "steps": 300, **PLANTS[0][1]}
+    argument = {"disturbance": Step(0.3), "noise": 0.05, "seeds": 1, "steps": 300, **PLANTS[0][1]}
     free, narrow = (
-        design(PLANTS[0][0], **given),
-        design(PLANTS[0][0], u_limits=(-0.35, 0.35), **given),
+        design(PLANTS[0][0], **argument),
+        design(PLANTS[0][0], u_limits=(-0.35, 0.35), **argument),
     )
     assert free.reference.R_2 != narrow.reference.R_2
 
 
 @pytest.mark.parametrize("none", [None, 0, 0.0])
 def test_no_disturbance_can_be_said(none):
-    given = {"command": Step(2.0), "noise": 0.01, "seeds": 1, "steps": 300}
-    found = design("0.1/(q**2*(q - 0.9))", disturbance=none, **given)
-    assert found.expected.disturbance_size == 0 and found.expected.is_known
-    assert "disturbance" not in {q.name for q in found.questions}
-    d = found.runs["fixed"].w[:, 1]
-    assert not d.any() and found.verdict.over_none < 1
+    argument = {"command": Step(2.0), "noise": 0.01, "seeds": 1, "steps": 300}
+    designed = design("0.1/(q**2*(q - 0.9))", disturbance=none, **argument)
+    assert designed.expected.disturbance_size == 0 and designed.expected.is_known
+    assert "disturbance" not in {q.name for q in designed.questions}
+    d = designed.runs["fixed"].w[:, 1]
+    assert not d.any() and designed.verdict.over_none < 1
 
 
 @pytest.mark.parametrize("command", [None, Step(0.0)])

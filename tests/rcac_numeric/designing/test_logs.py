@@ -55,9 +55,9 @@ def test_what_the_log_shows_of_itself_is_evidence(found):
 
 @pytest.mark.costly
 def test_what_is_told_is_not_asked():
-    told = rn.design(log_of(), disturbance=rn.Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
-    assert [question.name for question in told.questions] == ["plant", "plant", "dead_time"]
-    assert told.expected.noise == 0.01
+    designed = rn.design(log_of(), disturbance=rn.Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
+    assert [question.name for question in designed.questions] == ["plant", "plant", "dead_time"]
+    assert designed.expected.noise == 0.01
 
 
 @pytest.mark.costly
@@ -139,15 +139,15 @@ def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
 @pytest.mark.costly
 def test_an_unstable_plant_from_the_log_of_its_loop():
     u, y, r, true = looped()
-    found = rn.design(rn.ControllerLog(u, y), **QUICK)
-    assert found.logged.is_closed and found.model.delay == 1
-    assert np.abs(np.linalg.eigvals(found.model.A)).max() == pytest.approx(1.05, abs=0.01)
-    assert found.logged.noise == pytest.approx(0.05, rel=0.15)
-    assert sensitivity_peak(rn.ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
-    assert "standard errors" in found.questions[0].words
-    assert not any("stabilised loop" in question.words for question in found.questions)
+    designed = rn.design(rn.ControllerLog(u, y), **QUICK)
+    assert designed.logged.is_closed and designed.model.delay == 1
+    assert np.abs(np.linalg.eigvals(designed.model.A)).max() == pytest.approx(1.05, abs=0.01)
+    assert designed.logged.noise == pytest.approx(0.05, rel=0.15)
+    assert sensitivity_peak(rn.ClosedLoop(true.servo(), designed.fixed.compensator)) < 2.5
+    assert "standard errors" in designed.questions[0].words
+    assert not any("stabilised loop" in question.words for question in designed.questions)
     with_r = rn.design(rn.ControllerLog(u, y, r=r), **QUICK)
-    assert equal(with_r.settings, found.settings)
+    assert equal(with_r.settings, designed.settings)
 
 
 @pytest.mark.costly

@@ -15,11 +15,11 @@ from rcac_numeric.gallery import BoostConverter
 
 def step_response(plant, steps):
     """y_0 of the servo problem for a step of u, without control."""
-    x, found = np.zeros((plant.n, 1)), []
+    x, result = np.zeros((plant.n, 1)), []
     for _ in range(steps):
-        found.append(-(plant.C @ x).item())
+        result.append(-(plant.C @ x).item())
         x = plant.A @ x + plant.B
-    return np.array(found)
+    return np.array(result)
 
 
 @given(tau=st.floats(0.5, 20), late=st.floats(0, 6), h=st.floats(0.2, 1.5), gain=st.floats(0.5, 2))
@@ -44,8 +44,8 @@ def test_dead_times_by_entry_are_those_of_sampled_lags(late, tau, time, more, h)
     poles = np.exp(-h / (tau * time))
     exact = np.array([[1, 3], [2, 4]]) * (1 - poles) / (z - poles) * z ** -(late + more)
     servo = plant.servo(Variation(time=time, delay=more))
-    found = -servo.C @ np.linalg.solve(z * np.eye(servo.n) - servo.A, servo.B[None])
-    assert np.allclose(found, exact, rtol=1e-9, atol=1e-12)
+    result = -servo.C @ np.linalg.solve(z * np.eye(servo.n) - servo.A, servo.B[None])
+    assert np.allclose(result, exact, rtol=1e-9, atol=1e-12)
     if time == 1 and not more:
         assert np.allclose(plant.response([0.01, 0.5, 2.0]), exact, rtol=1e-9, atol=1e-12)
 
@@ -83,25 +83,25 @@ def test_time_constants_are_varied_in_continuous_time(time, late):
         read_plant(control.ss(A, B, C, 0), 0.5, 0.5 * late),
         read_plant(sampled, None, 0.5 * late),
     ):
-        found = plant.servo(Variation(time=time))
+        result = plant.servo(Variation(time=time))
         whole = expm(np.block([[A, B], [np.zeros((1, 3))]]) * 0.5 / time)
         x, exact = np.zeros((2, 1)), [0.0] * late
         for _ in range(20):
             exact.append((C @ x).item())
             x = whole[:2, :2] @ x + whole[:2, 2:]
-        assert np.allclose(step_response(found, 20), exact[:20], rtol=1e-7, atol=1e-9)
+        assert np.allclose(step_response(result, 20), exact[:20], rtol=1e-7, atol=1e-9)
 
 
 def test_what_may_be_instead_is_one_change_at_a_time():
     plant = read_plant("1/(10*s + 1)", 1.0, 2.0)
-    found = variations(plant, Uncertainty(gain=(0.5, 3.0), delay=3, time=1.5, noise=2.0))
-    assert [one.name for one in found] == [
+    result = variations(plant, Uncertainty(gain=(0.5, 3.0), delay=3, time=1.5, noise=2.0))
+    assert [one.name for one in result] == [
         "nominal", "gain x 0.5", "gain x 3", "delay + 3", "delay - 2", "time constants x 1.5",
         "time constants / 1.5", "noise x 2",
     ]  # fmt: skip
-    later, nominal = (step_response(plant.servo(found[i]), 20) for i in (3, 0))
+    later, nominal = (step_response(plant.servo(result[i]), 20) for i in (3, 0))
     assert np.allclose(later[3:], nominal[:-3]) and not later[:6].any()
-    assert np.allclose(step_response(plant.servo(found[2]), 20), 3 * nominal)
+    assert np.allclose(step_response(plant.servo(result[2]), 20), 3 * nominal)
     exactly = Uncertainty(gain=(1, 1), delay=0, time=1, noise=1)
     assert variations(plant, exactly) == (Variation(),)
 
@@ -126,13 +126,13 @@ def test_every_form_is_the_same_plant():
         ),
         read_plant(late, None, 0),
     ]
-    wanted = step_response(same[0].servo(), 15)
+    responses = step_response(same[0].servo(), 15)
     for plant in same:
-        assert np.allclose(step_response(plant.servo(), 15), wanted, rtol=1e-12)
+        assert np.allclose(step_response(plant.servo(), 15), responses, rtol=1e-12)
     boost = BoostConverter()
     model = boost.linearised(boost.operating_point(0.5))
-    found = step_response(read_plant(model, 2e-5, 0.0).servo(), 10)
-    assert np.allclose(found, step_response(model.servo(2e-5), 10), rtol=1e-12)
+    result = step_response(read_plant(model, 2e-5, 0.0).servo(), 10)
+    assert np.allclose(result, step_response(model.servo(2e-5), 10), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -41,22 +41,22 @@ def ladder_of(
     "structure", [rn.pid("PI"), rn.pid("PID"), rn.fir_integrator(8), rn.fir(15), OWN]
 )
 def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
-    ladder = ladder_of(LAGS)
-    found = reduced_reference(ladder, structure)
-    again = structure.compensator(found.theta)
-    assert np.allclose(again.past_u, found.compensator.past_u)
-    assert np.allclose(again.past_y, found.compensator.past_y, rtol=1e-12)
-    assert sensitivity_peak(found.loop(ladder.plant)) == pytest.approx(found.peak, rel=1e-3)
-    assert found.peak <= 1.01 * MOST
-    for one in ladder.others:
-        assert frozen_loop(ladder.plant.servo(one), found.compensator, 0).is_stable
+    grid = ladder_of(LAGS)
+    result = reduced_reference(grid, structure)
+    again = structure.compensator(result.theta)
+    assert np.allclose(again.past_u, result.compensator.past_u)
+    assert np.allclose(again.past_y, result.compensator.past_y, rtol=1e-12)
+    assert sensitivity_peak(result.loop(grid.plant)) == pytest.approx(result.peak, rel=1e-3)
+    assert result.peak <= 1.01 * MOST
+    for one in grid.others:
+        assert frozen_loop(grid.plant.servo(one), result.compensator, 0).is_stable
 
 
 def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
-    ladder = ladder_of(LAGS)
-    w, errors = ladder.expected.w(2000, seed=5), []
-    for one in (ladder.best(), reduced_reference(ladder, rn.fir_integrator(20))):
-        errors.append(measured(rn.simulate(ladder.plant.servo(), one.fixed, w))[1])
+    grid = ladder_of(LAGS)
+    w, errors = grid.expected.w(2000, seed=5), []
+    for one in (grid.best(), reduced_reference(grid, rn.fir_integrator(20))):
+        errors.append(measured(rn.simulate(grid.plant.servo(), one.fixed, w))[1])
     assert errors[1] < 1.1 * errors[0]
 
 
@@ -64,16 +64,16 @@ def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
 @pytest.mark.parametrize("structure", [rn.pid("PI"), OWN])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
     """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
-    ladder = ladder_of(LAGS, dead_time=1.0)
-    found = reduced_reference(ladder, structure)
-    made = settings_of(ladder.plant, found, ladder.expected)
-    servo, steps = ladder.plant.servo(), 200
-    loop = found.loop(ladder.plant)
+    grid = ladder_of(LAGS, dead_time=1.0)
+    result = reduced_reference(grid, structure)
+    settings = settings_of(grid.plant, result, grid.expected)
+    servo, steps = grid.plant.servo(), 200
+    loop = result.loop(grid.plant)
     # d adds to u outside the controller: for one of y alone that is where u~ enters.
     w = np.zeros((steps, 3))
     w[0, 1] = 1.0
-    z = rn.simulate(servo, found.fixed, w).z[:, 0]
-    response = made.target.frequency_response(np.linspace(0, np.pi, 4097))[:, 0, 0]
+    z = rn.simulate(servo, result.fixed, w).z[:, 0]
+    response = settings.target.frequency_response(np.linspace(0, np.pi, 4097))[:, 0, 0]
     pulse = np.fft.irfft(response, 8192)[:steps]
     assert loop.is_stable
     assert np.allclose(pulse, z, atol=1e-6 * np.abs(z).max())
@@ -99,45 +99,46 @@ def test_other_structures_are_refused_by_name(structure, words):
 @pytest.mark.costly
 @pytest.mark.parametrize("structure", [rn.pid("DI"), rn.fir(6), rn.fir_integrator(5), OWN])
 def test_a_reduced_design_has_lqg_beside_it(structure):
-    found = rn.design(
+    designed = rn.design(
         LAGS, sample_time=1.0, disturbance=0.5, noise=0.01, structure=structure, seeds=1, steps=300
     )
-    assert isinstance(found.alternatives[FULL], rn.FixedController)
-    assert any(trial.controller == FULL for trial in found.evidence)
-    assert found.settings.structure == structure
+    assert isinstance(designed.alternatives[FULL], rn.FixedController)
+    assert any(trial.controller == FULL for trial in designed.evidence)
+    assert designed.settings.structure == structure
 
 
 # The command.
 
 
 def test_feedforward_leaves_the_loop_and_lowers_the_error_of_a_step():
-    ladder = ladder_of(LAGS, command=rn.Step(1.0))
-    plain = ladder.best()
-    found = with_feedforward(ladder.plant, plain, ladder.expected)
+    grid = ladder_of(LAGS, command=rn.Step(1.0))
+    plain = grid.best()
+    result = with_feedforward(grid.plant, plain, grid.expected)
     w = np.zeros((300, 3))
-    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
-    assert np.allclose(found.compensator.past_u, plain.compensator.past_u)
+    ours, theirs = (rn.simulate(grid.plant.servo(), one.fixed, w) for one in (result, plain))
+    assert np.allclose(result.compensator.past_u, plain.compensator.past_u)
     w[:, 1] = 1.0  # what d does is as it was
-    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    ours, theirs = (rn.simulate(grid.plant.servo(), one.fixed, w) for one in (result, plain))
     assert np.allclose(ours.z, theirs.z, atol=1e-9)
     w[:, :2] = [1.0, 0.0]
-    ours, theirs = (rn.simulate(ladder.plant.servo(), one.fixed, w) for one in (found, plain))
+    ours, theirs = (rn.simulate(grid.plant.servo(), one.fixed, w) for one in (result, plain))
     assert np.sum(ours.z**2) < np.sum(theirs.z**2)
     assert np.abs(ours.u).max() < np.abs(theirs.u).max()
     assert np.abs(ours.z[-1]).max() < 5e-3
 
 
 def test_a_design_with_feedforward():
-    found = rn.design(
+    designed = rn.design(
         LAGS, sample_time=1.0, disturbance=0.1, noise=0.01, command=rn.Step(1.0), feedforward=True,
         seeds=1, steps=300,
     )  # fmt: skip
-    assert found.settings.l_r == found.fixed.l_r == 1
-    first = found.settings.compensator_of(found.settings.theta_0)
-    assert np.array_equal(first.past_y, found.fixed.compensator.past_y)
+    assert designed.settings.l_r == designed.fixed.l_r == 1
+    first = designed.settings.compensator_of(designed.settings.theta_0)
+    assert np.array_equal(first.past_y, designed.fixed.compensator.past_y)
     alone = rn.Compensator(first.past_u, first.past_y[:, :, :1])
     assert (
-        rn.intercalated_match(rn.ClosedLoop(found.plant, alone), found.settings.target).worst < 1e-6
+        rn.intercalated_match(rn.ClosedLoop(designed.plant, alone), designed.settings.target).worst
+        < 1e-6
     )
 
 
@@ -166,34 +167,38 @@ def test_with_limits_the_controller_is_one_that_works_at_them():
     """Sampled fast, hardly any noise: it settles, and loses a tenth at most to one without them."""
     limits = rn.Saturation(low=-1.5, high=1.5)
     G = "1/((30*s + 1)*(20*s + 1))"
-    free, held = (
+    free, stored = (
         ladder_of(G, rn.Step(0.3), 1e-4, rn.Step(1.0), 0.0, one) for one in (None, limits)
     )  # fmt: skip
-    w = held.expected.w(600, seed=3)
+    w = stored.expected.w(600, seed=3)
     ours, theirs = (
-        rn.simulate(held.plant.servo(), one.best().fixed, w, saturation=limits)
-        for one in (held, free)
+        rn.simulate(stored.plant.servo(), one.best().fixed, w, saturation=limits)
+        for one in (stored, free)
     )
     assert np.abs(ours.z[-200:]).max() < 0.02
     assert np.sum(ours.z**2) < 1.1**2 * np.sum(theirs.z**2)
 
 
 def test_what_an_actuator_cannot_give_at_rest_is_said():
-    found = rn.design(
+    designed = rn.design(
         "1.8/((120*s + 1)*(15*s + 1))", sample_time=5.0, disturbance=rn.Step(0.2), noise=0.05,
         u_limits=(0, 1), seeds=1, steps=300,
     )  # fmt: skip
-    said = {question.name: question.words for question in found.questions}
-    assert "u = -0.2 at rest" in said["u_limits"]
-    assert "leaves" in said["disturbance"]
+    message = {question.name: question.words for question in designed.questions}
+    assert "u = -0.2 at rest" in message["u_limits"]
+    assert "leaves" in message["disturbance"]
 
 
 def test_what_to_use_runs_on_a_device():
-    found = rn.design("1/(8*s + 1)", sample_time=1.0, disturbance=rn.Step(0.5), seeds=1, steps=300)
-    w = found.expected.w(100, 1)
-    ours, theirs = (rn.simulate(found.plant, one, w) for one in (found.frozen, found.fixed))
+    designed = rn.design(
+        "1/(8*s + 1)", sample_time=1.0, disturbance=rn.Step(0.5), seeds=1, steps=300
+    )
+    w = designed.expected.w(100, 1)
+    ours, theirs = (
+        rn.simulate(designed.plant, one, w) for one in (designed.frozen, designed.fixed)
+    )
     assert np.allclose(ours.u, theirs.u, rtol=1e-9, atol=1e-12)
-    assert found.frozen.freeze == ((0, None),)
+    assert designed.frozen.freeze == ((0, None),)
 
 
 # Without a model.
@@ -219,12 +224,12 @@ def test_a_cold_start_of_an_unstable_plant_does_not_wait():
 
 def test_a_cold_start_with_directions():
     known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
-    made = rn.cold_start(known, order=4, stable=True)
+    built = rn.cold_start(known, order=4, stable=True)
     eta = np.array([1, -1])
-    powers = 1.5 ** -np.arange(len(made.target.numerator), dtype=float)
-    blocked = eta @ np.tensordot(powers, made.target.numerator, 1)
+    powers = 1.5 ** -np.arange(len(built.target.numerator), dtype=float)
+    blocked = eta @ np.tensordot(powers, built.target.numerator, 1)
     assert np.allclose(blocked, 0, atol=1e-12)
-    assert made.structure == rn.iir(6, 2, 2) and np.allclose(made.update.R_theta, 40 * np.eye(48))
+    assert built.structure == rn.iir(6, 2, 2) and np.allclose(built.update.R_theta, 40 * np.eye(48))
     with pytest.raises(InputError, match="no modelling information"):
         rn.cold_start("1/(s + 1)", order=1, stable=True)
     with pytest.raises(InputError, match="size of a signal"):

@@ -35,8 +35,8 @@ def of(G, late=1.0, gains=(1.0, 1.0)):
     u, y = gains
     plant = type(plant)(plant.A, plant.B / u, plant.C * y, plant.delay, sample_time=1.0)
     expected, _ = read_expected(Step(0.5 * u), 0.01 * y, None, np.inf, plant.low_gain, plant.m)
-    found = reference_loop(plant, expected)
-    return plant, found, settings_of(plant, found, expected)
+    result = reference_loop(plant, expected)
+    return plant, result, settings_of(plant, result, expected)
 
 
 @pytest.fixture(scope="module", params=[TWO, THREE], ids=["two", "three"])
@@ -52,10 +52,10 @@ def two():
 
 @pytest.mark.costly
 def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(made):
-    plant, found, _ = made
+    plant, result, _ = made
     omega = np.concatenate([np.geomspace(1e-4, 0.1, 300), np.linspace(0.1, np.pi, 1500)])
     G = plant.response(omega)
-    A, B, C, _ = found.compensator.state_space()
+    A, B, C, _ = result.compensator.state_space()
     z = np.exp(1j * omega)[:, None, None]
     G_c = C @ np.linalg.solve(z * np.eye(len(A)) - A, B[None])
     eye = np.eye(plant.m)
@@ -63,40 +63,40 @@ def test_the_peak_is_that_of_the_sensitivity_at_u_and_at_y(made):
     peaks = [
         np.linalg.norm(np.linalg.inv(eye + L), 2, axis=(1, 2)).max() for L in (G_c @ G, G @ G_c)
     ]
-    assert found.peak <= MOST
-    assert max(peaks) == pytest.approx(found.peak, rel=0.01)
+    assert result.peak <= MOST
+    assert max(peaks) == pytest.approx(result.peak, rel=0.01)
 
 
 def test_every_error_is_rid_of_every_constant(made):
-    plant, found, _ = made
+    plant, result, _ = made
     m = plant.m
-    to_e = found.loop(plant).frequency_response([1e-5])[0, :, m : 2 * m]
+    to_e = result.loop(plant).frequency_response([1e-5])[0, :, m : 2 * m]
     assert np.abs(to_e).max() < 1e-2 * plant.low_gain
 
 
 @pytest.mark.costly
 def test_the_target_is_what_the_reference_loop_is(made):
-    plant, found, settings_ = made
+    plant, result, settings_ = made
     omega = np.linspace(0, np.pi, 400)
-    wanted = found.loop(plant).intercalated_response(omega)
-    gap = np.abs(settings_.target.frequency_response(omega) - wanted).max()
-    assert gap < 1e-2 * np.abs(wanted).max()
-    assert np.median(intercalated_match(found.loop(plant), settings_.target).median) < 1e-2
+    expected = result.loop(plant).intercalated_response(omega)
+    gap = np.abs(settings_.target.frequency_response(omega) - expected).max()
+    assert gap < 1e-2 * np.abs(expected).max()
+    assert np.median(intercalated_match(result.loop(plant), settings_.target).median) < 1e-2
     first = settings_.compensator_of(settings_.theta_0)
-    assert equal(first.past_u, found.compensator.past_u)
-    assert equal(first.past_y, found.compensator.past_y)
+    assert equal(first.past_u, result.compensator.past_u)
+    assert equal(first.past_y, result.compensator.past_y)
     low, high = settings_.bounds.box(settings_.structure)
     assert (low <= settings_.theta_0).all() and (settings_.theta_0 <= high).all()
 
 
 @pytest.mark.costly
 def test_units_change_nothing_but_units():
-    _, found, ours = of(TWO)
+    _, result, ours = of(TWO)
     _, other, theirs = of(TWO, gains=(1e3, 1e-4))
-    assert other.peak == pytest.approx(found.peak, rel=1e-6)
+    assert other.peak == pytest.approx(result.peak, rel=1e-6)
     P, Q = other.compensator.past_u, other.compensator.past_y * 1e-7
-    assert np.abs(P - found.compensator.past_u).max() < 1e-6 * np.abs(P).max()
-    assert np.abs(Q - found.compensator.past_y).max() < 1e-6 * np.abs(Q).max()
+    assert np.abs(P - result.compensator.past_u).max() < 1e-6 * np.abs(P).max()
+    assert np.abs(Q - result.compensator.past_y).max() < 1e-6 * np.abs(Q).max()
     assert theirs.R_z.nu * 1e-4 == pytest.approx(ours.R_z.nu, rel=1e-5)
 
 

@@ -31,24 +31,24 @@ def gains(G, h=FAST, dead_time=0.0):
     ],
 )
 def test_printed_pi_settings(G, K_c, tau_I):
-    found = gains(G)
-    assert found == pytest.approx((K_c, tau_I), rel=0.01)
+    result = gains(G)
+    assert result == pytest.approx((K_c, tau_I), rel=0.01)
 
 
 def test_an_integrator_with_dead_time():  # K_c = 1/(2 k' theta), tau_I = 8 theta, table 1
     theta = 1.0 + 1.5 * 0.02  # the hold and the strictly proper controller are late too
-    found = gains("2/(50*s)", 0.02, 1.0)
-    assert found == pytest.approx((1 / (2 * 0.04 * theta), 8 * theta), rel=1e-6)
+    result = gains("2/(50*s)", 0.02, 1.0)
+    assert result == pytest.approx((1 / (2 * 0.04 * theta), 8 * theta), rel=1e-6)
 
 
 def test_the_second_lag_is_the_derivative_time():
-    found = simc(read_plant("1/((50*s + 1)*(10*s + 1))", 0.02, 1.0)).compensator
+    result = simc(read_plant("1/((50*s + 1)*(10*s + 1))", 0.02, 1.0)).compensator
     # Series form with tau_1 = 50, tau_I = 8 theta, tau_D = 10, parallel K_P = K_c (1 + 10/8).
     theta = 1.03
     K_c = 50 / (2 * theta)
-    K_D = found.numerator[-1]
+    K_D = result.numerator[-1]
     assert abs(K_D * 0.02 - K_c * 10) < 1e-6 * K_c
-    assert found.numerator.sum() / 0.02 == pytest.approx(K_c / (8 * theta), rel=1e-6)
+    assert result.numerator.sum() / 0.02 == pytest.approx(K_c / (8 * theta), rel=1e-6)
 
 
 @pytest.mark.parametrize(

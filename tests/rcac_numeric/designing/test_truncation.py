@@ -37,15 +37,15 @@ def impulse_response(modes, late, taps=120):
 )
 def test_few_states_are_near_at_frequencies_that_chose_nothing(modes, late):
     whole = impulse_response(modes, late)
-    found = truncated(whole)
+    reduced = truncated(whole)
     omega = np.random.default_rng(0).uniform(0, np.pi, 300)
-    difference = np.abs(whole.response(omega) - found.plant.response(omega)).max()
+    difference = np.abs(whole.response(omega) - reduced.plant.response(omega)).max()
     peak = np.abs(whole.response(np.linspace(0, np.pi, 600))).max()
-    assert difference <= (1.2 * found.error + 1e-12) * peak
-    assert found.error <= min(OF_PEAK, AT_REST * whole.low_gain / peak) * (1 + 1e-12)
-    assert found.plant.is_stable
-    assert found.plant.delay >= late
-    assert len(found.plant.A) <= 20  # two for each mode, and a few for the tail that was cut off
+    assert difference <= (1.2 * reduced.error + 1e-12) * peak
+    assert reduced.error <= min(OF_PEAK, AT_REST * whole.low_gain / peak) * (1 + 1e-12)
+    assert reduced.plant.is_stable
+    assert reduced.plant.delay >= late
+    assert len(reduced.plant.A) <= 20  # two for each mode, and a few for the tail that was cut off
 
 
 def test_a_resonance_between_two_frequencies_of_the_grid_is_seen():
@@ -60,9 +60,9 @@ def test_a_resonance_between_two_frequencies_of_the_grid_is_seen():
     whole = DesignPlant(A, B, B.T)
     at = np.angle(pole)
     assert abs(whole.response(at) - others.response(at)).item() > 1.4 * allowed
-    found = truncated(whole)
-    assert abs(whole.response(at) - found.plant.response(at)).item() < 1.01 * allowed
-    assert len(found.plant.A) < 20
+    reduced = truncated(whole)
+    assert abs(whole.response(at) - reduced.plant.response(at)).item() < 1.01 * allowed
+    assert len(reduced.plant.A) < 20
 
 
 @given(st.floats(0.1, 1.0), st.floats(0.0, 0.95), st.sampled_from([-1, 1]))
@@ -72,10 +72,10 @@ def test_small_gain_is_enough_for_the_whole_plant(share, pole, sign):
     few = truncated(impulse_response([(0.4, 0.15)], 2)).plant
     omega = np.linspace(0, np.pi, 3000)
     left_out = np.abs(whole.response(omega) - few.response(omega)).ravel()
-    found = Truncation(whole, few, omega, left_out, 0.0)
+    result = Truncation(whole, few, omega, left_out, 0.0)
     gain = sign * share * (1 - pole) / np.abs(few.response(omega)).max()  # below 1 around the loop
     controller = Compensator(past_u=[[[pole]]], past_y=[[[0.0]], [[gain]]])
-    small = found.small_gain(controller)
+    small = result.small_gain(controller)
     assert small > 1e-3
     if small < 1:
         by_few, by_all = (ClosedLoop(one.servo(), controller) for one in (few, whole))
@@ -101,11 +101,11 @@ def test_what_is_small_or_unstable_is_left_as_it_is():
 def test_the_controller_of_the_truncation_is_held_against_the_whole_plant(reads_r):
     whole = impulse_response([(0.4, 0.1), (0.9, 0.06), (1.5, 0.05)], 5)
     plant = Plant(whole.A, whole.B, whole.B, whole.C)
-    found = design(plant, noise=0.01, seeds=1, steps=400, command=Step(0.1), feedforward=reads_r)
-    assert len(found.model.A) < 12
-    assert found.model.delay == 5
-    assert "of its 120 states" in found.questions[0].assumed
-    assert frozen_loop(whole.servo(), found.fixed.compensator, 0).is_stable
+    designed = design(plant, noise=0.01, seeds=1, steps=400, command=Step(0.1), feedforward=reads_r)
+    assert len(designed.model.A) < 12
+    assert designed.model.delay == 5
+    assert "of its 120 states" in designed.questions[0].assumed
+    assert frozen_loop(whole.servo(), designed.fixed.compensator, 0).is_stable
 
 
 def test_a_controller_that_the_whole_plant_does_not_bear_is_refused(monkeypatch):

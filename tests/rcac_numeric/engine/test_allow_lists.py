@@ -153,9 +153,9 @@ def test_a_registered_update_is_run(door, monkeypatch):
 
 def derived(value):
     """The same value as one of a class `Stranger` that is derived from its own."""
-    made = copy(value)
-    object.__setattr__(made, "__class__", type("Stranger", (type(value),), {}))
-    return made
+    built = copy(value)
+    object.__setattr__(built, "__class__", type("Stranger", (type(value),), {}))
+    return built
 
 
 def with_parts(**parts):

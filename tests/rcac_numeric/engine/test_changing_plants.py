@@ -42,15 +42,15 @@ def test_a_delay_switches_what_was_sent():
         [rn.PlantChange(start=0, plant=plain), rn.PlantChange(start=4, plant=plain, delay=2),
          rn.PlantChange(start=7, plant=plain, delay=1)]
     )  # fmt: skip
-    body, seen = rn.Simulator(schedule), []
+    body, observed = rn.Simulator(schedule), []
     for k in range(10):
         for _ in range(k % 3):  # to look, once or more often or never, changes nothing
             measured, _ = body.output(k + 1, 0)
             assert measured == body.x
-        seen.append(body.x[0])
+        observed.append(body.x[0])
         body.advance(k + 1, 0)
     # x(k+1) holds u(k - delay(k)): 1 2 3 4 | 3 4 5 | 7 8 9
-    assert seen == [0, 1, 2, 3, 4, 3, 4, 5, 7, 8]
+    assert observed == [0, 1, 2, 3, 4, 3, 4, 5, 7, 8]
 
 
 @given(st.data(), sizes, sizes, sizes, st.integers(0, 2), seeds)

@@ -134,8 +134,8 @@ def test_the_start_is_the_dither_alone():
     run = simulate(standard_plant("(q - 2)/((q - 0.5)*q)"), settings, np.zeros((400, 1)))
     assert set(np.abs(run.u[:50, 0])) == {0.5} and not run.theta[:50].any()
     assert 10 < np.count_nonzero(run.u[:50] > 0) < 40
-    found = run.changes[0].change.target.numerator.ravel()
-    assert np.allclose(found, [0, 1, -2], atol=1e-4)
+    result = run.changes[0].change.target.numerator.ravel()
+    assert np.allclose(result, [0, 1, -2], atol=1e-4)
 
 
 def test_what_cannot_learn_is_refused():

@@ -58,15 +58,17 @@ def loop_in_python(plant, controller, w, saturation, x_0, forced):
     for k, w_k in enumerate(w):
         body.begin()
         r = w_k[start : start + controller.l_r]
-        wanted = nothing
+        expected = nothing
         if k >= controller.k_w:
-            wanted = sum((c.past_u[i - 1] @ u[k - i] for i in range(1, min(c.n_c, k) + 1)), nothing)
-            wanted = wanted + sum(c.past_y[i] @ v[k - i] for i in range(1, min(c.n_c, k) + 1))
+            expected = sum(
+                (c.past_u[i - 1] @ u[k - i] for i in range(1, min(c.n_c, k) + 1)), nothing
+            )
+            expected = expected + sum(c.past_y[i] @ v[k - i] for i in range(1, min(c.n_c, k) + 1))
             if c.past_y[0].any():  # then y(k) does not need u(k)
                 y, _ = body.outputs(nothing, w_k)
-                wanted = wanted + c.past_y[0] @ np.concatenate([y, r])
-        record["u"].append(wanted)
-        record["u_applied"].append(actuated(saturation, wanted, u[-1] if u else nothing))
+                expected = expected + c.past_y[0] @ np.concatenate([y, r])
+        record["u"].append(expected)
+        record["u_applied"].append(actuated(saturation, expected, u[-1] if u else nothing))
         u.append(forced.u_applied[k])
         y, z = body.outputs(u[k], w_k)
         record["y"].append(y)
@@ -82,9 +84,9 @@ def test_a_fixed_controller_is_its_difference_equation(loop, seed):
     w, x_0 = noise(seed, STEPS, plant.l_w), noise(seed + 1, 1, plant.n)[0]
     run = rn.simulate(run_on, controller, w, x_0=x_0, saturation=saturation)
     assert run.outcome == "completed"
-    told = loop_in_python(plant, controller, w, saturation, x_0, run)
+    message = loop_in_python(plant, controller, w, saturation, x_0, run)
     size = max(1.0, *(np.abs(getattr(run, name)).max() for name in ("u", "y", "z")))
-    for name, values in told.items():
+    for name, values in message.items():
         assert np.abs(np.array(values) - getattr(run, name)).max() <= 1e-12 * size, name
     assert not run.u[: controller.k_w].any()
     assert run.theta.shape == (STEPS, 0) and run.theta_final.shape == (0,)

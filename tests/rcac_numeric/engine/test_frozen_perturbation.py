@@ -43,15 +43,15 @@ def test_it_is_u_minus_what_the_frozen_compensator_makes_of_y():
     window = FrozenPerturbation(iir(6), FROZEN)
     for rows in np.split(np.arange(run.steps), [3, 170, 171, 390]):
         window.take(run.u[rows], run.z[rows], run.y[rows])
-    found, z = window.signals(run.theta_final)
+    result, z = window.signals(run.theta_final)
     c = run.compensator
     u, y = run.u[:, 0], run.y[:, 0]
-    wanted = [
+    expected = [
         u[k]
         - sum(c.past_u[i - 1, 0, 0] * u[k - i] + c.past_y[i, 0, 0] * y[k - i] for i in range(1, 7))
         for k in range(250, 400)
     ]
-    assert np.allclose(found, wanted, atol=1e-12 * np.abs(u).max()) and len(found) == 150
+    assert np.allclose(result, expected, atol=1e-12 * np.abs(u).max()) and len(result) == 150
     assert np.array_equal(z, run.z[250:, 0])
     settled, _ = window.signals(run.theta[-1])
     assert abs(abs(settled[-1]) - 0.01) < 1e-12  # u = Phi theta + dither
@@ -67,8 +67,8 @@ def test_commands_are_read_too():
     run = simulate(plant, settings, w)
     window = FrozenPerturbation(settings.structure, FROZEN)
     window.take(run.u, run.z, run.y, w[:, :1])
-    found, _ = window.signals(run.theta[-1])
-    assert abs(found[-1]) < 1e-12 * np.abs(run.u).max() and np.abs(found).max() > 1e-3
+    result, _ = window.signals(run.theta[-1])
+    assert abs(result[-1]) < 1e-12 * np.abs(run.u).max() and np.abs(result).max() > 1e-3
 
 
 @pytest.mark.costly

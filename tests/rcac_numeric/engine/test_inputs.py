@@ -236,9 +236,9 @@ def test_a_graded_weight_keeps_its_digits(size, decades, seed):
     grade = 10.0 ** rng.uniform(-decades / 2, 0, size)
     correlation = root @ root.T
     weight = (correlation + correlation.T) / 2 * np.outer(grade, grade)
-    found = inverse(constant_weight(weight, "R_theta", size, definite=True))
-    assert np.array_equal(found, found.T)
-    assert found * np.outer(grade, grade) @ correlation == pytest.approx(np.eye(size), abs=1e-11)
+    result = inverse(constant_weight(weight, "R_theta", size, definite=True))
+    assert np.array_equal(result, result.T)
+    assert result * np.outer(grade, grade) @ correlation == pytest.approx(np.eye(size), abs=1e-11)
 
 
 def test_a_setting_may_be_a_fraction():

@@ -76,8 +76,8 @@ def test_the_recursion_is_the_batch_minimiser(steps, n_d):
     order = [(t.signal, t.delay) for t in chosen.structure.taps]
     place = {("u", i): i - 1 for i in range(1, n_c + 1)}
     place |= {("y", i): n_c + i - 1 for i in range(1, n_c + 1)}
-    wanted = [both[place[key]] for key in order]
-    assert np.allclose(run.theta_final, wanted, rtol=1e-7, atol=1e-9)
+    expected = [both[place[key]] for key in order]
+    assert np.allclose(run.theta_final, expected, rtol=1e-7, atol=1e-9)
     assert run.D_f[0] == 1 and np.allclose(run.D_f[1:], both[2 * n_c :], rtol=1e-7, atol=1e-9)
     controller = Controller(chosen)
     assert controller.D_f.tolist() == [1.0, *[0.0] * n_d]

@@ -52,7 +52,7 @@ def all_of(jobs, **options):
 @pytest.mark.parametrize("deed", ["step", "restore", "run", "raise", "wrong shape", "none"])
 def test_a_weight_may_do_anything_but_move_its_own_controller(deed):
     """A function that a step calls finds the controller half-way, and is refused there."""
-    told, calls = [], []
+    message, calls = [], []
 
     def weight(k, y, z, u):
         calls.append(k)
@@ -60,7 +60,7 @@ def test_a_weight_may_do_anything_but_move_its_own_controller(deed):
             try:
                 return reactions[deed]()
             except ValueError as error:
-                told.append(str(error))
+                message.append(str(error))
         return np.eye(1)
 
     def surprise():
@@ -85,8 +85,8 @@ def test_a_weight_may_do_anything_but_move_its_own_controller(deed):
     else:
         all_of([job], lanes=True)
         assert (job.done, job.outcome) == ((3, 2) if deed == "none" else (20, 0))
-        assert told == ([] if deed == "none" else [told[0]])
-        assert all("in the middle of a step" in text for text in told)
+        assert message == ([] if deed == "none" else [message[0]])
+        assert all("in the middle of a step" in text for text in message)
     loop.restore(loop.save())
     controller.step(zero, zero, None, None)
 

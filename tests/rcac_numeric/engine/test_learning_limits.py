@@ -28,7 +28,7 @@ def ends(G, target, seeds, R_theta):
     """J over LQG's of each seed; inf where the run did not come to its end."""
     plant = standard_plant(G)
     best = lqg_controller(plant).cost.value
-    found = []
+    result = []
     for seed in seeds:
         settings = ControllerSettings(
             structure=iir(8), target=target(seed, plant), update=UD(R_theta)
@@ -36,8 +36,8 @@ def ends(G, target, seeds, R_theta):
         w = exogenous([WhiteNoise(0.01)], 10000, seed)
         run = simulate(plant, settings, w, stride=1000)
         done = run.outcome == "completed"
-        found.append(h2_cost(plant, run.compensator).value / best if done else np.inf)
-    return np.array(found)
+        result.append(h2_cost(plant, run.compensator).value / best if done else np.inf)
+    return np.array(result)
 
 
 def test_a_plant_that_doubles_at_every_step(in_full):
@@ -47,9 +47,9 @@ def test_a_plant_that_doubles_at_every_step(in_full):
     def short(seed, plant):
         return DataDriven(order=2, start=12, dither=0.1, d_zu=1, H=1.0, seed=seed)
 
-    told = ends(P_48, lambda seed, plant: fir_target(plant), seeds, 1e-6)
+    end_points = ends(P_48, lambda seed, plant: fir_target(plant), seeds, 1e-6)
     learnt = ends(P_48, short, seeds, 1e-6)
-    assert np.isfinite(learnt).all() and np.median(learnt) <= 1.02 * np.median(told)
+    assert np.isfinite(learnt).all() and np.median(learnt) <= 1.02 * np.median(end_points)
     usual = ends(P_48, lambda seed, plant: DataDriven(order=20, seed=seed), seeds, 1e-6)
     assert np.isinf(usual).all()
 

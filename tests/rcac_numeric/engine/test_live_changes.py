@@ -91,13 +91,13 @@ def test_the_filter_is_as_if_the_target_had_always_been_there(
     update = data.draw(st.sampled_from([rn.UD, rn.Covariance]))
     fixed = {"form": form, "strictly_proper": form == "filter", "update": update, "k_filter": 0}
     settings, regressor = data.draw(cases(l_u, l_y, l_z, l_r, **fixed))
-    told = {}
+    message = {}
     for k in data.draw(st.lists(st.integers(0, 24), max_size=2)):
         new = data.draw(targets(l_z, l_u))
         N, D = np.array(new.numerator), np.array(new.denominator)
-        told[k] = rn.TargetModel(np.concatenate([0 * N[:1], N]), D) if form == "filter" else new
-    found, book = compared(settings, regressor, steps(settings, 25, seed), told, option)
-    assert np.allclose(found, book, rtol=1e-7, atol=1e-7 * (1 + np.abs(book).max()))
+        message[k] = rn.TargetModel(np.concatenate([0 * N[:1], N]), D) if form == "filter" else new
+    result, book = compared(settings, regressor, steps(settings, 25, seed), message, option)
+    assert np.allclose(result, book, rtol=1e-7, atol=1e-7 * (1 + np.abs(book).max()))
 
 
 @pytest.mark.parametrize("update", [rn.UD, rn.Covariance])
@@ -188,8 +188,8 @@ def test_a_run_in_lanes_can_be_changed_when_it_goes_on():
 def test_set_weights_and_lambda_are_those_of_the_settings():
     """From step 0 on they are the controller that was made with them."""
     R_u = rn.SignalWeight(0.3, 0.1)
-    made = settings_of(R_z=2.0, R_u=R_u, update=rn.UD(R_theta=0.1, lambda_=0.95))
-    one, other, data = rn.Controller(made), rn.Controller(settings_of()), steps(made, 60)
+    settings = settings_of(R_z=2.0, R_u=R_u, update=rn.UD(R_theta=0.1, lambda_=0.95))
+    one, other, data = rn.Controller(settings), rn.Controller(settings_of()), steps(settings, 60)
     other.set_weights(R_z=2.0, R_u=R_u)
     other.set_lambda(0.95)
     assert np.array_equal(run(one, data), run(other, data))

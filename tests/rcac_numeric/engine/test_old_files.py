@@ -98,10 +98,10 @@ def run():
 
 
 def controller():
-    made = rn.Controller(settings())
+    controller = rn.Controller(settings())
     for k in range(6):
-        made.step(y=[0.1 * k], z=[0.2 * k])
-    return made
+        controller.step(y=[0.1 * k], z=[0.2 * k])
+    return controller
 
 
 @pytest.mark.exact_data

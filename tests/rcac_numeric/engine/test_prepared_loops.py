@@ -81,15 +81,15 @@ def test_a_batch_is_its_runs_made_alone(data, threads, lanes, seed):
                 options["divergence_limit"] = float(10.0 ** rng.uniform(0, 3))
             if data.draw(st.booleans()):
                 w *= 1e200  # its squares leave float64
-            own = data.draw(numbers_of(settings, rng)) if data.draw(st.booleans()) else settings
-            cases.append(rn.SimulationCase(plant, own, w, options))
+            ours = data.draw(numbers_of(settings, rng)) if data.draw(st.booleans()) else settings
+            cases.append(rn.SimulationCase(plant, ours, w, options))
     data.draw(st.randoms(use_true_random=False)).shuffle(cases)
     together = rn.simulate_many(cases, threads=threads, lanes=lanes)
     for case, run in zip(cases, together, strict=True):
         assert same_bits(run, compiled_anew(case, lanes))
     stream = rn.simulate_stream(cases, threads=threads, lanes=lanes, at_once=3)
-    for found in stream:
-        assert same_bits(found.value, together[found.number])
+    for result in stream:
+        assert same_bits(result.value, together[result.number])
 
 
 def numbered(draw_R, lambda_, theta):
@@ -144,18 +144,18 @@ def test_settings_with_other_numbers_are_those_made_anew(of_update, of_settings)
 @pytest.mark.parametrize("lanes", [False, True])
 def test_a_map_is_compiled_once(lanes, monkeypatch):
     """Cells that differ in R_theta and lambda: one controller of Python's arguments."""
-    made = []
+    built = []
     whole = _kernel.controller
 
     def counted(**arguments):
-        made.append(arguments)
+        built.append(arguments)
         return whole(**arguments)
 
     monkeypatch.setattr(_kernel, "controller", counted)
     w = np.random.default_rng(0).standard_normal((40, 1))
     cells = [numbered(10.0**i, 1.0 - 0.01 * (i % 2), i) for i in range(-3, 4)]
     runs = rn.simulate_many([rn.SimulationCase(PLANT, cell, w) for cell in cells], lanes=lanes)
-    assert len(made) == 1
+    assert len(built) == 1
     monkeypatch.undo()
     for cell, run in zip(cells, runs, strict=True):
         assert same_bits(run, compiled_anew(rn.SimulationCase(PLANT, cell, w), lanes))
@@ -210,7 +210,7 @@ def test_loops_are_forgotten():
 
 def test_other_instructions_are_compiled_anew(monkeypatch):
     w = np.random.default_rng(3).standard_normal((60, 1))
-    case, found = rn.SimulationCase(PLANT, GOOD, w), {}
+    case, answer = rn.SimulationCase(PLANT, GOOD, w), {}
 
     def cases():
         for name in ("plain", _kernel.instruction_sets()[0]):
@@ -222,9 +222,9 @@ def test_other_instructions_are_compiled_anew(monkeypatch):
         ("plain", _kernel.instruction_sets()[0]),
         strict=True,
     ):
-        found[name] = result.value.theta_final.tobytes()
+        answer[name] = result.value.theta_final.tobytes()
         monkeypatch.setenv("RCAC_INSTRUCTION_SET", name)
-        assert compiled_anew(case, False).theta_final.tobytes() == found[name]
+        assert compiled_anew(case, False).theta_final.tobytes() == answer[name]
 
 
 def test_a_key_pressed_leaves_all_runs_in_their_order(monkeypatch):
@@ -298,7 +298,9 @@ def test_a_batch_of_arrays_is_its_runs(data, threads, lanes, seed):
         threads=threads, lanes=lanes,
     )  # fmt: skip
     options |= {"divergence_limit": limit, "saturation": saturation}
-    cases = [rn.SimulationCase(plant, own, one, options) for own, one in zip(each, w, strict=True)]
+    cases = [
+        rn.SimulationCase(plant, ours, one, options) for ours, one in zip(each, w, strict=True)
+    ]
     for i, run in enumerate(rn.simulate_many(cases, threads=threads, lanes=lanes)):
         assert (batch.outcomes[i], batch.steps[i]) == (run.outcome, run.steps)
         assert batch.guard_counts[i] == run.guard_count and batch.failures[i] == run.failure

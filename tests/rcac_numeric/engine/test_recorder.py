@@ -67,8 +67,8 @@ def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
     assert done.returncode == -signal.SIGKILL
     log = rn.read_log(path)
     assert log.steps == 499
-    found = rn.check_controller(log, structure=SETTINGS.structure, plant=PLANT)
-    assert found.is_consistent and found.loop.is_stable
+    check = rn.check_controller(log, structure=SETTINGS.structure, plant=PLANT)
+    assert check.is_consistent and check.loop.is_stable
     assert np.array_equal(log.u[:, 0], driven(rn.Controller(SETTINGS), 499))
 
 
@@ -116,9 +116,9 @@ def test_u_keeps_to_its_limits_and_the_regressor_knows(seed, low, high, rise, fa
     outside, x, applied = rn.Controller(SETTINGS), 0.0, None
     rng, other = np.random.default_rng(seed), []
     for _ in range(60):
-        asked = float(outside.step(x, x, u_applied=applied)[0])
+        value = float(outside.step(x, x, u_applied=applied)[0])
         last = 0.0 if applied is None else applied
-        applied = min(max(min(max(asked, last - fall), last + rise), low), high)
+        applied = min(max(min(max(value, last - fall), last + rise), low), high)
         other.append(applied)
         x = 0.9 * x + applied + rng.standard_normal()
     assert us == pytest.approx(np.array(other), rel=1e-9, abs=1e-9)
@@ -168,5 +168,5 @@ def test_a_takeover_has_no_bump():
     controller.take_over(us[-1] + 3.0, fade=0.5)
     twin = rn.Controller(SETTINGS)
     driven(twin, 50)
-    asked, given_ = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
-    assert given_ == pytest.approx(us[-1] + 3.0) and abs(asked - given_) > 0.1
+    requested, given_ = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
+    assert given_ == pytest.approx(us[-1] + 3.0) and abs(requested - given_) > 0.1

@@ -27,10 +27,10 @@ def regressors(settings, u, y):
 def filtered(settings, inputs):
     """G_f of a sequence of matrices, zero before k_filter."""
     N, D = settings.target.numerator, settings.target.denominator
-    seen = [v if k >= settings.k_filter else 0 * v for k, v in enumerate(inputs)]
+    observed = [v if k >= settings.k_filter else 0 * v for k, v in enumerate(inputs)]
     out = []
-    for k in range(len(seen)):
-        value = sum(N[i] @ seen[k - i] for i in range(min(k, len(N) - 1) + 1))
+    for k in range(len(observed)):
+        value = sum(N[i] @ observed[k - i] for i in range(min(k, len(N) - 1) + 1))
         value = value - sum(D[i] @ out[k - i] for i in range(1, min(k, len(D) - 1) + 1))
         out.append(value)
     return out

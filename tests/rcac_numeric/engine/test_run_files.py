@@ -105,8 +105,8 @@ def test_tables_hold_the_arrays():
         columns = [c for c in frame if c.rstrip("0123456789") == name]
         assert np.array_equal(frame[columns].to_numpy(), values)
         assert np.array_equal(data[name].values, values)
-    kept = data["theta"].dropna("k").values
-    assert np.array_equal(kept, run.theta)
+    remaining = data["theta"].dropna("k").values
+    assert np.array_equal(remaining, run.theta)
 
 
 @pytest.mark.parametrize("library", ["pandas", "xarray"])

@@ -206,11 +206,11 @@ def test_theta_is_kept_at_the_stride(stride):
         structure=iir(2), target=fir_target(plant), update=UD(R_theta=0.2)
     )
     w = exogenous([Step(), Step(0), Step(0)], 20)
-    full, kept = simulate(plant, settings, w), simulate(plant, settings, w, stride=stride)
-    assert np.array_equal(kept.theta, full.theta[::stride])
-    assert np.array_equal(kept.theta_final, full.theta_final)
+    full, remaining = simulate(plant, settings, w), simulate(plant, settings, w, stride=stride)
+    assert np.array_equal(remaining.theta, full.theta[::stride])
+    assert np.array_equal(remaining.theta_final, full.theta_final)
     with pytest.raises(InputError, match="not kept"):
-        kept.compensator_at(20 * stride)
+        remaining.compensator_at(20 * stride)
 
 
 def test_feedthrough_of_the_plant_is_simulated():

@@ -28,10 +28,10 @@ def case(seed, steps=60, n_c=2):
 )
 def test_they_are_those_of_simulate_many(lengths, at_once, lanes):
     cases = [case(i, steps, 1 + i % 3) for i, steps in enumerate(lengths)]
-    found = list(rn.simulate_stream(cases, at_once=at_once, lanes=lanes))
-    assert sorted(result.number for result in found) == list(range(len(cases)))
+    items = list(rn.simulate_stream(cases, at_once=at_once, lanes=lanes))
+    assert sorted(result.number for result in items) == list(range(len(cases)))
     whole = rn.simulate_many(cases, lanes=lanes)
-    assert all(result.value == whole[result.number] for result in found)
+    assert all(result.value == whole[result.number] for result in items)
 
 
 def test_a_reducer_takes_the_place_of_the_run():
@@ -44,27 +44,27 @@ def test_a_reducer_takes_the_place_of_the_run():
 
 
 def test_nothing_of_a_run_is_kept():
-    seen, alive = [], []
+    observed, alive = [], []
 
     def reduced(number, run):
-        seen.append(weakref.ref(run))
+        observed.append(weakref.ref(run))
         return 0.0
 
     for _ in rn.simulate_stream((case(s) for s in range(40)), reduce=reduced, at_once=4):
-        alive.append(sum(run() is not None for run in seen))
+        alive.append(sum(run() is not None for run in observed))
     assert len(alive) == 40 and max(alive) <= 4
 
 
 def test_cases_are_taken_when_they_are_needed():
-    taken = []
+    elapsed = []
 
     def cases():
         for seed in range(100):
-            taken.append(seed)
+            elapsed.append(seed)
             yield case(seed)
 
     next(rn.simulate_stream(cases(), at_once=3))
-    assert len(taken) == 3
+    assert len(elapsed) == 3
 
 
 def test_what_fails_is_a_result_and_the_rest_goes_on():
@@ -84,11 +84,11 @@ def test_what_fails_is_a_result_and_the_rest_goes_on():
         good,
     ]
     counted = []
-    found = {r.number: r for r in rn.simulate_stream(cases, progress=counted.append)}
-    outcomes = [found[i].outcome for i in range(6)]
+    result = {r.number: r for r in rn.simulate_stream(cases, progress=counted.append)}
+    outcomes = [result[i].outcome for i in range(6)]
     assert outcomes == ["completed", "plant failed", "refused", "refused", "refused", "completed"]
-    assert "a fault" in found[1].failure and "sride" in found[4].failure
-    assert found[2].value is None and found[0].value == found[5].value
+    assert "a fault" in result[1].failure and "sride" in result[4].failure
+    assert result[2].value is None and result[0].value == result[5].value
     assert counted == [1, 2, 3, 4, 5, 6]
 
 
@@ -96,9 +96,9 @@ def test_a_reducer_that_raises_costs_its_own_case():
     def reduced(number, run):
         return 1 / (number - 1)
 
-    found = {r.number: r for r in rn.simulate_stream([case(i) for i in range(3)], reduce=reduced)}
-    assert [found[i].outcome for i in range(3)] == ["completed", "reducer failed", "completed"]
-    assert found[1].failure.startswith("ZeroDivisionError")
+    result = {r.number: r for r in rn.simulate_stream([case(i) for i in range(3)], reduce=reduced)}
+    assert [result[i].outcome for i in range(3)] == ["completed", "reducer failed", "completed"]
+    assert result[1].failure.startswith("ZeroDivisionError")
 
 
 def test_a_key_pressed_keeps_what_was_under_way():

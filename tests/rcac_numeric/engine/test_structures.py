@@ -46,13 +46,13 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
     u = np.zeros((steps, l_u))
     v = np.concatenate([y, r], axis=1)
     for k in range(steps):
-        own = controller.step(y[k], [0.0], r[k] if structure.l_r else None)
+        output = controller.step(y[k], [0.0], r[k] if structure.l_r else None)
         for i in range(1, min(fixed.n_c, k) + 1):
             u[k] += fixed.past_u[i - 1] @ u[k - i]
         for i in range(min(fixed.n_c, k) + 1):
             u[k] += fixed.past_y[i] @ v[k - i]
         size = max(1.0, np.abs(u[: k + 1]).max())
-        assert own == pytest.approx(u[k], abs=1e-9 * size)
+        assert output == pytest.approx(u[k], abs=1e-9 * size)
     assert np.array_equal(controller.theta, theta)
 
 

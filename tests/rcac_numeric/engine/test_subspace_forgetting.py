@@ -90,8 +90,8 @@ def identification(update, lambda_, kind, count, seed):
                 np.concatenate([rows, white[:more]]),
                 np.concatenate([target, after[:more]]),
             )
-            found, *_ = replayed(update, whole, goal, lambda_, P_0)
-            errors.append(np.linalg.norm(found - second) / jump)
+            result, *_ = replayed(update, whole, goal, lambda_, P_0)
+            errors.append(np.linalg.norm(result - second) / jump)
     return drift, max(errors), errors[-1]
 
 

@@ -74,7 +74,7 @@ def test_the_mildest_policy_changes_nothing(data):
 def test_a_wound_up_controller_says_so_once_and_survives_its_own_overflow():
     """The review's finding on a device: step raised, and the plant had no control."""
     controller = Controller(settings_of())
-    with pytest.warns(SupervisionWarning) as said:
+    with pytest.warns(SupervisionWarning) as message:
         _, _, x = driven(controller, 300, noise=1.0)
         looks = {}
         for _ in range(QUIET):
@@ -82,7 +82,7 @@ def test_a_wound_up_controller_says_so_once_and_survives_its_own_overflow():
             looks[controller.k] = controller.theta
             x = LAG * x + float(u)
             assert np.isfinite(u)
-    assert [str(one.message).split(":")[1].split()[0] for one in said] == ["windup", "overflow"]
+    assert [str(one.message).split(":")[1].split()[0] for one in message] == ["windup", "overflow"]
     record = controller.record
     assert record.troubles["windup"].worst > 1e300 and record.troubles["overflow"].episodes == 1
     assert 300 < record.troubles["windup"].first < 300 + 132 + 32  # 0.9^-132 is above 1e6

@@ -49,24 +49,24 @@ def test_it_follows_through_the_transition_because_it_learns(in_full):
         run, learner = flight(seed)
         assert rms(run.z[2300:2500]) < 0.015 and rms(run.z[7000:]) < 1e-3
         assert np.abs(run.z).max() < 0.5
-        updates = [found for found in learner.windows if found.action == "updated"]
-        assert [change.k for change in run.changes] == [found.k for found in updates]
-        before, after = (found.nmp_zeros for found in updates)
+        updates = [result for result in learner.windows if result.action == "updated"]
+        assert [change.k for change in run.changes] == [result.k for result in updates]
+        before, after = (result.nmp_zeros for result in updates)
         assert len(before) == 0 and updates[1].k < 2800
-        found = zeros_before(run, updates[1].k)
-        assert np.array_equal(after, np.sort_complex(found.zeros[:2]))
+        result = zeros_before(run, updates[1].k)
+        assert np.array_equal(after, np.sort_complex(result.zeros[:2]))
         # Without noise the data hold rounding alone, whose share in the zeros they say themselves.
         for index, zero in enumerate(true[:2]):
-            assert found.contains(index, zero, level=1 - 1e-9)
+            assert result.contains(index, zero, level=1 - 1e-9)
     ignorant, _ = flight(0, learns=False)
     assert rms(ignorant.z[7000:]) > 0.2, "without the zeros it does not"
 
 
 def test_windows_that_hold_the_transition_are_refused():
     _, learner = flight(0, steps=2800)
-    held = [found for found in learner.windows if 2500 < found.k < 2670]
-    assert len(held) == 3 and {found.action for found in held} == {"refused"}
-    assert all(found.reason for found in held)
+    stored = [result for result in learner.windows if 2500 < result.k < 2670]
+    assert len(stored) == 3 and {result.action for result in stored} == {"refused"}
+    assert all(result.reason for result in stored)
 
 
 def test_noise_that_hides_the_zeros_leaves_the_run_as_it_is():
@@ -74,8 +74,8 @@ def test_noise_that_hides_the_zeros_leaves_the_run_as_it_is():
     learned, learner = flight(0, noise=1e-3, steps=700)
     plain, _ = flight(0, noise=1e-3, steps=700, learns=False)
     assert len(learner.windows) == 9
-    assert {found.action for found in learner.windows} == {"refused"}
-    assert all(found.reason.endswith(".") for found in learner.windows)
+    assert {result.action for result in learner.windows} == {"refused"}
+    assert all(result.reason.endswith(".") for result in learner.windows)
     assert np.array_equal(learned.u, plain.u) and not learned.changes
 
 
@@ -83,8 +83,8 @@ def test_too_few_samples_are_refused():
     learner = rn.TargetLearner(mu=10, n_mod=4, order=4, window=70)
     w = np.full((60, 3), [0.15, 0.0, 0.0])
     rn.simulate(aircraft_transition(), SETTINGS, w, on_step=learner, every=50)
-    (found,) = learner.windows
-    assert (found.k, found.action, found.reason) == (50, "refused", "only 50 samples so far")
+    (result,) = learner.windows
+    assert (result.k, result.action, result.reason) == (50, "refused", "only 50 samples so far")
 
 
 @pytest.mark.parametrize(

@@ -44,9 +44,9 @@ def test_no_time_at_all_is_one_step(name):
     runs = [ready_run(BODY, settings, w, stride=len(w)) for _ in range(count)]
     jobs = [run.job for run in runs]
     together = count if lanes else 1  # one after another, the next begins when there is time
-    for made in range(together, 5 * count + 1, together):
-        assert _kernel.run_jobs(jobs, 2, 0.0, lanes) == (made < 5 * count)
-        assert sum(job.done for job in jobs) == made
+    for built in range(together, 5 * count + 1, together):
+        assert _kernel.run_jobs(jobs, 2, 0.0, lanes) == (built < 5 * count)
+        assert sum(job.done for job in jobs) == built
     assert not _kernel.run_jobs(jobs, 2, 0.0, lanes)
 
 

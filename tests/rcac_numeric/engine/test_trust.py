@@ -97,8 +97,8 @@ def test_a_million_steps_with_80_coefficients(in_full, lambda_):
         )
         state = run.state
         assert run.outcome == "completed" and run.guard_count == 0
-        for name, kept in (("u", u), ("y", y), ("z", z)):
-            kept.append(getattr(run, name)[:, 0])
+        for name, remaining in (("u", u), ("y", y), ("z", z)):
+            remaining.append(getattr(run, name)[:, 0])
     u, y, z = (np.concatenate(parts) for parts in (u, y, z))
 
     # Row i of the cost: z(i) + phi(i-1)' theta - u(i-1), from i = k_update on; G_f = 1/q.
@@ -109,9 +109,9 @@ def test_a_million_steps_with_80_coefficients(in_full, lambda_):
         lags = i[:, None] - 1 - np.arange(1, n_c + 1)
         rows = np.concatenate([np.where(lags < 0, 0, s[lags]) for s in (u, y)], axis=1)
         age = lambda_ ** ((len(i) - 1 - np.arange(len(i))) / 2)
-        kept = lambda_ ** (len(i) / 2)
-        stacked = np.vstack([kept * R, age[:, None] * rows])
-        goal = np.concatenate([kept * right, age * (u[i - 1] - z[i])])
+        remaining = lambda_ ** (len(i) / 2)
+        stacked = np.vstack([remaining * R, age[:, None] * rows])
+        goal = np.concatenate([remaining * right, age * (u[i - 1] - z[i])])
         Q, R = np.linalg.qr(stacked)
         right = Q.T @ goal
     theta = np.linalg.solve(R, right)

@@ -87,10 +87,10 @@ def test_the_yardstick_of_the_benchmark_is_the_same_recursion(l_theta, lam, seed
     weights = {"R_z": np.eye(1), "R_u": np.zeros((1, 1))}
     theta, P, *_ = _kernel.replay_updates("ud", **{**data, **weights}, forgetting=lam)
     start = {name: data[name] for name in ("P_0", "theta_0")}
-    found, covariance = symmetric_covariance.replay(
+    result, covariance = symmetric_covariance.replay(
         data["Phi_f"][:, 0], data["target"][:, 0], forgetting=lam, **start
     )
-    assert close(found, theta, 1e-10)
+    assert close(result, theta, 1e-10)
     assert close(covariance, P, 1e-10)
     assert np.array_equal(covariance, covariance.T)
 
@@ -251,13 +251,13 @@ def test_the_environment_forces_an_instruction_set(monkeypatch):
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     settings = ControllerSettings(structure=iir(9), target=fir_target(plant), update=UD(R_theta=1))
     w = np.random.default_rng(0).standard_normal((300, 1))
-    found = {}
+    result = {}
     for name in _kernel.instruction_sets():
         monkeypatch.setenv("RCAC_INSTRUCTION_SET", name)
-        found[name] = simulate(plant, settings, w).theta_final
-    assert np.ptp(list(found.values()), axis=0).max() < 1e-9 * np.abs(found["plain"]).max()
+        result[name] = simulate(plant, settings, w).theta_final
+    assert np.ptp(list(result.values()), axis=0).max() < 1e-9 * np.abs(result["plain"]).max()
     monkeypatch.delenv("RCAC_INSTRUCTION_SET")
-    assert np.array_equal(simulate(plant, settings, w).theta_final, next(iter(found.values())))
+    assert np.array_equal(simulate(plant, settings, w).theta_final, next(iter(result.values())))
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "sse9")
     with pytest.raises(InputError, match=r"sse9.*plain"):
         simulate(plant, settings, w)

@@ -206,8 +206,8 @@ def test_a_refined_model_that_diverges_is_no_longer_used():
 def test_an_unobservable_state_is_named():
     apart = LinearModel(A=[[0.5, 0], [0, 0.9]], C=[[1, 0]])
     with pytest.warns(UnobservableWarning, match=r"say nothing about x\[1\]:"):
-        found = estimate(EKF(apart, Q=0.1, R=1), np.ones(30))
-    assert len(found.observability.unseen) == 1
+        estimates = estimate(EKF(apart, Q=0.1, R=1), np.ones(30))
+    assert len(estimates.observability.unseen) == 1
 
 
 def test_parameters_that_cannot_be_told_apart_are_named():

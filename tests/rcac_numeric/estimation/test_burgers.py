@@ -57,8 +57,8 @@ def refined(inlet, y, delays=range(20, 61)):
     refinement, kappa = ModelRefinement(model), []
     for k in range(len(y)):
         x = refinement.x
-        (found,) = refinement.step(w=forces(x, inlet[k]) - linear @ x, y=y[k])
-        kappa.append(found)
+        (result,) = refinement.step(w=forces(x, inlet[k]) - linear @ x, y=y[k])
+        kappa.append(result)
     return np.array(kappa)
 
 
@@ -93,7 +93,7 @@ def test_with_noise_it_is_the_least_squares_fit_of_the_whole_record():
 
 def test_one_delay_is_too_few():
     """The force reaches the sensor over many steps; one H_i says too little of its way."""
-    inlet, found = inlet_of(0, 4000), [np.nan]
+    inlet, result = inlet_of(0, 4000), [np.nan]
     with contextlib.suppress(InputError):  # the model diverged, and with it its forces
-        found = refined(inlet, measured(inlet, KAPPA), delays=(40,))
-    assert not abs(found[-1] - KAPPA) < 1
+        result = refined(inlet, measured(inlet, KAPPA), delays=(40,))
+    assert not abs(result[-1] - KAPPA) < 1

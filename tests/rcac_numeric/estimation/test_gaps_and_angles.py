@@ -35,27 +35,27 @@ def with_gaps(seed):
 
 def kalman_of_what_is_there(model, Q, R, P, y, u):
     """The textbook filter whose C and R have only the rows of what was measured."""
-    x, found = np.zeros(model.n), []
+    x, result = np.zeros(model.n), []
     for k in range(len(y)):
         there = np.flatnonzero(~np.isnan(y[k]))
         C, noise = model.C[there], R[np.ix_(there, there)]
         gain = P @ C.T @ np.linalg.inv(C @ P @ C.T + noise)
         x = x + gain @ (y[k, there] - C @ x - model.D[there] @ u[k])
         P = P - gain @ C @ P
-        found.append((x, P))
+        result.append((x, P))
         x, P = model.A @ x + model.B @ u[k], model.A @ P @ model.A.T + Q
-    return map(np.array, zip(*found, strict=True))
+    return map(np.array, zip(*result, strict=True))
 
 
 @every_filter
 @given(seed=seeds)
 def test_a_sensor_that_says_nothing_is_left_out(make, seed):
     model, Q, R, y, u = with_gaps(seed)
-    found = estimate(make(model, Q=Q, R=R), y, u, keep_covariances=True)
+    estimates = estimate(make(model, Q=Q, R=R), y, u, keep_covariances=True)
     x, P = kalman_of_what_is_there(model, Q, R, np.eye(model.n), y, u)
-    assert relative_error(found.x, x) < 1e-9 and relative_error(found.P, P) < 1e-9
-    assert np.array_equal(np.isnan(found.innovation), np.isnan(y))
-    assert np.array_equal(np.isnan(found.nis), np.isnan(y).all(axis=1))
+    assert relative_error(estimates.x, x) < 1e-9 and relative_error(estimates.P, P) < 1e-9
+    assert np.array_equal(np.isnan(estimates.innovation), np.isnan(y))
+    assert np.array_equal(np.isnan(estimates.nis), np.isnan(y).all(axis=1))
 
 
 @given(seed=seeds)
@@ -72,14 +72,14 @@ def test_the_likelihood_is_that_of_what_was_measured(seed):
 def test_steps_are_those_of_the_record(make):
     model, Q, R, y, u = with_gaps(3)
     settings = make(model, Q=Q, R=R)
-    found, estimator = estimate(settings, y, u), Estimator(settings)
+    result, estimator = estimate(settings, y, u), Estimator(settings)
     masked = estimate(settings, np.where(np.isnan(y), 7.0, y), u, ~np.isnan(y))
-    assert np.array_equal(found.x, masked.x)
+    assert np.array_equal(result.x, masked.x)
     for k in range(len(y)):
         measured = list(y[k]) if k % 2 else y[k]
-        assert np.array_equal(estimator.step(measured, u[k]), found.x[k])
-        assert np.array_equal(estimator.innovation, found.innovation[k], equal_nan=True)
-        assert np.array_equal(estimator.nis, found.nis[k], equal_nan=True)
+        assert np.array_equal(estimator.step(measured, u[k]), result.x[k])
+        assert np.array_equal(estimator.innovation, result.innovation[k], equal_nan=True)
+        assert np.array_equal(estimator.nis, result.nis[k], equal_nan=True)
         other = Estimator(settings)
         other.restore(estimator.state)
         assert np.array_equal(other.P, estimator.P)
@@ -151,10 +151,10 @@ def test_a_whole_turn_changes_nothing(make, model, seed):
     wrapped = y.copy()
     wrapped[:, 0] = np.angle(np.exp(1j * y[:, 0]))  # by NumPy, in (-pi, pi]
     assert abs(wrapped[:, 0] - y[:, 0]).max() > 6
-    found = estimate(make(model, **noises), wrapped)
-    assert np.allclose(found.x, plain.x, rtol=0, atol=1e-8)
-    assert np.allclose(found.innovation, plain.innovation, rtol=0, atol=1e-8, equal_nan=True)
-    assert found.log_likelihood == pytest.approx(plain.log_likelihood, rel=1e-6)
+    estimates = estimate(make(model, **noises), wrapped)
+    assert np.allclose(estimates.x, plain.x, rtol=0, atol=1e-8)
+    assert np.allclose(estimates.innovation, plain.innovation, rtol=0, atol=1e-8, equal_nan=True)
+    assert estimates.log_likelihood == pytest.approx(plain.log_likelihood, rel=1e-6)
 
 
 def test_sigma_points_on_both_sides_of_pi_have_their_mean_between_them():
@@ -162,11 +162,11 @@ def test_sigma_points_on_both_sides_of_pi_have_their_mean_between_them():
     x, y = sp.symbols("x y", real=True)
     bearing = SymbolicModel([x, y], [sp.atan2(y, x)], [x, y], angles=[0])
     noises = {"Q": 0.0, "R": 1e-4, "x_0": [-1.0, 0.01], "P_0": 0.04}
-    found = estimate(UKF(bearing, **noises), [-np.pi + 0.01])
+    estimates = estimate(UKF(bearing, **noises), [-np.pi + 0.01])
     turned = SymbolicModel([x, y], [sp.atan2(-y, -x)], [x, y])  # the same from the other side
     same = estimate(UKF(turned, **noises), [0.01])
-    assert np.allclose(found.x, same.x, rtol=0, atol=1e-12)
-    assert abs(found.innovation[0, 0]) < 0.1
+    assert np.allclose(estimates.x, same.x, rtol=0, atol=1e-12)
+    assert abs(estimates.innovation[0, 0]) < 0.1
 
 
 @pytest.mark.parametrize(

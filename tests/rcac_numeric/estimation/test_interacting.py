@@ -83,15 +83,15 @@ def settings_of(parts, transitions, mu, kind=EKF):
 @given(seed=seeds)
 def test_it_is_the_textbook_in_50_digits(kind, seed):
     parts, transitions, mu, y, u = jumping(seed, steps=12)
-    found = estimate(settings_of(parts, transitions, mu, kind), y, u, keep_covariances=True)
+    estimates = estimate(settings_of(parts, transitions, mu, kind), y, u, keep_covariances=True)
     x, P, probabilities, likelihood = interacting(parts, transitions, mu, y, u)
     # Innovations of 10 deviations would multiply a rounding of S by 100: 1e-10 leaves room.
-    assert relative_error(found.x, x) < 1e-10 and relative_error(found.P, P) < 1e-10
-    assert np.abs(found.probabilities - probabilities).max() < 1e-10
-    assert found.log_likelihood == pytest.approx(likelihood, rel=1e-11, abs=1e-10)
-    assert np.allclose(found.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
-    assert np.array_equal(np.isnan(found.innovation), np.isnan(y))
-    assert np.array_equal(np.isnan(found.nis), np.isnan(y).all(axis=1))
+    assert relative_error(estimates.x, x) < 1e-10 and relative_error(estimates.P, P) < 1e-10
+    assert np.abs(estimates.probabilities - probabilities).max() < 1e-10
+    assert estimates.log_likelihood == pytest.approx(likelihood, rel=1e-11, abs=1e-10)
+    assert np.allclose(estimates.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
+    assert np.array_equal(np.isnan(estimates.innovation), np.isnan(y))
+    assert np.array_equal(np.isnan(estimates.nis), np.isnan(y).all(axis=1))
 
 
 @given(seed=seeds)
@@ -108,14 +108,16 @@ def test_filterpys_estimator_says_the_same(seed):
     oracle = IMMEstimator(others, mu, transitions)
     parts = [(*one[:3], 0 * one[3], *one[4:]) for one in parts]  # filterpy has no D
     # filterpy moves the probabilities before the first measurement as well.
-    found = estimate(settings_of(parts, transitions, mu @ transitions), y, u, keep_covariances=True)
+    estimates = estimate(
+        settings_of(parts, transitions, mu @ transitions), y, u, keep_covariances=True
+    )
     for k in range(len(y)):
         oracle.update(y[k])
         # Where a likelihood underflows, filterpy puts the smallest float64 in its place.
         assume(min(one.likelihood for one in oracle.filters) > 1e-290)
-        assert oracle.x == pytest.approx(found.x[k], rel=1e-9, abs=1e-10)
-        assert pytest.approx(found.P[k], rel=1e-8, abs=1e-10) == oracle.P
-        assert oracle.mu == pytest.approx(found.probabilities[k], rel=1e-7, abs=1e-12)
+        assert oracle.x == pytest.approx(estimates.x[k], rel=1e-9, abs=1e-10)
+        assert pytest.approx(estimates.P[k], rel=1e-8, abs=1e-10) == oracle.P
+        assert oracle.mu == pytest.approx(estimates.probabilities[k], rel=1e-7, abs=1e-12)
         oracle.predict(u[k])
 
 
@@ -132,10 +134,10 @@ def test_the_federal_funds_rate():
     stay, back = 0.9820939, 0.0503587
     stationary = np.array([back, 1 - stay]) / (1 - stay + back)
     jumps = IMM(filters, [[stay, 1 - stay], [back, 1 - back]], stationary)
-    found = estimate(jumps, FEDERAL_FUNDS)
-    assert found.log_likelihood == pytest.approx(-508.63592, abs=1e-5)
+    estimates = estimate(jumps, FEDERAL_FUNDS)
+    assert estimates.log_likelihood == pytest.approx(-508.63592, abs=1e-5)
     quarters = 1954.5 + np.arange(len(FEDERAL_FUNDS)) / 4
-    high = quarters[found.most_probable == 1]
+    high = quarters[estimates.most_probable == 1]
     assert 1979 < np.median(high) < 1985  # Volcker's disinflation
 
 
@@ -143,14 +145,14 @@ def test_the_federal_funds_rate():
 def test_modes_that_never_change_are_a_mixture_of_filters(seed):
     """With Pi = I the answer is exact: each filter alone, weighed by its likelihood."""
     parts, _, mu, y, u = jumping(seed)
-    found = estimate(settings_of(parts, np.eye(3), mu), y, u)
-    alone = [estimate(one, y, u) for one in found.settings.filters]
+    estimates = estimate(settings_of(parts, np.eye(3), mu), y, u)
+    alone = [estimate(one, y, u) for one in estimates.settings.filters]
     joint = np.log(mu) + [one.log_likelihood for one in alone]
-    assert found.log_likelihood == pytest.approx(np.logaddexp.reduce(joint), rel=1e-11)
+    assert estimates.log_likelihood == pytest.approx(np.logaddexp.reduce(joint), rel=1e-11)
     weights = np.exp(joint - np.logaddexp.reduce(joint))
-    assert found.probabilities[-1] == pytest.approx(weights, abs=1e-9)
+    assert estimates.probabilities[-1] == pytest.approx(weights, abs=1e-9)
     x = np.tensordot(weights, [one.x[-1] for one in alone], axes=1)
-    assert found.x[-1] == pytest.approx(x, rel=1e-8, abs=1e-9)
+    assert estimates.x[-1] == pytest.approx(x, rel=1e-8, abs=1e-9)
 
 
 def test_a_mode_that_was_ruled_out_by_thousands_of_nats_comes_back():
@@ -158,10 +160,10 @@ def test_a_mode_that_was_ruled_out_by_thousands_of_nats_comes_back():
     level = LinearModel(A=1, C=1)
     low, high = (EKF(level, Q=0, R=1e-4, x_0=[x], P_0=0) for x in (0.0, 1.0))
     y = np.repeat([0.0, 1.0], [40, 60])
-    found = estimate(IMM([low, high], np.eye(2)), y)
-    assert found.probabilities[39, 1] == 0.0 and found.probabilities[-1, 1] == 1.0
+    estimates = estimate(IMM([low, high], np.eye(2)), y)
+    assert estimates.probabilities[39, 1] == 0.0 and estimates.probabilities[-1, 1] == 1.0
     # 40 steps for 0, then 60 for 1, at 1/(2 R) = 5000 nats each
-    assert found.log_likelihood == pytest.approx(
+    assert estimates.log_likelihood == pytest.approx(
         np.log(0.5) - 50 * np.log(2 * np.pi * 1e-4) - 40 * 5000
     )
 
@@ -169,11 +171,11 @@ def test_a_mode_that_was_ruled_out_by_thousands_of_nats_comes_back():
 def test_a_single_mode_is_its_filter():
     parts, _, _, y, u = jumping(3)
     one = settings_of(parts[:1], [[1.0]], [1.0])
-    found, alone = estimate(one, y, u), estimate(one.filters[0], y, u)
-    assert found.x == pytest.approx(alone.x, rel=1e-12)
-    assert found.nis == pytest.approx(alone.nis, rel=1e-11, nan_ok=True)
-    assert found.innovation == pytest.approx(alone.innovation, rel=1e-11, nan_ok=True)
-    assert found.log_likelihood == pytest.approx(alone.log_likelihood, rel=1e-12)
+    result, alone = estimate(one, y, u), estimate(one.filters[0], y, u)
+    assert result.x == pytest.approx(alone.x, rel=1e-12)
+    assert result.nis == pytest.approx(alone.nis, rel=1e-11, nan_ok=True)
+    assert result.innovation == pytest.approx(alone.innovation, rel=1e-11, nan_ok=True)
+    assert result.log_likelihood == pytest.approx(alone.log_likelihood, rel=1e-12)
 
 
 def test_the_normalised_innovation_has_the_mean_of_a_chi_square(in_full):
@@ -199,20 +201,20 @@ def test_the_normalised_innovation_has_the_mean_of_a_chi_square(in_full):
 def test_steps_are_those_of_the_record_and_go_on_from_a_saved_state(seed):
     parts, transitions, mu, y, u = jumping(seed)
     settings = settings_of(parts, transitions, mu)
-    found, estimator = estimate(settings, y, u), Estimator(settings)
+    result, estimator = estimate(settings, y, u), Estimator(settings)
     for k in range(len(y)):
         estimator.correct(y[k], u[k])
-        assert np.array_equal(estimator.probabilities, found.probabilities[k])
-        assert np.array_equal(estimator.x, found.x[k])
-        assert np.array_equal(estimator.innovation, found.innovation[k], equal_nan=True)
-        assert np.array_equal(estimator.nis, found.nis[k], equal_nan=True)
+        assert np.array_equal(estimator.probabilities, result.probabilities[k])
+        assert np.array_equal(estimator.x, result.x[k])
+        assert np.array_equal(estimator.innovation, result.innovation[k], equal_nan=True)
+        assert np.array_equal(estimator.nis, result.nis[k], equal_nan=True)
         other = Estimator(settings)
         other.restore(estimator.state)
         estimator = other
         estimator.predict(u[k])
     again = Estimator(settings)
     for k in range(len(y)):
-        assert np.array_equal(again.step(y[k], u[k]), found.x[k])
+        assert np.array_equal(again.step(y[k], u[k]), result.x[k])
 
 
 def test_probabilities_are_those_of_the_step_of_x():
@@ -220,9 +222,9 @@ def test_probabilities_are_those_of_the_step_of_x():
     estimator = Estimator(settings_of(parts, transitions, mu))
     assert estimator.probabilities == pytest.approx(mu)
     estimator.correct(y[0], u[0])
-    here = estimator.probabilities
+    place = estimator.probabilities
     estimator.predict(u[0])
-    assert estimator.probabilities == pytest.approx(here @ transitions)
+    assert estimator.probabilities == pytest.approx(place @ transitions)
     assert Estimator(settings_of(parts, transitions, mu).filters[0]).probabilities.shape == (0,)
 
 
@@ -259,15 +261,15 @@ def test_a_mode_that_fails_is_named_and_nothing_has_moved():
 
 def test_its_picture_shows_every_state_and_every_probability():
     parts, transitions, mu, y, u = jumping(1)
-    found = estimate(settings_of(parts, transitions, mu), y, u)
-    *states, modes = found.plot().axes
+    estimates = estimate(settings_of(parts, transitions, mu), y, u)
+    *states, modes = estimates.plot().axes
     assert [axis.get_ylabel() for axis in states] == ["x[0]", "x[1]"]
     for i, axis in enumerate(states):
-        assert np.array_equal(axis.get_lines()[0].get_ydata(), found.x[:, i])
+        assert np.array_equal(axis.get_lines()[0].get_ydata(), estimates.x[:, i])
         band = axis.collections[0].get_paths()[0].vertices[:, 1]
-        assert band.max() == pytest.approx((found.x + 2 * found.deviation)[:, i].max())
+        assert band.max() == pytest.approx((estimates.x + 2 * estimates.deviation)[:, i].max())
     shown = [line.get_ydata() for line in modes.get_lines()]
-    assert np.array_equal(np.transpose(shown), found.probabilities)
+    assert np.array_equal(np.transpose(shown), estimates.probabilities)
 
 
 ONE, TWO = EKF(LinearModel(A=1, C=1), 1, 1), EKF(LinearModel(A=np.eye(2), C=[[1, 0]]), 1, 1)

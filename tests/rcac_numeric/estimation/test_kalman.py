@@ -30,11 +30,11 @@ def textbook_linear(model, Q, R, x, P, y, u):
 def test_it_is_the_kalman_filter_where_the_model_is_linear(make, seed):
     model, Q, R, y, u = linear_case(seed)
     x_0, P_0 = np.arange(3.0), np.diag([1.0, 2, 3])
-    found = estimate(make(model, Q=Q, R=R, x_0=x_0, P_0=P_0), y, u, keep_covariances=True)
+    estimates = estimate(make(model, Q=Q, R=R, x_0=x_0, P_0=P_0), y, u, keep_covariances=True)
     x, P = textbook_linear(model, Q, R, x_0, P_0, y, u)
-    assert relative_error(found.x, x) < 1e-12
-    assert relative_error(found.P, P) < 1e-12
-    assert np.allclose(found.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
+    assert relative_error(estimates.x, x) < 1e-12
+    assert relative_error(estimates.P, P) < 1e-12
+    assert np.allclose(estimates.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
 
 
 def changing_noises(seed, steps, R_0):
@@ -58,8 +58,8 @@ def test_noises_that_change(make, seed):
         P = P - K @ S @ K.T
         expected.append(x)
         x, P = model.A @ x + model.B @ u[k], model.A @ P @ model.A.T + Q[k] * np.eye(3)
-    found = estimate(make(model, Q=Q_0, R=R_0), y, u, Q=Q, R=R)
-    assert relative_error(found.x, np.array(expected)) < 1e-10
+    estimates = estimate(make(model, Q=Q_0, R=R_0), y, u, Q=Q, R=R)
+    assert relative_error(estimates.x, np.array(expected)) < 1e-10
 
 
 @pytest.mark.costly
@@ -70,10 +70,10 @@ def test_noises_that_change_step_by_step(make, seed):
     model, Q_0, R_0, y, u = linear_case(seed)
     Q, R = changing_noises(seed, len(y), R_0)
     settings = make(model, Q=Q_0, R=R_0)
-    found = estimate(settings, y, u, Q=Q, R=R)
+    estimates = estimate(settings, y, u, Q=Q, R=R)
     estimator = Estimator(settings)
     steps = [estimator.step(y[k], u[k], Q=Q[k], R=R[k]) for k in range(len(y))]
-    assert np.array_equal(steps, found.x)
+    assert np.array_equal(steps, estimates.x)
     half = estimate(settings, y, u, Q=Q)  # R is that of the settings
     whole = estimate(settings, y, u, Q=Q, R=np.broadcast_to(R_0, R.shape))
     assert np.array_equal(half.x, whole.x)
@@ -124,10 +124,10 @@ def test_extended_filter_of_a_nonlinear_model():
     )  # fmt: skip
     for form in ("square root", "joseph"):
         settings = pendulum_filter(lambda *a, **k: EKF(*a, form=form, **k), PENDULUM)  # noqa: B023
-        found = estimate(settings, y, u, keep_covariances=True)
-        assert relative_error(found.x, x) < 1e-12
-        assert relative_error(found.P, P) < 1e-11
-    assert abs(found.x[-1, 2] - 0.4) < 0.03
+        estimates = estimate(settings, y, u, keep_covariances=True)
+        assert relative_error(estimates.x, x) < 1e-12
+        assert relative_error(estimates.P, P) < 1e-11
+    assert abs(estimates.x[-1, 2] - 0.4) < 0.03
 
 
 @pytest.mark.parametrize("alpha", [3, 5, 2.6])
@@ -140,10 +140,10 @@ def test_unscented_filter_of_a_nonlinear_model(alpha):
         np.diag([0.1, 0.1, 1.0]), y, u, alpha,
     )  # fmt: skip
     settings = pendulum_filter(lambda *a, **k: UKF(*a, alpha=alpha, **k), PENDULUM)
-    found = estimate(settings, y, u, keep_covariances=True)
-    assert relative_error(found.x, x) < 1e-11
-    assert relative_error(found.P, P) < 1e-10
-    assert abs(found.x[-1, 2] - 0.4) < 0.03
+    estimates = estimate(settings, y, u, keep_covariances=True)
+    assert relative_error(estimates.x, x) < 1e-11
+    assert relative_error(estimates.P, P) < 1e-10
+    assert abs(estimates.x[-1, 2] - 0.4) < 0.03
 
 
 def test_as_printed_the_points_are_not_redrawn_and_the_filter_is_none():
@@ -173,15 +173,15 @@ def test_the_model_may_be_written_in_sympy_or_in_python(kind):
 def test_steps_are_those_of_the_record(make):
     y, u = pendulum_record(5, steps=50)
     settings = make(PENDULUM, Q=1e-6, R=1e-4, P_0=0.1)
-    found = estimate(settings, y, u)
+    estimates = estimate(settings, y, u)
     stepwise, halves = Estimator(settings), Estimator(settings)
     for k in range(50):
         x = stepwise.step(y[k], u[k])
         corrected = halves.correct(y[k])
         halves.predict(u[k])
-        assert np.array_equal(x, found.x[k]) and np.array_equal(corrected, x)
-        assert stepwise.nis == found.nis[k]
-        assert np.array_equal(stepwise.innovation, found.innovation[k])
+        assert np.array_equal(x, estimates.x[k]) and np.array_equal(corrected, x)
+        assert stepwise.nis == estimates.nis[k]
+        assert np.array_equal(stepwise.innovation, estimates.innovation[k])
 
 
 @pytest.mark.costly
@@ -205,11 +205,11 @@ def test_missing_measurements_are_predicted_over():
     there = np.ones(12, dtype=bool)
     there[4:7] = False
     y[4:7] = np.nan
-    found = estimate(EKF(model, Q=Q, R=R), y, u, there)
+    estimates = estimate(EKF(model, Q=Q, R=R), y, u, there)
     by_hand = Estimator(EKF(model, Q=Q, R=R))
     for k in range(12):
-        assert np.array_equal(by_hand.step(y[k] if there[k] else None, u[k]), found.x[k])
-    assert np.isnan(found.nis[4:7]).all() and np.isfinite(found.log_likelihood)
+        assert np.array_equal(by_hand.step(y[k] if there[k] else None, u[k]), estimates.x[k])
+    assert np.isnan(estimates.nis[4:7]).all() and np.isfinite(estimates.log_likelihood)
 
 
 def test_log_likelihood_is_that_of_the_joint_gaussian():
@@ -251,9 +251,9 @@ def test_the_default_form_stays_definite(make, in_full):
         scale = 1 / np.sqrt(np.diag(P))
         worst = min(worst, np.linalg.eigvalsh(P * scale * scale[:, None]).min())
     assert worst > -1e-15 and (np.diag(P) > 0).all()
-    found = estimate(settings, y, keep_covariances=False)
-    assert np.isfinite(found.x).all() and (found.deviation > 0).all()
-    assert np.isfinite(found.nis).all()
+    estimates = estimate(settings, y, keep_covariances=False)
+    assert np.isfinite(estimates.x).all() and (estimates.deviation > 0).all()
+    assert np.isfinite(estimates.nis).all()
 
 
 def filterpy_extended(f, F, h, H, Q, R, x, P, y, u):
@@ -307,8 +307,8 @@ def test_filterpys_unscented_filter_says_the_same():
         other.update(y[k], v=u[k])
         xs.append(other.x.copy())
         other.predict(v=u[k])
-    found = estimate(pendulum_filter(lambda *a, **k: UKF(*a, alpha=5, **k), PENDULUM), y, u)
-    assert relative_error(found.x, np.array(xs)) < 1e-10
+    estimates = estimate(pendulum_filter(lambda *a, **k: UKF(*a, alpha=5, **k), PENDULUM), y, u)
+    assert relative_error(estimates.x, np.array(xs)) < 1e-10
 
 
 @every_filter
@@ -322,11 +322,11 @@ def test_the_nile(make):
     """
     level, q, r = LinearModel(A=1, C=1), 1469.18, 15098.53
     settings = make(level, Q=q, R=r, x_0=[0], P_0=1e7)
-    found, first = estimate(settings, NILE), estimate(settings, NILE[:1])
-    assert found.log_likelihood == pytest.approx(-641.5856, abs=5e-5)
-    assert found.log_likelihood - first.log_likelihood == pytest.approx(-632.54421, abs=1e-5)
+    result, first = estimate(settings, NILE), estimate(settings, NILE[:1])
+    assert result.log_likelihood == pytest.approx(-641.5856, abs=5e-5)
+    assert result.log_likelihood - first.log_likelihood == pytest.approx(-632.54421, abs=1e-5)
     predicted = (q + np.sqrt(q**2 + 4 * q * r)) / 2  # the stationary p = p r/(p + r) + q
-    assert found.deviation[-1, 0] ** 2 == pytest.approx(predicted - q, rel=1e-9)
+    assert result.deviation[-1, 0] ** 2 == pytest.approx(predicted - q, rel=1e-9)
 
 
 @pytest.mark.costly
@@ -351,6 +351,6 @@ def test_univariate_nonstationary_growth():
             y.append(x**2 / 20 + rng.standard_normal())
             x = float(grow(k, x, None)) + np.sqrt(10) * rng.standard_normal()
         for kind in (EKF, UKF):
-            found = estimate(kind(model, Q=10, R=1, x_0=[0.1], P_0=5), y)
-            errors[kind].append(np.sqrt(np.mean((found.x[:, 0] - states) ** 2)))
+            estimates = estimate(kind(model, Q=10, R=1, x_0=[0.1], P_0=5), y)
+            errors[kind].append(np.sqrt(np.mean((estimates.x[:, 0] - states) ** 2)))
     assert np.mean(errors[UKF]) < 0.7 * np.mean(errors[EKF])

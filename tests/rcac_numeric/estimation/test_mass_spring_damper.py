@@ -77,8 +77,8 @@ def test_the_extended_filter_tracks_the_stiffness():
         settings = EKF(
             spring_model(), Q=np.diag([0.1, 0.1, 5000]), R=1e-9, x_0=[0.1, 0.01, 0], P_0=1
         )
-        found = estimate(settings, spring(kappa, w), w)
-        assert abs(found.x[-150:, 2] - 20).mean() < 0.05
+        estimates = estimate(settings, spring(kappa, w), w)
+        assert abs(estimates.x[-150:, 2] - 20).mean() < 0.05
 
 
 def mass(m, w, noise=0.0, seed=0, linear=None):
@@ -115,12 +115,12 @@ def mass_settings(linear):
 )
 def test_example_8_3_with_white_excitation(linear, noise, within):
     """The text's truth is (8.72); 0.9 to 1e-3 without noise, degraded by it as Figure 8.7 says."""
-    found = []
+    result = []
     for seed in range(5):
         w = white(seed, 3000, amplitude=1.0)
         run = refine(mass_settings(linear), w, mass(0.9, w, noise, seed, linear))
-        found.append(1 + run.theta[-1, 0])
-    assert np.allclose(found, 0.9, atol=within)
+        result.append(1 + run.theta[-1, 0])
+    assert np.allclose(result, 0.9, atol=within)
 
 
 def test_the_true_mass_is_biased_by_the_linearisation(linear):

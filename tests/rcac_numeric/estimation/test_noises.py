@@ -71,7 +71,7 @@ def log_likelihood(settings, Q, R, y, u):
 def gradient(function, covariance):
     """Of a function of a symmetric matrix, by differences in 50 digits."""
     step, n = mp.mpf(10) ** -20, covariance.rows
-    found = np.zeros((n, n))
+    zeros_of_plant = np.zeros((n, n))
     for i in range(n):
         for j in range(i + 1):
             ends = []
@@ -81,8 +81,8 @@ def gradient(function, covariance):
                 if i != j:
                     moved[j, i] += sign * step / 2
                 ends.append(function(moved))
-            found[i, j] = found[j, i] = float((ends[0] - ends[1]) / (2 * step))
-    return found
+            zeros_of_plant[i, j] = zeros_of_plant[j, i] = float((ends[0] - ends[1]) / (2 * step))
+    return zeros_of_plant
 
 
 @given(seed=seeds)
@@ -154,22 +154,22 @@ def test_the_variances_of_the_nile():
     of the two are 3100 and 1300.
     """
     level = EKF(LinearModel(A=1, C=1), Q=100.0, R=1000.0, P_0=1e7)
-    found = fit_noises(level, NILE)
-    assert found.converged and found.log_likelihood == pytest.approx(-641.5856, abs=5e-5)
-    assert found.R[0, 0] == pytest.approx(15099, abs=2)
-    assert found.Q[0, 0] == pytest.approx(1469.1, abs=2)
+    noises = fit_noises(level, NILE)
+    assert noises.converged and noises.log_likelihood == pytest.approx(-641.5856, abs=5e-5)
+    assert noises.R[0, 0] == pytest.approx(15099, abs=2)
+    assert noises.Q[0, 0] == pytest.approx(1469.1, abs=2)
     printed = EKF(level.model, Q=1469.18, R=15098.53, P_0=1e7)
-    assert found.log_likelihood >= estimate(printed, NILE).log_likelihood
-    assert found.log_likelihood - found.improvement == pytest.approx(
+    assert noises.log_likelihood >= estimate(printed, NILE).log_likelihood
+    assert noises.log_likelihood - noises.improvement == pytest.approx(
         estimate(level, NILE).log_likelihood, rel=1e-12
     )
     with mp.workdps(40):  # at the maximum the gradient vanishes, on the scale of the variances
         y, u = np.array(NILE, dtype=float)[:, None], np.zeros((100, 1))
         settings = EKF(LinearModel(A=1, C=1, B=0), Q=1, R=1, P_0=1e7)
-        Q, R = mp.matrix(found.Q.tolist()), mp.matrix(found.R.tolist())
+        Q, R = mp.matrix(noises.Q.tolist()), mp.matrix(noises.R.tolist())
         d_Q = gradient(lambda other: log_likelihood(settings, other, R, y, u), Q)
         d_R = gradient(lambda other: log_likelihood(settings, Q, other, y, u), R)
-    assert abs(d_Q * found.Q).max() < 1e-5 and abs(d_R * found.R).max() < 1e-5
+    assert abs(d_Q * noises.Q).max() < 1e-5 and abs(d_R * noises.R).max() < 1e-5
 
 
 def exact_information(settings, changes, steps):
@@ -205,12 +205,14 @@ def test_the_information_is_that_of_a_step_of_a_long_record(A):
     changes = [(b, zero) for b in basis] + [(zero, b) for b in basis]
     one = exact_information(settings, changes, 81) - exact_information(settings, changes, 80)
     deviations = np.sqrt(np.diag(np.linalg.inv(one)))
-    told = noise_information(settings, 400)
-    assert not told.unidentified
-    found = [told.Q_deviation[i, j] for i, j in pairs] + [told.R_deviation[i, j] for i, j in pairs]
-    assert np.array(found) * 20 == pytest.approx(deviations, rel=1e-5)
+    information = noise_information(settings, 400)
+    assert not information.unidentified
+    result = [information.Q_deviation[i, j] for i, j in pairs] + [
+        information.R_deviation[i, j] for i, j in pairs
+    ]
+    assert np.array(result) * 20 == pytest.approx(deviations, rel=1e-5)
     known = noise_information(settings, 400, learn=["R"])
-    assert not known.Q_deviation.any() and (known.R_deviation < told.R_deviation).all()
+    assert not known.Q_deviation.any() and (known.R_deviation < information.R_deviation).all()
 
 
 @given(seed=seeds)
@@ -220,28 +222,28 @@ def test_what_cannot_be_told_leaves_the_spectrum_as_it_is(seed):
     A = rng.standard_normal((n, n))
     model = LinearModel(A=0.9 * A / max(abs(np.linalg.eigvals(A))), C=rng.standard_normal((1, n)))
     q = rng.standard_normal((n, n))
-    told = noise_information(EKF(model, Q=symmetric(q @ q.T) + np.eye(n), R=1.0), 100)
-    assert len(told.unidentified) == n * (n + 1) // 2 - n
-    for dQ, dR in told.unidentified:
+    information = noise_information(EKF(model, Q=symmetric(q @ q.T) + np.eye(n), R=1.0), 100)
+    assert len(information.unidentified) == n * (n + 1) // 2 - n
+    for dQ, dR in information.unidentified:
         assert max(abs(dQ).max(), abs(dR).max()) == pytest.approx(1)
         for z in np.exp(1j * rng.uniform(0, np.pi, 5)):
             G = np.linalg.solve((z * np.eye(n) - model.A).T, model.C.T).T
             size = np.abs(G).max() ** 2
             assert abs(G @ dQ @ G.conj().T + dR).max() < 1e-6 * size
-    assert "no record tells a change of Q[0,0]" in str(told)
+    assert "no record tells a change of Q[0,0]" in str(information)
 
 
 def test_a_track_tells_one_combination_less_and_its_diagonal_whole():
     """G dQ G* = 0 for dQ = [[1, 1/T], ...]: position noise is told but for its part along that."""
     track = EKF(LinearModel(A=[[1, 1], [0, 1]], C=[[1, 0]]), Q=0.1, R=1.0)
     with pytest.warns(UnidentifiableWarning, match="Learn a diagonal"):
-        found = fit_noises(track, np.random.default_rng(1).standard_normal(200))
-    told = found.information
-    ((dQ, dR),) = told.unidentified
+        noises = fit_noises(track, np.random.default_rng(1).standard_normal(200))
+    message = noises.information
+    ((dQ, dR),) = message.unidentified
     assert dQ == pytest.approx(dQ[0, 1] * np.array([[1, 1], [1, 0]]), abs=1e-9)
     assert dR == pytest.approx(0, abs=1e-9)
-    assert np.isinf(told.Q_deviation).tolist() == [[True, True], [True, False]]
-    assert np.isfinite(told.R_deviation).all()
+    assert np.isinf(message.Q_deviation).tolist() == [[True, True], [True, False]]
+    assert np.isfinite(message.R_deviation).all()
     alone = noise_information(track, 200, diagonal=True)
     assert not alone.unidentified and np.isfinite(np.diag(alone.Q_deviation)).all()
     with pytest.warns(UnidentifiableWarning):
@@ -277,14 +279,14 @@ def test_the_true_covariances_are_found(in_full):
     for run in range(runs):
         rng = np.random.default_rng([7, run])
         begun = EKF(TRUTH.model, Q=0.1, R=5.0)
-        found = fit_noises(begun, record_of(TRUTH, steps, rng))
-        told = noise_information(TRUTH, steps)
-        assert found.converged
+        noises = fit_noises(begun, record_of(TRUTH, steps, rng))
+        information = noise_information(TRUTH, steps)
+        assert noises.converged
         upper = np.triu_indices(2)
         scores.append(
             np.r_[
-                ((found.Q - TRUTH.Q) / told.Q_deviation)[upper],
-                ((found.R - TRUTH.R) / told.R_deviation)[upper],
+                ((noises.Q - TRUTH.Q) / information.Q_deviation)[upper],
+                ((noises.R - TRUTH.R) / information.R_deviation)[upper],
             ]
         )
     assert np.abs(scores).max() < 5
@@ -296,23 +298,23 @@ def test_a_diagonal_is_found_where_the_whole_cannot_be(in_full):
     truth = EKF(track, Q=np.diag([0.5, 0.1]), R=4.0)
     steps = 40_000 if in_full else 4000
     y = record_of(truth, steps, np.random.default_rng(3))
-    found = fit_noises(EKF(track, Q=1.0, R=1.0), y, diagonal=True)
-    told = noise_information(truth, steps, diagonal=True)
-    assert (np.abs(found.Q - truth.Q) < 5 * told.Q_deviation + 1e-300).all()
-    assert abs(found.R - truth.R) < 5 * told.R_deviation
+    noises = fit_noises(EKF(track, Q=1.0, R=1.0), y, diagonal=True)
+    information = noise_information(truth, steps, diagonal=True)
+    assert (np.abs(noises.Q - truth.Q) < 5 * information.Q_deviation + 1e-300).all()
+    assert abs(noises.R - truth.R) < 5 * information.R_deviation
 
 
 def test_a_variance_that_is_not_there_goes_to_zero_and_it_ends():
     y = 2 * np.random.default_rng(5).standard_normal(400)
     still = EKF(LinearModel(A=1, C=1), Q=1.0, R=1.0, P_0=1e-6)
-    found = fit_noises(still, y - y.mean())
-    assert found.converged and found.Q[0, 0] < 1e-4
-    assert found.R[0, 0] == pytest.approx(np.var(y), rel=1e-3)
+    noises = fit_noises(still, y - y.mean())
+    assert noises.converged and noises.Q[0, 0] < 1e-4
+    assert noises.R[0, 0] == pytest.approx(np.var(y), rel=1e-3)
 
 
 def test_few_passes_are_said_not_to_be_enough():
-    found = fit_noises(EKF(LinearModel(A=1, C=1), 1.0, 1.0), NILE, most_iterations=2)
-    assert not found.converged and found.iterations == 2 and found.improvement > 0
+    noises = fit_noises(EKF(LinearModel(A=1, C=1), 1.0, 1.0), NILE, most_iterations=2)
+    assert not noises.converged and noises.iterations == 2 and noises.improvement > 0
 
 
 def adapting(seed, **options):
@@ -323,39 +325,46 @@ def adapting(seed, **options):
 @given(seed=seeds)
 def test_a_window_is_so_many_iterations_on_its_steps(seed):
     settings, y, u = adapting(seed)
-    found = estimate(settings, y, u)
+    estimates = estimate(settings, y, u)
     Q, R = square_root(settings.filter.Q), square_root(settings.filter.R)
     for _ in range(3):
         Q, R, _ = learned(settings.filter, Q, R, y[:10], u[:10])
-    assert found.Q.shape == (5, 2, 2) and found.R.shape == (5, 2, 2)
-    assert found.Q[0] == pytest.approx(settings.filter.Q, rel=1e-12)
-    assert found.Q[1] == pytest.approx(Q @ Q.T, rel=1e-12)
-    assert found.R[1] == pytest.approx(R @ R.T, rel=1e-12)
+    assert estimates.Q.shape == (5, 2, 2) and estimates.R.shape == (5, 2, 2)
+    assert estimates.Q[0] == pytest.approx(settings.filter.Q, rel=1e-12)
+    assert estimates.Q[1] == pytest.approx(Q @ Q.T, rel=1e-12)
+    assert estimates.R[1] == pytest.approx(R @ R.T, rel=1e-12)
 
 
 @given(seed=seeds)
 def test_what_was_learned_is_used_from_there_on(seed):
     """The filter with Q(k) and R(k) given: Q of a new window moves the last step of the old one."""
     settings, y, u = adapting(seed)
-    found = estimate(settings, y, u, keep_covariances=True)
+    estimates = estimate(settings, y, u, keep_covariances=True)
     k = np.arange(47)
     other = estimate(
-        settings.filter, y, u, Q=found.Q[(k + 1) // 10], R=found.R[k // 10], keep_covariances=True
+        settings.filter,
+        y,
+        u,
+        Q=estimates.Q[(k + 1) // 10],
+        R=estimates.R[k // 10],
+        keep_covariances=True,
     )
-    assert relative_error(found.x, other.x) < 1e-9 and relative_error(found.P, other.P) < 1e-9
-    assert found.log_likelihood == pytest.approx(other.log_likelihood, rel=1e-10)
-    assert found.observability.steps == other.observability.steps
+    assert (
+        relative_error(estimates.x, other.x) < 1e-9 and relative_error(estimates.P, other.P) < 1e-9
+    )
+    assert estimates.log_likelihood == pytest.approx(other.log_likelihood, rel=1e-10)
+    assert estimates.observability.steps == other.observability.steps
 
 
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @given(seed=seeds)
 def test_steps_are_those_of_the_record_and_go_on_from_a_saved_state(seed):
     settings, y, u = adapting(seed)
-    found, estimator = estimate(settings, y, u), Estimator(settings)
+    result, estimator = estimate(settings, y, u), Estimator(settings)
     for k in range(47):
-        assert np.array_equal(estimator.Q, found.Q[k // 10])
-        assert np.array_equal(estimator.R, found.R[k // 10])
-        assert np.array_equal(estimator.step(y[k], u[k]), found.x[k])
+        assert np.array_equal(estimator.Q, result.Q[k // 10])
+        assert np.array_equal(estimator.R, result.R[k // 10])
+        assert np.array_equal(estimator.step(y[k], u[k]), result.x[k])
         other = Estimator(settings)
         other.restore(estimator.state)
         estimator = other
@@ -364,10 +373,10 @@ def test_steps_are_those_of_the_record_and_go_on_from_a_saved_state(seed):
 def test_a_step_without_a_measurement_is_a_row_of_nan():
     settings, y, u = adapting(2)
     y[3] = y[12] = np.nan
-    found, estimator = estimate(settings, y, u), Estimator(settings)
+    result, estimator = estimate(settings, y, u), Estimator(settings)
     for k in range(47):
         missing = np.isnan(y[k]).all()
-        assert np.array_equal(estimator.step(None if missing else y[k], u[k]), found.x[k])
+        assert np.array_equal(estimator.step(None if missing else y[k], u[k]), result.x[k])
 
 
 def test_noises_that_change_are_followed():
@@ -375,14 +384,14 @@ def test_noises_that_change_are_followed():
     level = EKF(LinearModel(A=0.8, C=1), Q=0.5, R=1.0)
     R = np.repeat([1.0, 4.0, 16.0], 3000)[:, None, None]
     y = record_of(level, 9000, np.random.default_rng(6), R)
-    found = estimate(AdaptiveNoises(level, window=500, iterations=50, learn=["R"]), y)
-    assert found.Q[-1] == pytest.approx(level.Q, rel=1e-15)
+    estimates = estimate(AdaptiveNoises(level, window=500, iterations=50, learn=["R"]), y)
+    assert estimates.Q[-1] == pytest.approx(level.Q, rel=1e-15)
     for end, value in ((6, 1.0), (12, 4.0), (18, 16.0)):
         there = EKF(level.model, Q=0.5, R=value)
         deviation = noise_information(there, 500, learn=["R"]).R_deviation[0, 0]
-        assert (np.abs(found.R[end - 2 : end + 1, 0, 0] - value) < 5 * deviation).all()
+        assert (np.abs(estimates.R[end - 2 : end + 1, 0, 0] - value) < 5 * deviation).all()
     # The innovations of what was learned are as large as it says, those of what was given are not.
-    assert found.nis[-1000:].mean() < 1.3
+    assert estimates.nis[-1000:].mean() < 1.3
     assert estimate(level, y).nis[-1000:].mean() > 5
 
 
@@ -390,9 +399,9 @@ def test_a_nonlinear_model_learns_its_sensors():
     """R of 1e-4: the deviation of a variance of N samples is sqrt(2/N) of it."""
     y, u = pendulum_record(3, steps=1000)
     begun = EKF(PENDULUM, Q=np.diag([1e-9, 1e-9, 1e-10]), R=1e-2, x_0=[0.5, 0, 0.4], P_0=0.01)
-    found = fit_noises(begun, y, u, learn=["R"], diagonal=True)
-    assert np.diag(found.R) == pytest.approx(1e-4, rel=5 * np.sqrt(2 / 1000))
-    assert found.information is None
+    noises = fit_noises(begun, y, u, learn=["R"], diagonal=True)
+    assert np.diag(noises.R) == pytest.approx(1e-4, rel=5 * np.sqrt(2 / 1000))
+    assert noises.information is None
     adapted = estimate(AdaptiveNoises(begun, learn=["R"], diagonal=True), y, u)
     assert np.diag(adapted.R[-1]) == pytest.approx(1e-4, rel=5 * np.sqrt(2 / 200))
     assert adapted.information is None

@@ -53,9 +53,9 @@ def test_a_gaussian_in_polar_coordinates(kind, r, phi, P, mean, spread):
     settings = KINDS[kind](x_0=[r, phi], P_0=P, Q=0, R=1)
     # Nothing is measured at k = 0 and 1: what is believed at k = 1 is the transformed Gaussian.
     with pytest.warns(UnobservableWarning):
-        found = estimate(settings, [0.0, 0.0], measured=[False, False], keep_covariances=True)
-    (a, b), (_, c) = found.P[1]
-    assert np.allclose(found.x[1], mean, rtol=0, atol=0.1)  # printed to one decimal
+        estimates = estimate(settings, [0.0, 0.0], measured=[False, False], keep_covariances=True)
+    (a, b), (_, c) = estimates.P[1]
+    assert np.allclose(estimates.x[1], mean, rtol=0, atol=0.1)  # printed to one decimal
     assert np.allclose((a, b, c), spread, rtol=0, atol=0.1)
 
 
@@ -98,8 +98,8 @@ def test_a_robot_locates_itself():
     measured = np.ones(len(y), dtype=bool)
     measured[0] = False
     with pytest.warns(UnobservableWarning):  # where along the wall, nothing says
-        found = estimate(settings, y, measured=measured, keep_covariances=True)
-    assert np.abs(found.x[1:] - numbers(RESULTS, 3)).max() < 6e-4  # printed to three decimals
-    root = np.linalg.cholesky(found.P[-1])
+        estimates = estimate(settings, y, measured=measured, keep_covariances=True)
+    assert np.abs(estimates.x[1:] - numbers(RESULTS, 3)).max() < 6e-4  # printed to three decimals
+    root = np.linalg.cholesky(estimates.P[-1])
     assert np.allclose(root[:, 0], np.array(ROOT)[:, 0], rtol=0.01, atol=1e-6)
     assert np.allclose(np.diag(root), np.diag(ROOT), rtol=0.01)

@@ -56,30 +56,30 @@ def drawn(seed, steps=12):
 @given(seed=st.integers(0, 2**32 - 1))
 def test_it_is_least_squares_over_the_whole_record(seed):
     settings, y, u = drawn(seed)
-    found = smooth(settings, y, u)
+    smoothed = smooth(settings, y, u)
     x, P = batch(settings, y, u)
-    assert found.x == pytest.approx(x, rel=1e-6, abs=1e-7)
-    assert pytest.approx(P, rel=1e-6, abs=1e-7) == found.P
+    assert smoothed.x == pytest.approx(x, rel=1e-6, abs=1e-7)
+    assert pytest.approx(P, rel=1e-6, abs=1e-7) == smoothed.P
 
 
 @given(seed=st.integers(0, 2**32 - 1), lag=st.integers(0, 4))
 def test_a_fixed_lag_is_the_record_cut_off_there(seed, lag):
     settings, y, u = drawn(seed, steps=8)
-    found = smooth(settings, y, u, lag=lag)
+    smoothed = smooth(settings, y, u, lag=lag)
     for k in range(8):
         cut = smooth(settings, y[: k + lag + 1], u[: k + lag + 1])
-        assert found.x[k] == pytest.approx(cut.x[k], rel=1e-8, abs=1e-9)
-        assert found.P[k] == pytest.approx(cut.P[k], rel=1e-8, abs=1e-9)
+        assert smoothed.x[k] == pytest.approx(cut.x[k], rel=1e-8, abs=1e-9)
+        assert smoothed.P[k] == pytest.approx(cut.P[k], rel=1e-8, abs=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnobservableWarning")
 @given(seed=st.integers(0, 2**32 - 1))
 def test_its_filter_is_that_of_estimate(seed):
     settings, y, u = drawn(seed)
-    found, kalman = smooth(settings, y, u), estimate(settings, y, u)
-    assert found.filtered == pytest.approx(kalman.x, rel=1e-8, abs=1e-9)
-    assert found.log_likelihood == pytest.approx(kalman.log_likelihood, rel=1e-8, abs=1e-8)
-    assert found.x[-1] == pytest.approx(found.filtered[-1])
+    result, kalman = smooth(settings, y, u), estimate(settings, y, u)
+    assert result.filtered == pytest.approx(kalman.x, rel=1e-8, abs=1e-9)
+    assert result.log_likelihood == pytest.approx(kalman.log_likelihood, rel=1e-8, abs=1e-8)
+    assert result.x[-1] == pytest.approx(result.filtered[-1])
 
 
 def nile():
@@ -88,15 +88,15 @@ def nile():
 
 def test_the_level_of_the_nile():
     """Variances 15099 and 1469.1 (Durbin, Koopman 2012, 2.2): the stationary ones, and a drop."""
-    found = smooth(nile(), NILE)
+    result = smooth(nile(), NILE)
     q, r = 1469.1, 15099.0
     predicted = (q + np.sqrt(q * q + 4 * q * r)) / 2  # 5501.3
     filtered = predicted * r / (predicted + r)
     gain = filtered / predicted
     smoothed = (filtered - gain**2 * predicted) / (1 - gain**2)
-    assert found.P[-1, 0, 0] == pytest.approx(filtered, rel=1e-9)
-    assert found.P[50, 0, 0] == pytest.approx(smoothed, rel=1e-6)
-    assert found.x[20:27].mean() > 1050 and found.x[32:100].max() < 950  # the dam of 1899
+    assert result.P[-1, 0, 0] == pytest.approx(filtered, rel=1e-9)
+    assert result.P[50, 0, 0] == pytest.approx(smoothed, rel=1e-6)
+    assert result.x[20:27].mean() > 1050 and result.x[32:100].max() < 950  # the dam of 1899
 
 
 def test_the_nile_beside_statsmodels():
@@ -108,10 +108,10 @@ def test_the_nile_beside_statsmodels():
         model.ssm.initialize_known(np.zeros(1), np.array([[1e7]]))
         model.loglikelihood_burn = 0
         other = model.smooth([15099.0, 1469.1])
-        found = smooth(nile(), y)
-        assert found.x[:, 0] == pytest.approx(other.smoothed_state[0], rel=1e-9)
-        assert found.P[:, 0, 0] == pytest.approx(other.smoothed_state_cov[0, 0], rel=1e-8)
-        assert found.log_likelihood == pytest.approx(other.llf, rel=1e-10)
+        smoothed = smooth(nile(), y)
+        assert smoothed.x[:, 0] == pytest.approx(other.smoothed_state[0], rel=1e-9)
+        assert smoothed.P[:, 0, 0] == pytest.approx(other.smoothed_state_cov[0, 0], rel=1e-8)
+        assert smoothed.log_likelihood == pytest.approx(other.llf, rel=1e-10)
 
 
 def test_what_cannot_be_smoothed_is_refused():

@@ -67,10 +67,10 @@ def test_a_tape_is_its_formulas(formulas):
     formulas = [sympy.sympify(f) for f in formulas]
     assume(not any(f.has(sympy.I) for f in formulas))  # SymPy writes some atan2 with logarithms
     values = {X: 0.7, Y: -1.3, U: 0.4, K: 3.0}
-    found = run(tape(formulas, [X, Y, U, K]), values.values())
+    outcome = run(tape(formulas, [X, Y, U, K]), values.values())
     exact = np.array([complex(sympy.N(f.subs(values), 30)) for f in formulas])
     assert np.abs(exact.imag).max() < 1e-20  # of those logarithms, once values are in
-    assert np.allclose(found, exact.real, rtol=1e-12, atol=1e-12)
+    assert np.allclose(outcome, exact.real, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.costly
@@ -87,8 +87,8 @@ def test_the_kernel_runs_the_tape(first, second):
     for k in range(2):
         expected.append(np.ravel(f(k, expected[-1], u[k])))
     # P(0) = 0 and Q = 0: what was known exactly stays so, whatever is measured.
-    found = estimate(UKF(model, Q=0, R=1, x_0=x, P_0=0), np.zeros((3, 2)), u)
-    assert np.allclose(found.x, expected, rtol=1e-12, atol=1e-12)
+    estimates = estimate(UKF(model, Q=0, R=1, x_0=x, P_0=0), np.zeros((3, 2)), u)
+    assert np.allclose(estimates.x, expected, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", [EKF, UKF])
@@ -108,14 +108,14 @@ def test_derivatives_are_real_and_hold_almost_everywhere():
     bent = SymbolicModel([abs(X) + sympy.Max(X, 2) + sympy.sign(X) + U], [X], [X], [U])
     F = sympy.lambdify(X, bent.F[0])
     assert [F(v) for v in (-3.0, 1.0, 5.0)] == [-1, 1, 2]
-    found = estimate(EKF(bent, Q=0.1, R=0.1), np.ones(5), np.ones(5))
-    assert np.isfinite(found.x).all()
+    estimates = estimate(EKF(bent, Q=0.1, R=0.1), np.ones(5), np.ones(5))
+    assert np.isfinite(estimates.x).all()
 
 
 def test_the_step_may_stand_in_the_model():
     model = SymbolicModel([X + K], [X], [X], step=K)
-    found = estimate(EKF(model, Q=0, R=1, P_0=0), np.zeros(6))
-    assert np.array_equal(found.x[:, 0], [0, 0, 1, 3, 6, 10])
+    estimates = estimate(EKF(model, Q=0, R=1, P_0=0), np.zeros(6))
+    assert np.array_equal(estimates.x[:, 0], [0, 0, 1, 3, 6, 10])
 
 
 def test_parameters_are_the_last_entries_of_the_state():

@@ -92,8 +92,8 @@ def test_the_stack_that_the_readme_says(tmp_path, real):
     sources = [tmp_path / "run.c", tmp_path / "src" / "rcac.c"]
     image = cortex.linked(tmp_path, sources, [tmp_path / "src", tmp_path / "test"])
     used = 16 * cortex.run(image)[0]
-    said = int(re.search(r"Stack: about (\d+) bytes", (tmp_path / "README.md").read_text())[1])
-    assert 0.9 * used - 32 < said < 1.5 * used
+    message = int(re.search(r"Stack: about (\d+) bytes", (tmp_path / "README.md").read_text())[1])
+    assert 0.9 * used - 32 < message < 1.5 * used
 
 
 # 8 bits, int of 16, and floats by subroutines; what it has to say goes to its serial port.

@@ -161,8 +161,8 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             out = subprocess.run(
                 ["nm", "--undefined-only", target], capture_output=True, text=True, check=True
             ).stdout
-            wanted = set(re.findall(r"U (\w+)", out)) - {"_GLOBAL_OFFSET_TABLE_"}
-            assert wanted <= {"memcpy", "memset", "memmove"}
+            names = set(re.findall(r"U (\w+)", out)) - {"_GLOBAL_OFFSET_TABLE_"}
+            assert names <= {"memcpy", "memset", "memmove"}
             out = subprocess.run(["nm", target], capture_output=True, text=True, check=True).stdout
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 

@@ -150,15 +150,15 @@ def test_many_settings(in_full):
     """60 settings; none where they are not asked for."""
     if not in_full:
         return
-    seen = set()
+    names = set()
 
     @draws(60)
     @given(core_settings(strictly_proper=True), supervisions, seeds)
     def many(case, supervision, seed):
-        seen.update(hold_together(case, supervision, seed, strictly_proper=True))
+        names.update(hold_together(case, supervision, seed, strictly_proper=True))
 
     many()
-    assert seen >= set(core_builds.TROUBLES)
+    assert names >= set(core_builds.TROUBLES)
 
 
 def test_every_trouble_is_noted():
@@ -241,8 +241,8 @@ def test_what_the_core_does_not_do_is_refused_by_name(supervision, words):
 
 def test_a_folder_says_what_is_watched(tmp_path):
     watched = Supervision(growth=50.0, limit=4.0, patience=7)
-    found = export_controller(SETTINGS, tmp_path, prefix="roll", supervision=watched)
-    assert found.is_verified
+    exported = export_controller(SETTINGS, tmp_path, prefix="roll", supervision=watched)
+    assert exported.is_verified
     text = (tmp_path / "README.md").read_text()
     for words in ("ROLL_LARGE_Z where abs(z) exceeds 4", "more than 50 times", "for 7 steps"):
         assert words in text

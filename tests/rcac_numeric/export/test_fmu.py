@@ -54,16 +54,16 @@ class Slave:
         if self.version == "3.0":
             reference = [v.valueReference for v in self.model.modelVariables if v.name == name]
             return np.array(self.fmu.getFloat64(reference, nValues=width))
-        found = [v for v in self.model.modelVariables if v.name.startswith(f"{name}[")]
-        return np.array(self.fmu.getReal([v.valueReference for v in found]))
+        result = [v for v in self.model.modelVariables if v.name.startswith(f"{name}[")]
+        return np.array(self.fmu.getReal([v.valueReference for v in result]))
 
     def write(self, name, values):
         if self.version == "3.0":
             reference = [v.valueReference for v in self.model.modelVariables if v.name == name]
             self.fmu.setFloat64(reference, list(values))
             return
-        found = [v for v in self.model.modelVariables if v.name.startswith(f"{name}[")]
-        self.fmu.setReal([v.valueReference for v in found], list(values))
+        result = [v for v in self.model.modelVariables if v.name.startswith(f"{name}[")]
+        self.fmu.setReal([v.valueReference for v in result], list(values))
 
     def step(self, k, y, z):
         self.write("y", y)
@@ -137,10 +137,10 @@ def test_fmpy_runs_it_with_the_signals_of_a_run(tmp_path, version):
 
 def built_from_its_sources(file, target):
     """An FMU without its binary, and what another machine makes of it."""
-    with zipfile.ZipFile(file) as given, zipfile.ZipFile(target, "w") as bare:
-        for name in given.namelist():
+    with zipfile.ZipFile(file) as argument, zipfile.ZipFile(target, "w") as bare:
+        for name in argument.namelist():
             if not name.startswith("binaries/"):
-                bare.writestr(name, given.read(name))
+                bare.writestr(name, argument.read(name))
     subprocess.run(
         [sys.executable, "-m", "fmpy", "compile", target], check=True, capture_output=True
     )

@@ -55,9 +55,9 @@ def contents(path):
 def test_the_same_settings_give_the_same_bytes(tmp_path):
     layouts = ["c", "arduino", "px4"]
     for name in ("a", "b"):
-        found = export_controller(SETTINGS, tmp_path / name, layout=layouts, real="float32")
+        exported = export_controller(SETTINGS, tmp_path / name, layout=layouts, real="float32")
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
-    assert set(contents(tmp_path / "a")) == set(found.files)
+    assert set(contents(tmp_path / "a")) == set(exported.files)
     other = replace(SETTINGS, k_w=4)
     export_controller(other, tmp_path / "b", layout=layouts, real="float32")
     assert contents(tmp_path / "a") != contents(tmp_path / "b")
@@ -66,8 +66,8 @@ def test_the_same_settings_give_the_same_bytes(tmp_path):
 def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
     with_one = export_controller(SETTINGS, tmp_path / "a")
     monkeypatch.setattr(folder, "compiler", lambda: None)
-    found = export_controller(SETTINGS, tmp_path / "b")
-    assert not found.is_verified and "no C compiler" in str(found)
+    exported = export_controller(SETTINGS, tmp_path / "b")
+    assert not exported.is_verified and "no C compiler" in str(exported)
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
     assert with_one.is_verified == (building.compiler() is not None)
 
@@ -91,12 +91,12 @@ def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
     ],
 )  # fmt: skip
 def test_the_replay_of_the_folder(tmp_path, controller, real):
-    found = export_controller(controller, tmp_path, real=real)
-    assert found.is_verified
-    assert real == "float32" or re.fullmatch(r"\d+ steps: the same bits", found.replay)
+    exported = export_controller(controller, tmp_path, real=real)
+    assert exported.is_verified
+    assert real == "float32" or re.fullmatch(r"\d+ steps: the same bits", exported.replay)
     if real == "float32":  # a fixed controller reads no z
         name = "u" if isinstance(controller, Compensator) else "z"
-        rms = re.match(rf"rms {name} (\S+), in float64 (\S+);", found.agreement)
+        rms = re.match(rf"rms {name} (\S+), in float64 (\S+);", exported.agreement)
         assert float(rms[1]) == pytest.approx(float(rms[2]), rel=1e-2) != 0
 
 
@@ -112,8 +112,8 @@ def test_a_controller_that_was_changed_by_hand_is_noticed(tmp_path):
         changed = re.sub(pattern, lambda m: m[1] + ("1" if m[2] == "0" else "0.25"), text, count=1)
         assert changed != text
         config.write_text(changed.replace(" 0.25,", " 1,", int(name == "regressor")))
-        agrees, said = building.replayed(tmp_path / "src", tmp_path / "test", "rcac")
-        assert not agrees, (name, said)
+        agrees, message = building.replayed(tmp_path / "src", tmp_path / "test", "rcac")
+        assert not agrees, (name, message)
     config.write_text(text)
     assert building.replayed(tmp_path / "src", tmp_path / "test", "rcac")[0]
 
@@ -130,8 +130,8 @@ def test_an_export_that_does_not_agree_is_refused(tmp_path, monkeypatch):
 @compiles
 def test_a_run_with_its_saturation(tmp_path):
     run = simulate(PLANT, SETTINGS, noise(3, 300, 1), saturation=Saturation(low=-0.1, high=0.1))
-    found = export_controller(run, tmp_path)
-    assert found.is_verified and "the run" in (tmp_path / "README.md").read_text()
+    exported = export_controller(run, tmp_path)
+    assert exported.is_verified and "the run" in (tmp_path / "README.md").read_text()
     vector = (tmp_path / "test" / "rcac_vector.h").read_text()
     assert "0.1" in vector and "held within its bounds" in (tmp_path / "README.md").read_text()
 
@@ -141,30 +141,30 @@ def test_a_run_with_its_saturation(tmp_path):
 def test_every_controller_of_the_core_has_a_vector(case):
     given_settings, _ = case
     try:
-        found = recorded(given_settings, core_tables(given_settings))
+        result = recorded(given_settings, core_tables(given_settings))
     except DivergedError:
         return
-    sizes = [a.shape for a in (found.y, found.z, found.r, found.u)]
+    sizes = [a.shape for a in (result.y, result.z, result.r, result.u)]
     widths = [given_settings.structure.l_y, given_settings.target.l_z, given_settings.l_r]
-    assert sizes == [(found.steps, width) for width in [*widths, given_settings.structure.l_u]]
-    assert np.isfinite(found.u).all() and found.steps > 0
+    assert sizes == [(result.steps, width) for width in [*widths, given_settings.structure.l_u]]
+    assert np.isfinite(result.u).all() and result.steps > 0
 
 
 def test_the_vector_of_a_run_is_a_closed_loop():
     """What the plant answered to other last digits would drive an unstable controller away."""
     run = EXAMPLE_4_7.run(200)
     poles = np.abs(run.compensator.poles())
-    found = recorded(run.settings, core_tables(run.settings), run=run)
-    assert poles.max() > 1.05 and found.steps == run.steps
-    assert np.abs(found.u - run.u[: found.steps]).max() < 1e-6 * np.abs(run.u).max()
+    result = recorded(run.settings, core_tables(run.settings), run=run)
+    assert poles.max() > 1.05 and result.steps == run.steps
+    assert np.abs(result.u - run.u[: result.steps]).max() < 1e-6 * np.abs(run.u).max()
 
 
 @compiles
 def test_two_controllers_in_one_program(tmp_path):
     other = replace(SETTINGS, structure=fir(3), theta_0=None)
     for prefix, one in (("roll", SETTINGS), ("pitch", other)):
-        found = export_controller(one, tmp_path / prefix, prefix=prefix, layout="px4")
-        for name in found.files:
+        exported = export_controller(one, tmp_path / prefix, prefix=prefix, layout="px4")
+        for name in exported.files:
             text = (tmp_path / prefix / name).read_text()
             assert not re.search(r"\b(rcac|RCAC)_(?!INSTRUCTION_SET)|rcac\.[ch]", text), name
         assert "RCAC_INSTRUCTION_SET=plain" in (tmp_path / prefix / "README.md").read_text()
@@ -207,12 +207,12 @@ def test_the_folder_is_a_cmake_package(tmp_path):
     (user / "main.cpp").write_text(
         "#include <rcac.h>\nint main() { rcac_state s; rcac_init(&s); return 0; }\n"
     )
-    for name, found in (
+    for name, result in (
         ("installed", "find_package(rcac 1.0 REQUIRED)"),
         ("beside", f"add_subdirectory({tmp_path}/core rcac)"),
     ):
         (user / "CMakeLists.txt").write_text(
-            f"cmake_minimum_required(VERSION 3.13...3.31)\nproject(user LANGUAGES CXX)\n{found}\n"
+            f"cmake_minimum_required(VERSION 3.13...3.31)\nproject(user LANGUAGES CXX)\n{result}\n"
             "add_executable(user main.cpp)\ntarget_link_libraries(user rcac::rcac)\n"
         )
         cmake("-S", user, "-B", user / name, f"-DCMAKE_PREFIX_PATH={tmp_path}/at")
@@ -236,9 +236,9 @@ def test_the_folder_is_a_cmake_package(tmp_path):
     ],
 )
 def test_what_the_core_does_not_know_is_refused_by_name(tmp_path, changes, words):
-    given = {"structure": iir(2), "target": TargetModel([0, 1.0]), "update": UD(0.1)}
+    argument = {"structure": iir(2), "target": TargetModel([0, 1.0]), "update": UD(0.1)}
     with pytest.raises(InputError, match=re.escape(words)):
-        export_controller(ControllerSettings(**{**given, **changes}), tmp_path)
+        export_controller(ControllerSettings(**{**argument, **changes}), tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -292,8 +292,8 @@ def test_the_ranges_of_float32(tmp_path):
 def test_a_name_cannot_bring_code_along(tmp_path):
     """What a structure is called may come from a file, and the export is compiled."""
     evil = replace(iir(2), name="*/ int main(void) { return 7; } /*")
-    found = export_controller(replace(SETTINGS, structure=evil), tmp_path)
-    for name in found.files:
+    exported = export_controller(replace(SETTINGS, structure=evil), tmp_path)
+    for name in exported.files:
         assert "return 7" not in (tmp_path / name).read_text()
     assert "a table of taps" in (tmp_path / "README.md").read_text()
 

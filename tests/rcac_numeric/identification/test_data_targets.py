@@ -15,29 +15,29 @@ from tests.rcac_numeric.identification.records import COMPLEX, REAL, noisy, simu
 def test_the_target_of_the_aircraft_from_a_noise_free_window(condition):
     plant = aircraft_plant(condition)
     u = np.random.default_rng(0).standard_normal(70)
-    found = target_from_data(u, simulated(plant, u), mu=10, n_mod=4, order=4)
+    data_target = target_from_data(u, simulated(plant, u), mu=10, n_mod=4, order=4)
     truth = fir_target(modelling_information(plant))
-    assert found.target.numerator == pytest.approx(truth.numerator, abs=1e-6)
+    assert data_target.target.numerator == pytest.approx(truth.numerator, abs=1e-6)
 
 
 @pytest.mark.parametrize("G", ["2*(q - 0.5)/((q - 0.9)*(q - 0.3))", "1/((q - 0.9)*(q - 0.3))"])
 def test_without_nmp_zeros_it_is_2_49(G):
     plant = standard_plant(G)
     u = np.random.default_rng(0).standard_normal(100)
-    found = target_from_data(u, simulated(plant, u), mu=10, n_mod=2, order=2)
+    data_target = target_from_data(u, simulated(plant, u), mu=10, n_mod=2, order=2)
     truth = fir_target(modelling_information(plant))
-    assert found.target.numerator == pytest.approx(truth.numerator, abs=1e-6)
+    assert data_target.target.numerator == pytest.approx(truth.numerator, abs=1e-6)
 
 
 def test_with_coloured_noise_it_is_near_that_of_the_plant():
     for seed in range(5):
         u, z = noisy(COMPLEX, 3000, seed, noise=0.05)
-        found = target_from_data(u, z, mu=10, n_mod=3, order=3)
+        data_target = target_from_data(u, z, mu=10, n_mod=3, order=3)
         expected = np.r_[0, np.poly([COMPLEX, np.conj(COMPLEX)]).real]
         # Six standard errors of the zeros, to which the coefficients are first-order equal.
-        room = 6 * 2 * np.abs(COMPLEX) * found.zeros.modulus_error.max()
-        assert np.abs(found.target.numerator.ravel() - expected).max() < room
-        assert "nonminimum phase" in str(found)
+        room = 6 * 2 * np.abs(COMPLEX) * data_target.zeros.modulus_error.max()
+        assert np.abs(data_target.target.numerator.ravel() - expected).max() < room
+        assert "nonminimum phase" in str(data_target)
 
 
 U, Z = noisy(REAL, 400, 0)
@@ -72,11 +72,11 @@ def logged(B, A, ratio, seed, steps=1500):
 
 def test_facts_that_the_data_show_are_sure():
     u, z = logged([0, 0, -2.0, 3.0], np.poly([0.6, 0.3]), 30, 0)
-    found = target_from_data(u, z, mu=12, n_mod=3, order=3)
-    assert [(fact.name, fact.value) for fact in found.facts] == [
+    data_target = target_from_data(u, z, mu=12, n_mod=3, order=3)
+    assert [(fact.name, fact.value) for fact in data_target.facts] == [
         ("relative degree", "2"), ("sign", "-"), ("NMP zeros", "1")
     ]  # fmt: skip
-    assert all(fact.is_sure for fact in found.facts) and "NOT sure" not in str(found)
+    assert all(fact.is_sure for fact in data_target.facts) and "NOT sure" not in str(data_target)
 
 
 def test_a_relative_degree_that_is_late_is_marked():
@@ -85,11 +85,13 @@ def test_a_relative_degree_that_is_late_is_marked():
     for seed in range(20):
         u, z = logged([0, 0.01, 0.03, 0.01], A, 10, seed)
         try:
-            found = target_from_data(u, z, mu=15, n_mod=3, order=3)
+            data_target = target_from_data(u, z, mu=15, n_mod=3, order=3)
         except InputError:
             continue
-        assert int(found.facts[0].value) == 1 or not any(fact.is_sure for fact in found.facts)
-        late += int(found.facts[0].value) > 1
+        assert int(data_target.facts[0].value) == 1 or not any(
+            fact.is_sure for fact in data_target.facts
+        )
+        late += int(data_target.facts[0].value) > 1
     assert late > 5
 
 
@@ -103,14 +105,14 @@ def test_what_is_sure_is_right():
         B = np.r_[np.zeros(late + 1), rng.choice([-1.0, 1.0]) * np.array([1.0, -zero])]
         u, z = logged(B, A, np.exp(rng.uniform(*np.log([3, 100]))), seed)
         try:
-            found = target_from_data(u, z, mu=20, n_mod=2 + late, order=2 + late)
+            data_target = target_from_data(u, z, mu=20, n_mod=2 + late, order=2 + late)
         except InputError:
             continue
         truth = (str(late + 1), "+" if B[late + 1] > 0 else "-", str(int(zero > 1)))
-        sure += sum(fact.is_sure for fact in found.facts)
+        sure += sum(fact.is_sure for fact in data_target.facts)
         assert all(
             fact.value == true
-            for fact, true in zip(found.facts, truth, strict=True)
+            for fact, true in zip(data_target.facts, truth, strict=True)
             if fact.is_sure
         )
     assert sure > 10
@@ -119,10 +121,10 @@ def test_what_is_sure_is_right():
 def test_the_probability_is_that_of_the_parameter_before():
     """By a million draws of the Markov parameter; 5 standard deviations of the share."""
     u, z = logged([0, 0, 1.0, -4.0], np.poly([0.6, 0.3]), 3, 3, 600)
-    found = target_from_data(u, z, mu=12, n_mod=3, order=3, largest_error=1.0)
-    d, markov = found.zeros.d_zu, found.markov
+    data_target = target_from_data(u, z, mu=12, n_mod=3, order=3, largest_error=1.0)
+    d, markov = data_target.zeros.d_zu, data_target.markov
     H, error = markov.H.ravel(), markov.standard_error.ravel()
     drawn = H[d - 1] + error[d - 1] * np.random.default_rng(0).standard_t(markov.freedom, 10**6)
     share = np.mean(np.abs(drawn) < abs(H[d]) / (2**3 - 1))
     assert 0.01 < share < 0.999
-    assert found.facts[0].probability == pytest.approx(share, abs=5 * 0.5e-3)
+    assert data_target.facts[0].probability == pytest.approx(share, abs=5 * 0.5e-3)

@@ -30,11 +30,11 @@ def record(poles, seed, steps, std=0.01, X=X, amplitude=0.01):
 @pytest.mark.parametrize("poles", POLES.values(), ids=POLES)
 def test_without_noise_they_are_exact(poles):
     _, u, z = record(poles, 0, 200, std=0.0)
-    found = directions_from_data(u, z, order=2)
-    [(z0, eta)] = found.information.zeros
-    assert abs(z0 - 1.5) < 1e-9 and np.allclose(found.information.H, H)
-    wanted = directions(poles, X, 1.5)
-    assert abs(np.vdot(wanted, eta)) > (1 - 1e-12) * np.linalg.norm(eta)
+    result = directions_from_data(u, z, order=2)
+    [(z0, eta)] = result.information.zeros
+    assert abs(z0 - 1.5) < 1e-9 and np.allclose(result.information.H, H)
+    expected = directions(poles, X, 1.5)
+    assert abs(np.vdot(expected, eta)) > (1 - 1e-12) * np.linalg.norm(eta)
 
 
 @pytest.mark.costly
@@ -43,9 +43,9 @@ def test_noise_as_large_as_the_input(poles):
     """1000 steps carry a target: four seeds of four, at most 7 % above LQG."""
     for seed in range(4):
         plant, u, z = record(poles, seed, 1000)
-        found = directions_from_data(u, z, order=4, level=0.0)
-        assert len(found.information.zeros) == 1
-        assert cost_ratio(plant, zero_direction_target(found.information), seed) <= 1.07
+        directions = directions_from_data(u, z, order=4, level=0.0)
+        assert len(directions.information.zeros) == 1
+        assert cost_ratio(plant, zero_direction_target(directions.information), seed) <= 1.07
 
 
 def test_the_standard_error_is_that_of_many_records():
@@ -56,10 +56,10 @@ def test_the_standard_error_is_that_of_many_records():
         z = np.zeros((400, 2))
         for k in range(2, 400):
             z[k] = 0.5 * z[k - 1] + H @ u[k - 1] - X @ H @ u[k - 2] + e[k]
-        found = directions_from_data(u, z, order=2)
-        nearest = np.argmin(np.abs(found.zeros - 1.5))
-        zeros.append(found.zeros[nearest].real)
-        claimed.append(found.errors[nearest])
+        directions = directions_from_data(u, z, order=2)
+        nearest = np.argmin(np.abs(directions.zeros - 1.5))
+        zeros.append(directions.zeros[nearest].real)
+        claimed.append(directions.errors[nearest])
     assert 0.75 < np.std(zeros) / np.median(claimed) < 1.33
 
 

@@ -38,11 +38,11 @@ def coloured(rng, steps, pole=0.9):
 def test_noise_free_data_give_the_parameters_of_any_plant(plant, mu, surplus, seed):
     """n_mod above the order makes a and b ambiguous, and H not."""
     u = np.random.default_rng(seed).standard_normal((250, plant.l_u))
-    found = identify_markov_parameters(u, record(plant, u), mu, plant.n + surplus)
+    identified = identify_markov_parameters(u, record(plant, u), mu, plant.n + surplus)
     expected = markov_parameters(plant, mu)
     scale = np.abs(markov_parameters(plant, 51)).max()
-    assert pytest.approx(expected, abs=1e-8 * scale) == found.H
-    assert np.abs(found.residual).max() < 1e-8 * scale
+    assert pytest.approx(expected, abs=1e-8 * scale) == identified.H
+    assert np.abs(identified.residual).max() < 1e-8 * scale
 
 
 @given(plants(l_u=st.just(1), l_z=st.just(1)), seeds)
@@ -52,12 +52,12 @@ def test_the_fitted_equation_is_3_8(plant, seed):
     u = rng.standard_normal((120, 1))
     y = record(plant, u) + 0.1 * rng.standard_normal((120, 1))
     mu, n_mod = 3, 2
-    found = identify_markov_parameters(u, y, mu, n_mod)
+    identified = identify_markov_parameters(u, y, mu, n_mod)
     for row, k in enumerate(range(mu + n_mod - 1, 120)):
-        value = sum(found.H[j] @ u[k - j] for j in range(mu))
+        value = sum(identified.H[j] @ u[k - j] for j in range(mu))
         for j in range(n_mod):
-            value = value + found.b[j] @ u[k - mu - j] - found.a[j] @ y[k - mu - j]
-        assert y[k] == pytest.approx(value + found.residual[row])
+            value = value + identified.b[j] @ u[k - mu - j] - identified.a[j] @ y[k - mu - j]
+        assert y[k] == pytest.approx(value + identified.residual[row])
 
 
 @pytest.mark.costly
@@ -71,16 +71,16 @@ def test_the_error_shrinks_with_the_root_of_the_number_of_samples():
     H = markov_parameters(plant, 2)
     errors, others, scores = {}, {}, []
     for steps in (500, 8000):
-        found = []
+        result = []
         for seed in range(20):
             rng = np.random.default_rng(seed)
             u = rng.standard_normal((steps, 1))
             y = record(plant, u) + 3 * coloured(rng, steps, -0.9)[:, None]
-            found.append(identify_markov_parameters(u, y, mu=2, n_mod=3))
-        gaps = np.array([f.H - H for f in found])
+            result.append(identify_markov_parameters(u, y, mu=2, n_mod=3))
+        gaps = np.array([f.H - H for f in result])
         errors[steps] = np.sqrt(np.mean(gaps**2))
-        others[steps] = np.mean([f.a for f in found], axis=0)
-        scores += [(f.H - H) / f.standard_error for f in found]
+        others[steps] = np.mean([f.a for f in result], axis=0)
+        scores += [(f.H - H) / f.standard_error for f in result]
     assert errors[500] / errors[8000] == pytest.approx(4, rel=0.5)
     u = np.random.default_rng(0).standard_normal((500, 1))
     true = identify_markov_parameters(u, record(plant, u), mu=2, n_mod=3).a
@@ -98,15 +98,15 @@ def test_from_noisy_data_to_the_target_model(in_full):
         rng = np.random.default_rng(seed)
         u = rng.standard_normal((4000, 1))
         y = record(plant, u) + 0.1 * coloured(rng, 4000)[:, None]
-        found = identify_markov_parameters(u, y, mu=20, n_mod=4)
+        identified = identify_markov_parameters(u, y, mu=20, n_mod=4)
         for order in (None, 4):
-            known = modelling_information_from_markov(found, order=order)
+            known = modelling_information_from_markov(identified, order=order)
             assert known.d_zu == truth.d_zu == 2
-            assert abs(known.H - 2) < 6 * found.standard_error[2].item()
+            assert abs(known.H - 2) < 6 * identified.standard_error[2].item()
             assert len(known.nmp_zeros) == 1
             assert known.nmp_zeros[0] == pytest.approx(1.2, rel=0.01)
     assert fir_target(known).relative_degree == 2
-    assert markov_target(found.cleared()).relative_degree == 2
+    assert markov_target(identified.cleared()).relative_degree == 2
 
 
 @pytest.mark.parametrize(
@@ -140,10 +140,12 @@ def test_the_identification_window_of_the_aircraft():
     plant = aircraft(OFF_NOMINAL, [[0, 0, 0, 1.0]])
     u = np.random.default_rng(1).standard_normal((70, 1))
     y = record(plant, u)
-    found = modelling_information_from_markov(identify_markov_parameters(u, y, 10, 4), order=4)
+    modelling_information = modelling_information_from_markov(
+        identify_markov_parameters(u, y, 10, 4), order=4
+    )
     text = str(identify_markov_parameters(u, y, 10, 4))
     assert "H_1: 0.0124 +-" in text and "condition number" in text
-    assert found.nmp_zeros == pytest.approx((1.1369, -1.0027), abs=1e-4)
+    assert modelling_information.nmp_zeros == pytest.approx((1.1369, -1.0027), abs=1e-4)
     with pytest.raises(InputError, match=r"order = 4, but 7 Markov parameters.*larger mu"):
         modelling_information_from_markov(identify_markov_parameters(u, y, 8, 4), order=4)
 

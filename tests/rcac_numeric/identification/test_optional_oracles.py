@@ -60,10 +60,10 @@ def test_pymor_realises_the_same_parameters(order):
     H = parameters(A, B, C, 20)
     theirs = era.ERAReductor(H[1:20], sampling_time=1.0, force_stability=False)
     reduced = theirs.reduce(r=order)
-    found = parameters(*(np.asarray(M) for M in reduced.to_matrices()[:3]), 20)
+    result = parameters(*(np.asarray(M) for M in reduced.to_matrices()[:3]), 20)
     ours = eigensystem_realisation(H, order)
-    assert found == pytest.approx(H, abs=1e-9)
-    assert model_parameters(ours, 20) == pytest.approx(found, abs=1e-9)
+    assert result == pytest.approx(H, abs=1e-9)
+    assert model_parameters(ours, 20) == pytest.approx(result, abs=1e-9)
 
 
 def test_pymor_has_the_same_singular_values_under_noise():

@@ -28,25 +28,29 @@ def test_without_noise_the_plant_itself(poles, b, delay, gain, seed):
     A, B = np.poly(poles), gain * np.array([1.0, b])
     u, y = record(A, B, delay, seed)
     # A zero beside a pole, nearer than 0.1, would leave a model of order 1 as good as this one.
-    found = identify_output_error(u, y + 7 * abs(gain), orders=[2], delays=range(6))
-    ours = lfilter(np.r_[np.zeros(found.delay + 1), found.numerator], found.denominator, u)
+    identified = identify_output_error(u, y + 7 * abs(gain), orders=[2], delays=range(6))
+    ours = lfilter(
+        np.r_[np.zeros(identified.delay + 1), identified.numerator], identified.denominator, u
+    )
     assert np.abs(ours - y).max() < 1e-6 * np.abs(y).max()
-    assert found.explained > 1 - 1e-9
+    assert identified.explained > 1 - 1e-9
 
 
 def test_orders_and_delays_are_found():
     A, B = np.poly([0.9, 0.6]), [0.2, 0.1]
     for seed in range(3):
         data = record(A, B, 3, seed, 1000, 0.1, [-0.8])
-        found = identify_output_error(*data, orders=range(1, 4), delays=range(6))
-        assert (found.order, found.delay) == (2, 3)
+        identified = identify_output_error(*data, orders=range(1, 4), delays=range(6))
+        assert (identified.order, identified.delay) == (2, 3)
 
 
 def test_white_noise_is_left_as_it_was():
     A, B, noise = np.poly([0.9, 0.6]), [0.2, 0.1], 0.5
-    found = identify_output_error(*record(A, B, 1, 2, 4000, noise), orders=[2], delays=[0, 1, 2])
+    identified = identify_output_error(
+        *record(A, B, 1, 2, 4000, noise), orders=[2], delays=[0, 1, 2]
+    )
     # chi^2: the relative standard deviation of a variance of 4000 samples is sqrt(2/4000).
-    assert abs(np.var(found.residual) / noise**2 - 1) < 5 * np.sqrt(2 / 4000)
+    assert abs(np.var(identified.residual) / noise**2 - 1) < 5 * np.sqrt(2 / 4000)
 
 
 @pytest.mark.costly
@@ -56,8 +60,8 @@ def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
     errors = []
     for seed in range(100):
         u, y = record([1, -a], [b], 0, seed, steps, noise)
-        found = identify_output_error(u, y, orders=[1], delays=[0])
-        errors.append([-found.denominator[1] - a, found.numerator[0] - b])
+        identified = identify_output_error(u, y, orders=[1], delays=[0])
+        errors.append([-identified.denominator[1] - a, identified.numerator[0] - b])
     # d y_0/da = q^-1 y_0/(1 - a q^-1), d y_0/db = q^-1 u/(1 - a q^-1), with white u of variance 1.
     impulse = np.r_[1.0, np.zeros(400)]
     to_b = lfilter([0, 1.0], [1, -a], impulse)

@@ -37,13 +37,13 @@ def test_without_noise_the_unstable_plant_itself(poles, b, unit, seed):
     A, B = np.poly(poles), np.array([1.0, b])
     u, y, *_ = looped(A, B, 0.6 if sum(poles) < 1.5 else 0.9, seed=seed)
     assume(np.abs(y).max() < 1e3)  # where the gain stabilises it
-    found = identify_in_closed_loop(u, unit * y, orders=[2], delays=range(3))
+    identified = identify_in_closed_loop(u, unit * y, orders=[2], delays=range(3))
     omega = np.exp(1j * np.linspace(0.05, np.pi, 20))
 
     def response(B, A, delay):
         return np.polyval(np.r_[B], omega) / np.polyval(A, omega) * omega**-delay
 
-    ours = response(found.numerator, found.denominator, found.delay)
+    ours = response(identified.numerator, identified.denominator, identified.delay)
     theirs = unit * response(B, A, 0)
     assert np.abs(ours - theirs).max() < 1e-5 * np.abs(theirs).max()
 
@@ -52,10 +52,10 @@ def test_without_noise_the_unstable_plant_itself(poles, b, unit, seed):
 def test_orders_delays_and_the_unstable_pole_are_found():
     for seed in range(3):
         u, y, *_ = looped(np.poly([1.06, 0.6]), [0.3, 0.1], 0.3, 2, 2000, 0.1, seed, 1.0, [-0.8])
-        found = identify_in_closed_loop(u, y, orders=range(1, 4), delays=range(5))
-        assert (found.order, found.delay) == (2, 2)
-        assert np.abs(np.roots(found.denominator)).max() == pytest.approx(1.06, abs=0.01)
-        assert found.correlation < 4 and found.explained > 0.9
+        identified = identify_in_closed_loop(u, y, orders=range(1, 4), delays=range(5))
+        assert (identified.order, identified.delay) == (2, 2)
+        assert np.abs(np.roots(identified.denominator)).max() == pytest.approx(1.06, abs=0.01)
+        assert identified.correlation < 4 and identified.explained > 0.9
 
 
 @pytest.mark.costly
@@ -69,12 +69,12 @@ def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
         for k in range(steps):
             y[k] = e[k] + (-a * y[k - 1] + b * u[k - 1] + c * e[k - 1] if k else 0.0)
             u[k] = r[k] - 0.8 * y[k]
-        found = identify_in_closed_loop(u, y, orders=[1], delays=[0])
+        identified = identify_in_closed_loop(u, y, orders=[1], delays=[0])
         # The gradients of the prediction error at the truth, of which Fisher's information is made.
         late = [np.r_[0.0, s[:-1]] for s in (-y, u, e)]
         slopes = np.stack([lfilter([1.0], [1.0, c], s) for s in (*late, np.ones(steps))])
         bound = noise**2 * np.linalg.inv(slopes @ slopes.T)
-        errors = found.denominator[1] - a, found.numerator[0] - b
+        errors = identified.denominator[1] - a, identified.numerator[0] - b
         ratios.append(np.square(errors) / np.diag(bound)[:2])
     # chi^2 of 40: 5 standard deviations.
     assert (np.mean(ratios, axis=0) < 1 + 5 * np.sqrt(2 / 40)).all()
@@ -82,19 +82,21 @@ def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
 
 def test_the_noise_of_the_output_is_left_in_its_size():
     u, y, *_ = looped([1.0, -1.1], [0.5], 0.8, steps=4000, noise=0.3)
-    found = identify_in_closed_loop(u, y, orders=[1], delays=[0])
+    identified = identify_in_closed_loop(u, y, orders=[1], delays=[0])
     # White noise of the output; chi^2 of 4000, and the transient of C beside it.
-    assert np.var(found.residual) == pytest.approx(0.09, rel=5 * np.sqrt(2 / 4000) + 0.02)
+    assert np.var(identified.residual) == pytest.approx(0.09, rel=5 * np.sqrt(2 / 4000) + 0.02)
 
 
 @pytest.mark.costly
 def test_a_pole_at_1_is_imposed_where_the_record_has_one():
     u, y, *_ = looped(np.poly([1.0, 0.7]), [0.2, 0.1], 0.2, steps=1500, noise=0.1)
-    found = identify_in_closed_loop(u, y, orders=[1, 2], delays=[0, 1], integrators=(0, 1))
-    assert found.integrators == 1 and np.abs(np.roots(found.denominator) - 1).min() < 1e-12
+    identified = identify_in_closed_loop(u, y, orders=[1, 2], delays=[0, 1], integrators=(0, 1))
+    assert (
+        identified.integrators == 1 and np.abs(np.roots(identified.denominator) - 1).min() < 1e-12
+    )
     u, y, *_ = looped(np.poly([1.1, 0.7]), [0.2, 0.1], 0.5, steps=1500, noise=0.1)
-    found = identify_in_closed_loop(u, y, orders=[1, 2], delays=[0, 1], integrators=(0, 1))
-    assert found.integrators == 0
+    identified = identify_in_closed_loop(u, y, orders=[1, 2], delays=[0, 1], integrators=(0, 1))
+    assert identified.integrators == 0
 
 
 def test_in_a_loop_an_output_error_model_is_led_astray():
@@ -123,9 +125,9 @@ def test_what_u_answers_to():
 
 def test_the_excitation_is_what_was_added():
     u, y, r, _ = looped([1.0, -1.1], [0.5], 0.8, noise=0.3, steps=3000)
-    found = excitation(u, y)
+    result = excitation(u, y)
     # 41 of 3000 coefficients are fitted: what they take is 1.4 % of its variance.
-    assert np.corrcoef(found, r[-len(found) :])[0, 1] > 0.98
+    assert np.corrcoef(result, r[-len(result) :])[0, 1] > 0.98
 
 
 NOISE = np.random.default_rng(1).standard_normal((2, 500))

@@ -79,11 +79,11 @@ def test_newey_west_is_the_kernel_over_all_pairs(lags):
     rng = np.random.default_rng(0)
     X, e = rng.normal(size=(60, 3)), coloured(rng, 60, 0.7)[:, None]
     inverse = np.linalg.inv(X.T @ X)
-    found = coefficient_covariance(X, inverse, e, 57, NeweyWest(lags)).reshape(3, 3)
+    result = coefficient_covariance(X, inverse, e, 57, NeweyWest(lags)).reshape(3, 3)
     b = lags / 60
     expected = kernel_sum(X, inverse, e, lags) * 60 / 57 / (1 - b + b**2 / 3)
-    assert found == pytest.approx(expected)
-    assert np.linalg.eigvalsh(found).min() > -1e-15
+    assert result == pytest.approx(expected)
+    assert np.linalg.eigvalsh(result).min() > -1e-15
 
 
 def test_the_covariance_belongs_to_H_in_its_own_order():
@@ -94,10 +94,12 @@ def test_the_covariance_belongs_to_H_in_its_own_order():
         u = rng.standard_normal((150, 2))
         noise = np.stack([coloured(rng, 150, 0.8), 3 * rng.standard_normal(150)], axis=1)
         noise[:, 1] += noise[:, 0]
-        found = identify_markov_parameters(u, u @ [[1.0, 2.0], [0.0, 1.0]] + noise, 2, 0)
-        draws.append(found.H.ravel())
-        covariance = covariance + found.covariance / 400
-        assert np.sqrt(np.diag(found.covariance)) == pytest.approx(found.standard_error.ravel())
+        identified = identify_markov_parameters(u, u @ [[1.0, 2.0], [0.0, 1.0]] + noise, 2, 0)
+        draws.append(identified.H.ravel())
+        covariance = covariance + identified.covariance / 400
+        assert np.sqrt(np.diag(identified.covariance)) == pytest.approx(
+            identified.standard_error.ravel()
+        )
     spread = np.cov(np.array(draws).T)
     scale = np.sqrt(np.outer(np.diag(spread), np.diag(spread)))
     # An entry of a correlation matrix from 400 draws is known to 1/20.

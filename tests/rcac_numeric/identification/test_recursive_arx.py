@@ -52,9 +52,11 @@ def coverage(kind, order, runs, steps=2000):
     for seed in range(runs):
         fit = RecursiveARX(order)
         fit.update(*data(steps, seed, kind))
-        found = fit.estimate()
-        nearest = np.argmin(np.abs(found.zeros - 1.2))
-        inside.append(abs(abs(found.zeros[nearest]) - 1.2) <= 1.96 * found.modulus_error[nearest])
+        estimates = fit.estimate()
+        nearest = np.argmin(np.abs(estimates.zeros - 1.2))
+        inside.append(
+            abs(abs(estimates.zeros[nearest]) - 1.2) <= 1.96 * estimates.modulus_error[nearest]
+        )
     return np.mean(inside)
 
 
@@ -74,9 +76,9 @@ def test_an_order_below_the_plant_is_refused():
         fit.update(u, z)
     with pytest.raises(InputError, match="not white"):
         poor.zeros()
-    found = good.zeros()
-    assert found.phases[0] == "nonminimum phase" and found.d_zu == 1
-    assert found.phases.count("minimum phase") == 1
+    zeros_of_plant = good.zeros()
+    assert zeros_of_plant.phases[0] == "nonminimum phase" and zeros_of_plant.d_zu == 1
+    assert zeros_of_plant.phases.count("minimum phase") == 1
 
 
 def test_poor_data_are_refused_by_name():
@@ -103,8 +105,8 @@ def test_poor_data_are_refused_by_name():
 def test_the_rule_of_196_standard_errors():
     b, variance = np.poly([1.1, 0.5]), 1e-4
     for scale, phase in ((1.0, "nonminimum phase"), (100.0, "undecided")):
-        found = zeros_of(b, scale * variance * np.eye(3), errors=np.ones(5), samples=9.0, d_zu=1)
-        assert found.phases[0] == phase
+        zeros = zeros_of(b, scale * variance * np.eye(3), errors=np.ones(5), samples=9.0, d_zu=1)
+        assert zeros.phases[0] == phase
 
 
 @given(seeds)
@@ -113,13 +115,13 @@ def test_the_delta_method_is_the_derivative(seed):
     rng = np.random.default_rng(seed)
     b = np.poly([1.5, 0.4 + 0.6j, 0.4 - 0.6j]).real * rng.uniform(0.5, 2)
     root = rng.standard_normal((4, 4))
-    found = zeros_of(b, root @ root.T * 1e-8, errors=np.ones(5), samples=9.0, d_zu=1)
+    zeros = zeros_of(b, root @ root.T * 1e-8, errors=np.ones(5), samples=9.0, d_zu=1)
     slopes = []
     for direction in np.eye(4) * 1e-6:
         moved = [np.sort(np.abs(np.roots(b + sign * direction)))[::-1] for sign in (1, -1)]
         slopes.append((moved[0] - moved[1]) / 2e-6)
     spread = np.sqrt(np.einsum("in,ij,jn->n", slopes, root @ root.T * 1e-8, slopes))
-    assert np.allclose(found.modulus_error, spread, rtol=1e-4)
+    assert np.allclose(zeros.modulus_error, spread, rtol=1e-4)
 
 
 def test_whiteness_is_uniform_on_white_noise():

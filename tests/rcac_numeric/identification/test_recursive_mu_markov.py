@@ -66,16 +66,16 @@ def test_it_is_the_batch_least_squares(mu, n_mod, R_theta, seed):
 def test_with_a_small_R_theta_it_is_identify_markov_parameters(mu, n_mod, seed):
     """With its covariance for a white residual; the pull of R_theta = 1e-9 is of that order."""
     u, z = data(80, seed)
-    found = fitted(mu, n_mod, u, z, R_theta=1e-9).parameters()
+    fit = fitted(mu, n_mod, u, z, R_theta=1e-9).parameters()
     batch = identify_markov_parameters(u, z, mu, n_mod, noise=None)
-    assert found.freedom == batch.freedom and found.H.shape == batch.H.shape
+    assert fit.freedom == batch.freedom and fit.H.shape == batch.H.shape
     size = max(np.abs(value).max(initial=0.0) for value in (batch.H, batch.a, batch.b))
     for name in ("H", "a", "b"):
-        assert np.allclose(getattr(found, name), getattr(batch, name), rtol=0, atol=1e-7 * size)
-    assert np.allclose(found.covariance / batch.covariance.max(),
+        assert np.allclose(getattr(fit, name), getattr(batch, name), rtol=0, atol=1e-7 * size)
+    assert np.allclose(fit.covariance / batch.covariance.max(),
                        batch.covariance / batch.covariance.max(), rtol=0, atol=1e-7)  # fmt: skip
     # The regressors of H are delays of one signal: of 80 values a few differ in length.
-    assert found.condition_number == pytest.approx(batch.condition_number, rel=0.3)
+    assert fit.condition_number == pytest.approx(batch.condition_number, rel=0.3)
 
 
 @given(st.integers(1, 199), st.sampled_from([1.0, 0.99, 0.9]), seeds)
@@ -94,9 +94,9 @@ def test_without_noise_the_parameters_are_within_what_they_say_of_a_generous_ord
     u, z = data(1000, 1, size=0.0)
     for n_mod in (3, 4, 6):
         fit = fitted(12, n_mod, u, z)
-        found = fit.parameters()
-        assert (np.abs(found.H[:, 0, 0] - IMPULSE) <= found.standard_error[:, 0, 0]).all()
-        assert found.standard_error.max() < 1e-5
+        result = fit.parameters()
+        assert (np.abs(result.H[:, 0, 0] - IMPULSE) <= result.standard_error[:, 0, 0]).all()
+        assert result.standard_error.max() < 1e-5
         assert fit.zeros(order=3).phases() == ("nonminimum phase", "minimum phase")
 
 
@@ -113,8 +113,8 @@ def test_the_zeros_cover_what_they_say_in_white_noise_and_are_refused_in_coloure
             elif whiteness(fit.parameters().residual[:, 0]) >= WHITE:
                 accepted += 1
                 assert fit.zeros(order=3) == identified_zeros(fit.parameters(), order=3)
-            found = identified_zeros(fit.parameters(), order=3)
-            inside[pole] += found.contains(int(np.argmin(np.abs(found.zeros - 1.2))), 1.2)
+            zeros = identified_zeros(fit.parameters(), order=3)
+            inside[pole] += zeros.contains(int(np.argmin(np.abs(zeros.zeros - 1.2))), 1.2)
     assert accepted >= 0.95 * runs
     slack = 3 * np.sqrt(0.95 * 0.05 / runs)
     assert abs(inside[0.0] / runs - 0.95) <= slack
@@ -152,8 +152,8 @@ def test_it_does_not_wind_up_at_rest(size):
 def test_with_forgetting_the_errors_are_on_the_safe_side(lambda_, in_full):
     runs, inside = (200 if in_full else 20), []
     for seed in range(runs):
-        found = fitted(12, 3, *data(1000, seed, 0.1), lambda_=lambda_).parameters()
-        inside.append(np.abs(found.H - IMPULSE[:, None, None]) <= 1.96 * found.standard_error)
+        fit = fitted(12, 3, *data(1000, seed, 0.1), lambda_=lambda_).parameters()
+        inside.append(np.abs(fit.H - IMPULSE[:, None, None]) <= 1.96 * fit.standard_error)
     assert np.mean(inside) >= 0.95
 
 

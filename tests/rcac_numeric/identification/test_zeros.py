@@ -37,10 +37,10 @@ def test_the_zeros_are_those_of_the_realisation(seed, width):
     H = hankelised(seed, width)
     model = eigensystem_realisation(H, 3)
     expected = np.linalg.eigvals(model.A - model.B @ np.linalg.solve(model.D, model.C))
-    found = realised_zeros(H, 3)
+    result = realised_zeros(H, 3)
     scale = 1 + np.abs(expected).max()
     for zero in expected:
-        assert np.abs(found - zero).min() < 1e-6 * scale
+        assert np.abs(result - zero).min() < 1e-6 * scale
 
 
 @pytest.mark.parametrize("width", [1, 2])
@@ -71,9 +71,9 @@ def shows_the_zeros(found, plant):
 def aircraft_error(plant, u, y):
     """The largest distance of a zero of the plant from those that a window gives."""
     markov = identify_markov_parameters(u, y, mu=10, n_mod=4)
-    found = identified_zeros(markov, order=4)
-    assert found.d_zu == 1 and len(found.zeros) == 3 and shows_the_zeros(found, plant)
-    return max(np.abs(found.zeros - zero).min() for zero in plant_zeros(plant))
+    zeros = identified_zeros(markov, order=4)
+    assert zeros.d_zu == 1 and len(zeros.zeros) == 3 and shows_the_zeros(zeros, plant)
+    return max(np.abs(zeros.zeros - zero).min() for zero in plant_zeros(plant))
 
 
 @pytest.mark.costly
@@ -123,10 +123,10 @@ def test_the_zero_is_in_its_95_percent_region_in_93_to_97_percent_of_runs(zero, 
     hits = 0
     for seed in range(runs):
         u, y = noisy(zero, 2000, seed, pole=pole)
-        found = identified_zeros(
+        zeros = identified_zeros(
             identify_markov_parameters(u, y, 10, ORDER[zero]), order=ORDER[zero]
         )
-        hits += found.contains(int(np.abs(found.zeros - zero).argmin()), zero)
+        hits += zeros.contains(int(np.abs(zeros.zeros - zero).argmin()), zero)
     if in_full:
         assert 0.93 <= hits / runs <= 0.97
     else:
@@ -141,8 +141,8 @@ def test_white_standard_errors_are_not_honest_where_the_noise_is_coloured(in_ful
     for seed in range(runs):
         u, y = noisy(COMPLEX, 1500, seed, pole=0.9)
         for noise in (None, NeweyWest()):
-            found = identified_zeros(identify_markov_parameters(u, y, 10, 3, noise), order=3)
-            inside = found.contains(int(np.abs(found.zeros - COMPLEX).argmin()), COMPLEX)
+            zeros = identified_zeros(identify_markov_parameters(u, y, 10, 3, noise), order=3)
+            inside = zeros.contains(int(np.abs(zeros.zeros - COMPLEX).argmin()), COMPLEX)
             white, honest = (
                 white + (inside and noise is None),
                 honest + (inside and noise is not None),
@@ -155,12 +155,12 @@ def test_white_standard_errors_are_not_honest_where_the_noise_is_coloured(in_ful
 @pytest.mark.parametrize("zero", [COMPLEX, REAL])
 def test_bootstrap_and_delta_method_agree_where_errors_are_small(zero):
     u, y = noisy(zero, 2000, 0, noise=0.05)
-    found = bootstrap_zeros(u, y, 10, ORDER[zero], order=ORDER[zero], seed=1, replicates=100)
-    index = int(np.abs(found.delta.zeros - zero).argmin())
+    result = bootstrap_zeros(u, y, 10, ORDER[zero], order=ORDER[zero], seed=1, replicates=100)
+    index = int(np.abs(result.delta.zeros - zero).argmin())
     # 100 draws know a standard error to 7 %; both estimates share the data.
-    assert found.error_ratio[index] == pytest.approx(1, abs=0.3)
-    low, high = found.modulus_interval(index)
-    half = scipy.stats.norm.ppf(0.975) * found.delta.modulus_error[index]
+    assert result.error_ratio[index] == pytest.approx(1, abs=0.3)
+    low, high = result.modulus_interval(index)
+    half = scipy.stats.norm.ppf(0.975) * result.delta.modulus_error[index]
     assert (high - low) / 2 == pytest.approx(half, rel=0.35)
     once, again = (
         bootstrap_zeros(u, y, 10, ORDER[zero], order=ORDER[zero], seed=1, replicates=10)

@@ -83,7 +83,7 @@ def test_every_door_takes_systems_of_several_signals(name):
     plant = plant_of(system)
     law = Compensator(np.zeros((0, 2, 2)), [[[-0.1, 0], [0.05, -0.1]]])
     w = np.random.default_rng(1).standard_normal((30, 2))
-    cases = [SimulationCase(given, FixedController(law), w) for given in (system, plant)]
+    cases = [SimulationCase(argument, FixedController(law), w) for argument in (system, plant)]
     assert cases[0].plant == plant and len({run.z.tobytes() for run in simulate_many(cases)}) == 1
     assert (
         simulate(system, FixedController(law), w).z.tobytes() == simulate_many(cases)[0].z.tobytes()
@@ -103,20 +103,20 @@ def test_every_door_takes_systems_of_several_signals(name):
 
 def test_lqg_of_several_signals_goes_out_with_its_sample_time():
     for name in ("state space", "transfer functions", "interconnect"):
-        design, own = lqg_controller(SEVERAL[name]), lqg_controller(plant_of(SEVERAL[name]))
-        assert design.to_control().dt == 0.01 and design.cost.value == own.cost.value
+        design, ours = lqg_controller(SEVERAL[name]), lqg_controller(plant_of(SEVERAL[name]))
+        assert design.to_control().dt == 0.01 and design.cost.value == ours.cost.value
 
 
 @pytest.mark.exact_data
 def test_target_models_are_built_from_foreign_plants():
-    system, own = control.tf([1, -1.3], [1, -1.1, 0.3], True), standard_plant(
+    system, ours = control.tf([1, -1.3], [1, -1.1, 0.3], True), standard_plant(
         "(q - 1.3)/(q**2 - 1.1*q + 0.3)")  # fmt: skip
     for build in (
         fir_target, high_authority_target, output_subspace_target, direction_information,
         lambda p: pole_placement_target(p, ["1/2"]), lambda p: markov_target(p, 5),
         modelling_information, zero_direction_target,
     ):  # fmt: skip
-        assert build(system) == build(own)
+        assert build(system) == build(ours)
 
 
 @pytest.mark.parametrize("door", [lqg_controller, markov_target, lambda p: h2_cost(p, None)])

@@ -37,8 +37,8 @@ def test_a_row_has_its_entries_between_u_and_y(rows):
     problem = plant.problem
     maps = problem.G_yu
     for i, entry in enumerate(entries):
-        found = maps[0, i]
-        assert found.numerator * entry.denominator == -entry.numerator * found.denominator
+        result = maps[0, i]
+        assert result.numerator * entry.denominator == -entry.numerator * result.denominator
     assert plant.blocks == {"r": 1, "d": len(entries), "v": 1}
     assert problem.D_1[:, 1 : 1 + len(entries)] == problem.B
 

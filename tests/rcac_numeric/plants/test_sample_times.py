@@ -84,7 +84,7 @@ CASES = [(door, name) for door, cases in DOORS.items() for name in cases]
 
 
 def test_every_public_name_that_takes_a_sample_time_is_a_door():
-    found = set()
+    result = set()
     for name, one in public_objects("rcac_numeric").items():
         members = inspect.getmembers(one, inspect.isfunction) if inspect.isclass(one) else []
         for label, each in [(name, one), *((f"{name}.{m}", f) for m, f in members if m[0] != "_")]:
@@ -92,8 +92,8 @@ def test_every_public_name_that_takes_a_sample_time_is_a_door():
                 names = inspect.signature(each).parameters
             except (TypeError, ValueError):
                 continue
-            found |= {label} if {"sample_time", "dt"} & set(names) else set()
-    assert found - RESULTS == set(DOORS)
+            result |= {label} if {"sample_time", "dt"} & set(names) else set()
+    assert result - RESULTS == set(DOORS)
 
 
 @pytest.mark.parametrize(("door", "name"), CASES)
@@ -115,8 +115,8 @@ def test_another_sample_time_is_refused(door, name, tmp_path):
 )
 @pytest.mark.parametrize("same", SAME)
 def test_the_same_one_up_to_rounding_is_the_same(door, name, same, tmp_path):
-    made = DOORS[door][name](same, tmp_path)
-    period = getattr(made, "sample_time", None)
+    built = DOORS[door][name](same, tmp_path)
+    period = getattr(built, "sample_time", None)
     assert period is None or period == pytest.approx(0.3, rel=1e-9)
 
 

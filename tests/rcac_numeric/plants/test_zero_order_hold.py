@@ -21,15 +21,15 @@ def by_mpmath(A, B, h):
             for j, entry in enumerate([*A[i], *B[i]]):
                 rows[i, j] = mpmath.mpf(repr(float(entry))) * mpmath.mpf(repr(float(h)))
         # Scaled down by more than any norm here, and squared back.
-        found = mpmath.expm(rows / 2**60, method="taylor")
+        result = mpmath.expm(rows / 2**60, method="taylor")
         for _ in range(60):
-            found = found * found
-        return np.array([[float(found[i, j]) for j in range(n + m)] for i in range(n)])
+            result = result * result
+        return np.array([[float(result[i, j]) for j in range(n + m)] for i in range(n)])
 
 
 def matrices(transfer_function):
-    made = control.ss(transfer_function)
-    return made.A, made.B
+    built = control.ss(transfer_function)
+    return built.A, built.B
 
 
 def pade(late, order):
@@ -62,13 +62,13 @@ def test_a_fast_actuator_on_a_slow_process_is_sampled_and_designed_for():
     plant = plant_of("1/((0.002*s + 1)*(s + 1))", sample_time=1.0)
     oracle = control.c2d(control.ss([[-500, 0], [1, -1]], [[500], [0]], [[0, 1]], 0), 1.0)
     h = [(plant.C @ np.linalg.matrix_power(plant.A, k) @ plant.B).item() for k in range(5)]
-    own = [(oracle.C @ np.linalg.matrix_power(oracle.A, k) @ oracle.B).item() for k in range(5)]
-    assert np.allclose(h, own, rtol=1e-12, atol=0)
-    made = design(
+    ours = [(oracle.C @ np.linalg.matrix_power(oracle.A, k) @ oracle.B).item() for k in range(5)]
+    assert np.allclose(h, ours, rtol=1e-12, atol=0)
+    designed = design(
         "2/((10*s + 1)*(0.0001*s + 1))", sample_time=1.0, disturbance=0.1, noise=0.01, seeds=1,
         steps=200,
     )  # fmt: skip
-    assert made.plant.sample_time == 1.0
+    assert designed.plant.sample_time == 1.0
 
 
 @pytest.mark.parametrize("rate", [720.0, 1e300])

@@ -21,11 +21,11 @@ def test_phases_of_nearly_equal_responses_are_nearly_equal(seed, off):
     """Whatever the phase begins at, also next to the cut at pi, and however far it turns."""
     rng = np.random.default_rng(seed)
     turn = rng.uniform(-20, 20) * OMEGA + rng.choice([0, np.pi, -np.pi, rng.uniform(-4, 4)])
-    wanted = np.exp(1j * turn)
+    exponential = np.exp(1j * turn)
     noise = rng.standard_normal(len(OMEGA)) + 1j * rng.standard_normal(len(OMEGA))
-    first, second = phases(wanted, wanted * (1 + off * noise))
+    first, second = phases(exponential, exponential * (1 + off * noise))
     assert np.abs(first - second).max() < 10 * off
-    assert np.allclose(np.exp(1j * first), wanted)
+    assert np.allclose(np.exp(1j * first), exponential)
     assert np.abs(np.diff(first - turn)).max() < 1e-6, "continuous"
 
 
@@ -34,10 +34,10 @@ def test_a_notch_does_not_part_equal_phases(seed):
     """At a zero on the unit circle rounding decides the way round; not 2 pi beyond it."""
     rng = np.random.default_rng(seed)
     q = np.exp(1j * OMEGA)
-    wanted = (q**2 - 2 * np.cos(OMEGA[100]) * q + 1) / q**2
+    expected = (q**2 - 2 * np.cos(OMEGA[100]) * q + 1) / q**2
     noise = rng.standard_normal(len(q)) + 1j * rng.standard_normal(len(q))
-    first, second = phases(wanted, wanted + 1e-4 * noise)
-    clear = np.abs(wanted) > 0.05
+    first, second = phases(expected, expected + 1e-4 * noise)
+    clear = np.abs(expected) > 0.05
     assert np.abs(first - second)[clear].max() < 0.02
 
 
@@ -57,13 +57,15 @@ def test_the_phases_of_example_2_3_lie_on_each_other():
 
 def test_a_good_match_looks_like_one():
     """Two all-pass responses that differ by 6e-6: the axis is not cut down to that."""
-    wanted = np.exp(-1j * OMEGA)[:, None, None]
-    match = IntercalatedMatch(OMEGA, wanted * (1 + 6e-6 * np.cos(9 * OMEGA)[:, None, None]), wanted)
+    exponential = np.exp(-1j * OMEGA)[:, None, None]
+    match = IntercalatedMatch(
+        OMEGA, exponential * (1 + 6e-6 * np.cos(9 * OMEGA)[:, None, None]), exponential
+    )
     gain, phase = Figure().subplots(1, 2)
     draw_magnitude(gain, match)
     low, high = gain.get_ylim()
     assert np.isclose(high / low, LEAST_FACTOR) and low < 1 < high
-    constant = IntercalatedMatch(OMEGA, np.abs(match.reached) + 0j, np.abs(wanted) + 0j)
+    constant = IntercalatedMatch(OMEGA, np.abs(match.reached) + 0j, np.abs(exponential) + 0j)
     draw_phase(phase, constant)
     assert np.ptp(phase.get_ylim()) >= 0.49
 
@@ -78,10 +80,10 @@ def test_any_title_is_drawn(title):
 
 def test_results_draw_themselves():
     """`plot` of each result is the function of the folder above."""
-    found = LoopAnalysis(EXAMPLE_4_7.run())
-    assert len(found.plot("4.7").axes) == 6
-    log, target = read_log("examples/octave/rcac_loop.mat"), found.compared_with
-    check = check_controller(log, structure=iir(n_c=4), plant=found.plant, target=target, k_w=50)
+    analysis = LoopAnalysis(EXAMPLE_4_7.run())
+    assert len(analysis.plot("4.7").axes) == 6
+    log, target = read_log("examples/octave/rcac_loop.mat"), analysis.compared_with
+    check = check_controller(log, structure=iir(n_c=4), plant=analysis.plant, target=target, k_w=50)
     assert len(check.plot().axes) == 7
     alone = check_controller(log.u, log.y, theta=log.theta[-1], structure=iir(n_c=4))
     for axis in (*check.plot().axes, *alone.plot().axes):

@@ -67,5 +67,5 @@ def test_points_in_one_direction_share_an_arrow():
 
 
 def test_a_zero_of_several_channels_counts_as_in_the_richest():
-    found = largest_counts([np.array([2.0, 2.0, 0.5]), np.array([2.0]), np.zeros(0)])
-    assert found.tolist() == [2.0, 2.0, 0.5]
+    result = largest_counts([np.array([2.0, 2.0, 0.5]), np.array([2.0]), np.zeros(0)])
+    assert result.tolist() == [2.0, 2.0, 0.5]

@@ -15,15 +15,15 @@ def test_what_is_shaded_is_stable():
     figure = plot_stability_region(REGION, (-3, 3), (-1, 5))
     paths = [path for part in figure.axes[0].collections for path in part.get_paths()]
     places = np.random.default_rng(3).uniform((-3, -1), (3, 5), (300, 2))
-    seen = 0
+    observed = 0
     for a, b in places:
         root = np.roots([1, a + 1, b, a * a + 0.25]).real.max()
         if abs(root) < 0.02:
             continue
         shaded = any(Path(path.vertices, path.codes).contains_point((a, b)) for path in paths)
         assert shaded == (root < 0)
-        seen += shaded
-    assert 50 < seen < 250
+        observed += shaded
+    assert 50 < observed < 250
 
 
 def test_ranges_and_empty_regions():

@@ -26,10 +26,10 @@ def test_a_sheet_keeps_the_order_of_its_blocks():
         SheetTable(("three",), (cells("3"),)),
         Text("four", "bad"),
     )
-    found = Page(
+    result = Page(
         sheet_html(Sheet("", sections=(Section("Title", blocks, remark=": r"),), notes="n"))
     )
-    assert found.text == "Title: r one two 2 three 3 four n"
+    assert result.text == "Title: r one two 2 three 3 four n"
 
 
 def test_a_picture_follows_the_theme_and_keeps_its_labels():

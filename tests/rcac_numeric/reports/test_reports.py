@@ -39,8 +39,8 @@ def test_any_check_has_a_strict_record_with_the_numbers_that_are_said(plant, see
     stability = sheet.health[int(doubt)]
     assert record["loop"]["is_stable"] == (stability.level != "bad")
     assert (record["warnings"] == []) == (stability.level == "good")
-    said = float(re.search(r"radius ([\d.e+-]+)\.$", stability.words)[1])
-    assert np.isclose(said, record["loop"]["spectral_radius"], rtol=1e-8)
+    value = float(re.search(r"radius ([\d.e+-]+)\.$", stability.words)[1])
+    assert np.isclose(value, record["loop"]["spectral_radius"], rtol=1e-8)
     assert record["margins"].keys() == check.margins.keys()
     assert record["unanswered"] == check.unanswered and as_text(sheet) == str(check)
     assert pickle.loads(pickle.dumps(check)) == check

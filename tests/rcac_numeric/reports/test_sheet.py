@@ -40,8 +40,8 @@ RECORDS = st.dictionaries(
 @given(RECORDS)
 def test_json_is_strict_and_loses_only_what_json_lacks(record):
     text = as_json(Sheet("", sections=(Section(record=record),)))
-    found = json.loads(text, parse_constant=lambda token: pytest.fail(f"{token} is not JSON"))
-    assert same(record, found)
+    loaded = json.loads(text, parse_constant=lambda token: pytest.fail(f"{token} is not JSON"))
+    assert same(record, loaded)
 
 
 def same(given, found):

@@ -91,8 +91,8 @@ def test_a_match_draws_itself():
     loop = ClosedLoop(plant, Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]]))
     gain, phase = intercalated_match(loop, fir_target(plant)).plot().axes
     for axis in (gain, phase):
-        wanted, reached = (line.get_ydata() for line in axis.lines)
-        np.testing.assert_allclose(reached, wanted, atol=1e-9)
+        expected, reached = (line.get_ydata() for line in axis.lines)
+        np.testing.assert_allclose(reached, expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("package", PACKAGES)

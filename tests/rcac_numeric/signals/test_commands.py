@@ -27,9 +27,9 @@ def test_between_the_limits_it_has_the_poles_of_the_sampled_filter(omega, zeta, 
         poles = np.exp(np.roots([1, 2 * zeta * omega, omega**2]))
         numerator = [0, np.prod(1 - poles).real, 0]
     expected = scipy.signal.lfilter(numerator, np.real(np.poly(poles)), r)
-    found = rn.FilteredCommand(rn.Levels(r), omega, zeta).samples(80)
+    command = rn.FilteredCommand(rn.Levels(r), omega, zeta).samples(80)
     # Poles that meet, or lie near 1, are told apart from roots of a polynomial only to sqrt(eps).
-    assert found == pytest.approx(expected, rel=1e-5, abs=1e-6)
+    assert command == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
 @given(omega=omegas, zeta=zetas, seed=seeds, rate=st.floats(1e-3, 2))
@@ -38,10 +38,10 @@ def test_no_limit_is_ever_left(omega, zeta, seed, rate):
     r = rng.standard_normal(200) * 10.0 ** rng.integers(-2, 6, 200)
     low, high = sorted(rng.standard_normal(2))
     limits = {"low": low, "high": high, "rate": rate, "initial": (low + high) / 2}
-    found = rn.FilteredCommand(rn.Levels(r), omega, zeta, **limits).samples(200)
-    assert found[0] == (low + high) / 2
-    assert found.min() >= low and found.max() <= high
-    assert np.abs(np.diff(found)).max() <= rate * (1 + 1e-12)
+    command = rn.FilteredCommand(rn.Levels(r), omega, zeta, **limits).samples(200)
+    assert command[0] == (low + high) / 2
+    assert command.min() >= low and command.max() <= high
+    assert np.abs(np.diff(command)).max() <= rate * (1 + 1e-12)
 
 
 @given(omega=st.floats(0.05, 3.0), zeta=zetas, height=st.floats(-5, 5))
@@ -64,11 +64,11 @@ def test_without_overshoot_where_it_is_damped():
 def test_beside_a_device_it_is_the_same(omega, zeta, seed):
     r = np.random.default_rng(seed).standard_normal(30)
     command = rn.FilteredCommand(rn.Levels(r), omega, zeta, high=0.5, rate=0.2)
-    state, found = command.start, [command.start[0]]
+    state, result = command.start, [command.start[0]]
     for value in r[:-1]:
         state = command.advance(state, value)
-        found.append(state[0])
-    assert np.array_equal(found, command.samples(30))
+        result.append(state[0])
+    assert np.array_equal(result, command.samples(30))
 
 
 def test_what_is_random_or_ends_is_that_of_the_signal():

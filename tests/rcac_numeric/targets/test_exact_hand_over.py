@@ -43,7 +43,7 @@ def numerator(words):
 
 def made_of_a_plant():
     """The public functions that make a target model of a plant."""
-    found = {}
+    result = {}
     for name, one in public_objects("rcac_numeric").items():
         if not inspect.isfunction(one):
             continue
@@ -54,8 +54,8 @@ def made_of_a_plant():
             and "TargetModel" in str(signature.return_annotation)
             and "Plant" in str(first.annotation)
         ):
-            found[name.rpartition(".")[2]] = one
-    return found
+            result[name.rpartition(".")[2]] = one
+    return result
 
 
 MADE = made_of_a_plant()
@@ -103,10 +103,10 @@ def test_the_target_of_a_plant_has_an_exact_prediction_for_it(name, kind, words)
     assert again == target and again.exact == target.exact
     n_c = one.n
     zero = Compensator(past_u=np.zeros((n_c, 1, 1)), past_y=np.zeros((n_c + 1, 1, 1)))
-    found = compare_exactly(one, zero, target)
-    assert not found.obstacle
+    comparison = compare_exactly(one, zero, target)
+    assert not comparison.obstacle
     N_zu = one.problem.numerator("zu")
-    left = found.asked * target.exact.numerator
+    left = comparison.asked * target.exact.numerator
     assert (left - N_zu * Poly(q**n_c, q) * target.exact.denominator).is_zero
 
 

@@ -69,10 +69,10 @@ def test_a_pole_on_the_circle_draws_zeros_that_the_plant_does_not_have():
     plant = standard_plant(
         "(q - 0.5)*(q**2 - 1.92*q + 1.44)/((q - 1)*(q - 0.9)*(q**2 - 1.62*q + 0.81))"
     )
-    found = zeros(markov_target(plant, 120))
-    pair = np.abs(found - (0.96 + 0.72j)), np.abs(found - (0.96 - 0.72j))
+    zeros_of_plant = zeros(markov_target(plant, 120))
+    pair = np.abs(zeros_of_plant - (0.96 + 0.72j)), np.abs(zeros_of_plant - (0.96 - 0.72j))
     assert max(pair[0].min(), pair[1].min()) < 1e-8
-    others = found[(pair[0] > 0.01) & (pair[1] > 0.01)]
+    others = zeros_of_plant[(pair[0] > 0.01) & (pair[1] > 0.01)]
     assert len(others) == 117 and np.all(np.abs(others) > 1)
 
 
@@ -80,10 +80,10 @@ def test_nmp_zeros_within_the_spectral_radius_are_not_seen():
     """An unstable pole at 1.5 beside an NMP zero at 1.2: the series diverges at the zero."""
     plant = standard_plant("(q - 1.2)*(q - 2)/(q*(q - 0.3)*(q - 1.5))")
     assert [float(z) for z in modelling_information(plant).nmp_zeros] == [2.0, 1.2]
-    found = zeros(markov_target(plant, 60))
-    assert np.abs(found - 2.0).min() < 1e-6
-    assert np.abs(found - 1.2).min() > 0.1
-    assert np.sum(np.abs(found) > 1.2) > 40, "and many that the plant does not have"
+    zeros_of_plant = zeros(markov_target(plant, 60))
+    assert np.abs(zeros_of_plant - 2.0).min() < 1e-6
+    assert np.abs(zeros_of_plant - 1.2).min() > 0.1
+    assert np.sum(np.abs(zeros_of_plant) > 1.2) > 40, "and many that the plant does not have"
 
 
 def test_matrix_parameters_and_arrays():

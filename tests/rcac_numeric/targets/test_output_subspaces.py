@@ -45,10 +45,10 @@ def test_full_state_feedback_of_the_aircraft(model, zeros, outside):
     """Section 3.4.1: no transmission zero, but output-subspace zeros, one of which turns NMP."""
     plant = aircraft(model, np.eye(4))
     assert transmission_zero_polynomial(plant).degree() == 0
-    found = output_subspace_zeros(plant)
-    assert_same_roots(found.zeros, zeros, 1e-4)
-    assert len(found.nmp_zeros) == outside
-    assert f"{outside} not inside" in str(found)
+    result = output_subspace_zeros(plant)
+    assert_same_roots(result.zeros, zeros, 1e-4)
+    assert len(result.nmp_zeros) == outside
+    assert f"{outside} not inside" in str(result)
     target = output_subspace_target(plant)
     assert (target.l_z, target.l_u, target.n_f, target.relative_degree) == (4, 1, 1 + outside, 1)
     assert target.numerator[1] == pytest.approx(plant.B)
@@ -66,9 +66,9 @@ def test_full_state_feedback_of_the_aircraft(model, zeros, outside):
 def test_output_feedback_of_the_aircraft(model, zeros):
     """Section 3.5: the zeros that the text prints."""
     plant = aircraft(model, [[0, 0, 0, 1.0]])
-    found = [complex(z) for z in transmission_zero_polynomial(plant).nroots()]
-    assert_same_roots(found, zeros, 1e-4)
-    assert_same_roots(output_subspace_zeros(plant).zeros, found, 1e-9)
+    result = [complex(z) for z in transmission_zero_polynomial(plant).nroots()]
+    assert_same_roots(result, zeros, 1e-4)
+    assert_same_roots(output_subspace_zeros(plant).zeros, result, 1e-9)
 
 
 @st.composite
@@ -85,10 +85,10 @@ def tall_plants(draw, extra=st.integers(0, 2)):
 @settings(max_examples=20)
 @given(tall_plants())
 def test_they_are_the_zeros_of_the_squared_plant(plant):
-    found = output_subspace_zeros(plant)
-    assert_same_roots(found.zeros, pencil_zeros(plant, found.H.T), 1e-5)
-    outside = np.abs(found.zeros) >= 1
-    assert len(found.nmp_zeros) == outside.sum()
+    zeros = output_subspace_zeros(plant)
+    assert_same_roots(zeros.zeros, pencil_zeros(plant, zeros.H.T), 1e-5)
+    outside = np.abs(zeros.zeros) >= 1
+    assert len(zeros.nmp_zeros) == outside.sum()
 
 
 @pytest.mark.costly

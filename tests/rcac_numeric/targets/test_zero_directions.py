@@ -47,14 +47,14 @@ def test_directions_of_plants_are_the_eigenvectors(kind, size):
         plant, (poles, _, X, _) = random_plant(rng, size, kind)
         known = direction_information(plant)
         outside = [z for z in np.linalg.eigvals(X) if abs(z) > 1 and z.imag >= 0]
-        found = [z for z, _ in known.zeros]
-        assert np.allclose(np.sort_complex(found), np.sort_complex(outside), rtol=1e-8)
+        result = [z for z, _ in known.zeros]
+        assert np.allclose(np.sort_complex(result), np.sort_complex(outside), rtol=1e-8)
         target = zero_direction_target(known)
         for zero, eta in known.zeros:
-            wanted = directions(poles, X, zero)
-            assert abs(abs(np.vdot(wanted, eta)) - 1) < 1e-10
+            expected = directions(poles, X, zero)
+            assert abs(abs(np.vdot(expected, eta)) - 1) < 1e-10
             value = np.tensordot(zero ** -np.arange(target.n_f + 1.0), target.numerator, 1)
-            assert np.abs(wanted @ value).max() < 1e-7 * np.abs(target.numerator).max()
+            assert np.abs(expected @ value).max() < 1e-7 * np.abs(target.numerator).max()
 
 
 @pytest.mark.parametrize(
@@ -164,8 +164,8 @@ def test_scalar_wide_and_tall():
     tall = Plant(
         A=[[0.5, 0.0], [0.0, 0.9]], B=[[1.0], [2.0]], D_1=[[1.0], [0.0]], C=[[1.0, 0], [0, -1.0]]
     )
-    wanted = output_subspace_target(tall).numerator
-    assert np.allclose(zero_direction_target(tall).numerator, wanted)
+    expected = output_subspace_target(tall).numerator
+    assert np.allclose(zero_direction_target(tall).numerator, expected)
     # [q - 0.3, q - 3]/((q - 0.6)(q - 0.8)): no transmission zero, but G [1; 1] has 1.65.
     wide = Plant(
         A=[[1.4, 1.0], [-0.48, 0.0]], B=[[1.0, 1.0], [-0.3, -3.0]], D_1=[[1.0], [0.0]],

@@ -25,12 +25,12 @@ def radius(A):
 
 
 def test_the_printed_matrices_are_a_zero_order_hold_and_not_eulers():
-    for condition, own in zip(CONDITIONS, (NOMINAL, OFF_NOMINAL), strict=True):
+    for condition, local in zip(CONDITIONS, (NOMINAL, OFF_NOMINAL), strict=True):
         exact = aircraft_matrices(condition)
         corrected = aircraft_matrices(condition, "corrected")
-        for ours, text, kept in zip(exact, corrected, own, strict=True):
+        for ours, text, remaining in zip(exact, corrected, local, strict=True):
             assert np.abs(ours - text).max() <= 0.5e-4 * (1 + 1e-9), "four decimals"
-            assert np.array_equal(text, kept)
+            assert np.array_equal(text, remaining)
         plant = aircraft(condition)
         euler = np.eye(4) + 0.1 * plant.A
         assert np.abs(euler - corrected[0]).max() > 0.1
@@ -108,20 +108,20 @@ def test_output_subspace_zeros():
     """det of the squared pencil against the zeros of B'(qI - A)^-1 B by their polynomial."""
     for condition in CONDITIONS:
         A, B = aircraft_matrices(condition)
-        found = output_subspace_zeros(aircraft_plant(condition, "state"))
+        zeros = output_subspace_zeros(aircraft_plant(condition, "state"))
         numerator = np.poly(A - B @ B.T) - np.poly(A)  # det(qI - A + BB') - det(qI - A)
-        assert np.sort_complex(found.zeros) == pytest.approx(
+        assert np.sort_complex(zeros.zeros) == pytest.approx(
             np.sort_complex(np.roots(numerator[1:])), abs=1e-9
         )
-    assert np.abs(found.zeros).max() == pytest.approx(1.149, abs=1e-3)
+    assert np.abs(zeros.zeros).max() == pytest.approx(1.149, abs=1e-3)
     dummies = output_subspace_zeros(aircraft_plant("off-nominal", "dummy commands"))
     # q det(qI - A) H'z/u with H = -B and z_i = (1/q - 1) n_i/D for i < 4, z_4 = -n_4/D.
     n = [(np.poly(A - B @ row[None]) - np.poly(A))[1:] for row in np.eye(4)]
     whole = sum(B[i, 0] * np.polymul([1, -1], n[i]) for i in range(3))
     roots = np.roots(np.polyadd(whole, B[3, 0] * np.polymul([1, 0], n[3])))
     assert len(dummies.zeros) == 6, "of the three kept states the scaled output sees one"
-    kept = sorted(dummies.zeros, key=abs)[2:]
-    assert np.sort_complex(kept) == pytest.approx(np.sort_complex(roots), abs=1e-6)
+    ordered = sorted(dummies.zeros, key=abs)[2:]
+    assert np.sort_complex(ordered) == pytest.approx(np.sort_complex(roots), abs=1e-6)
     assert len(dummies.nmp_zeros) == 1, "full-state feedback does not rid the aircraft of it"
 
 
