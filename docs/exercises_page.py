@@ -89,7 +89,8 @@ def _tests(tree: ast.Module) -> Iterator[ast.FunctionDef]:
 def _functions(test: ast.FunctionDef, local: dict[str, ast.FunctionDef]) -> tuple[str, ...]:
     """The public names that a test calls or hands on, also through helpers of its file."""
     nodes = list(ast.walk(test))
-    used = [n.id for n in sorted((n for n in nodes if isinstance(n, ast.Name)), key=_place)]
+    named = [n for n in nodes if isinstance(n, ast.Name | ast.Attribute)]
+    used = [n.id if isinstance(n, ast.Name) else n.attr for n in sorted(named, key=_place)]
     for name in dict.fromkeys(used):
         if name in local:
             used += _functions(local[name], {})
@@ -97,7 +98,7 @@ def _functions(test: ast.FunctionDef, local: dict[str, ast.FunctionDef]) -> tupl
     return tuple(dict.fromkeys(name for name in used if name in public))
 
 
-def _place(node: ast.Name) -> tuple[int, int]:
+def _place(node: ast.expr) -> tuple[int, int]:
     return node.lineno, node.col_offset
 
 

@@ -320,6 +320,11 @@ SAMPLES = {
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
     exact.DescriptorSystem: DESCRIPTORS,
     results.WeierstrassForm: DESCRIPTORS.map(lambda system: system.weierstrass_form()),
+    exact.errors.Advice: st.integers(1, 9).map(
+        lambda n: exact.errors.Advice(
+            "place_poles", (("n_c", str(n)),), "from {function}(n_c={n_c})"
+        )
+    ),
     results.StabilityMargins: MARGINS,
     results.Margin: STABLE_MARGINS.map(lambda found: found.phase),
     results.SymmetricDiskMargin: STABLE_MARGINS.map(lambda found: found.disk),

@@ -20,9 +20,9 @@ WITHOUT = {
     "a number, a ball, a count or a matrix": """AffineMap Certificate Enclosure FieldMatrix
         NumberField PolynomialEnclosure PolynomialMatrix Root RootCount""",
     "a part of a result that is certified, or of one below": """ButterworthPattern DelayCrossing
-        ExceptionalCase GainCrossover HighAuthorityLimit LocusAngles LocusBreak LocusCrossing
-        PartialFraction PhaseCrossover StabilityCell StabilitySlab UnstableRealZero
-        ZeroDirection""",
+        ExceptionalCase GainCrossover HighAuthorityLimit LocusAngles LocusBreak LocusCrossing Margin
+        PartialFraction PhaseCrossover StabilityCell StabilitySlab SymmetricDiskMargin
+        UnstableRealZero ZeroDirection""",
     "irrational by nature: balls enclose it, and SpectralFactor.residual encloses 0": """
         HInfinityNorm HighAuthorityLimits HighAuthorityTarget LQGPoles RegulatorLocus
         StabilityMargins""",
@@ -75,8 +75,8 @@ def test_each_result_has_a_certificate_or_a_reason():
 @settings(max_examples=3, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_certificates_hold(cls, data):
-    found = data.draw(SAMPLES[cls]).certificate
-    assert found is None or (found.holds and found.identity)
+    result = data.draw(SAMPLES[cls]).certificate
+    assert result is None or (result.holds and result.identity)
 
 
 def test_a_result_that_holds_its_question_computes_its_certificate():
@@ -117,12 +117,12 @@ def falsified(value):
 @settings(max_examples=3, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_what_was_tampered_with_is_seen(cls, data):
-    found = data.draw(SAMPLES[cls])
+    result = data.draw(SAMPLES[cls])
     if cls is results.MinimalBasis:  # of a null space that is not zero
-        found = exact.forms.minimal_basis([["s", data.draw(st.integers(0, 9)), "s**2 + 1"]], "s")
-    assert found.is_verified
+        result = exact.forms.minimal_basis([["s", data.draw(st.integers(0, 9)), "s**2 + 1"]], "s")
+    assert result.is_verified
     for name in TAMPERED[cls].split():
-        wrong = [replace(found, **{name: one}) for one in falsified(getattr(found, name))]
+        wrong = [replace(result, **{name: one}) for one in falsified(getattr(result, name))]
         seen = [one for one in wrong if not one.is_verified]
         assert seen or not wrong, name
         assert all(str(one.certificate).endswith("FAILS") for one in seen[:1])

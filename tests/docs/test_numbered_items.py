@@ -29,7 +29,7 @@ def test_every_example_and_every_caption_that_is_quoted_is_an_item(found):
         for claim in quoted_claims(number):
             if claim.place.startswith(("Figure", "Table")):
                 item = by_name[claim.place]
-                assert claim.quote in {own.quote for own in item.claims}, claim.place
+                assert claim.quote in {ours.quote for ours in item.claims}, claim.place
 
 
 def test_what_is_proved_is_in_the_ledger(found):

@@ -124,9 +124,9 @@ def test_every_other_project_is_a_committed_list(tmp_path):
         for path in INVENTORIES.glob("*.txt")
         for line in path.read_text().splitlines()[4:]
     }
-    wanted = {link.rpartition("<")[2].rstrip(">`") for link in OF_OTHERS.values() if "<" in link}
-    ours = {name for name in wanted if name.split(".")[0] in PACKAGES}
-    assert {name.removeprefix("python:") for name in wanted - ours} <= known
+    expected = {link.rpartition("<")[2].rstrip(">`") for link in OF_OTHERS.values() if "<" in link}
+    ours = {name for name in expected if name.split(".")[0] in PACKAGES}
+    assert {name.removeprefix("python:") for name in expected - ours} <= known
     for _, (path,) in intersphinx(tmp_path).values():
         assert Path(path).read_bytes().startswith(b"# Sphinx inventory version 2\n")
 

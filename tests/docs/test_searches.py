@@ -31,8 +31,8 @@ def pages():
 @pytest.mark.parametrize("name", SEARCHES)
 def test_what_is_to_be_found_is_there(name):
     there = set(pages())
-    wanted = {page for found in SEARCHES[name].values() for page in found}
-    assert wanted <= there, wanted - there
+    expected = {page for result in SEARCHES[name].values() for page in result}
+    assert expected <= there, expected - there
 
 
 def test_there_are_sixty():

@@ -21,8 +21,8 @@ from rcac_numeric.gallery import (
     plant_zeros,
     rohrs_plant,
     sampling_zeros,
-    zero_order_hold,
 )
+from rcac_numeric.plants._zero_order_hold import zero_order_hold
 
 boost, pendulum = BoostConverter(), CartPendulum()
 GALLERY = {
@@ -68,13 +68,13 @@ def test_sampling_is_the_50_digit_exponential_rounded_once(name):
 def test_random_plants_against_the_50_digit_exponential_and_scipy(seed, n, m, h):
     M = np.random.default_rng(seed).normal(size=(n, n + m)).round(3)
     A, B = M[:, :n], M[:, n:]
-    found = zero_order_hold(A, B, h)
-    for ours, exact in zip(found, exponential(A, B, h), strict=True):
+    sampled = zero_order_hold(A, B, h)
+    for ours, exact in zip(sampled, exponential(A, B, h), strict=True):
         assert np.allclose(ours, exact, rtol=1e-15, atol=0)
     theirs = scipy.signal.cont2discrete((A, B, np.eye(n), np.zeros((n, m))), h)
-    scale = max(np.abs(found[0]).max(), np.abs(found[1]).max())
-    assert np.allclose(found[0], theirs[0], atol=1e-9 * scale)
-    assert np.allclose(found[1], theirs[1], atol=1e-9 * scale)
+    scale = max(np.abs(sampled[0]).max(), np.abs(sampled[1]).max())
+    assert np.allclose(sampled[0], theirs[0], atol=1e-9 * scale)
+    assert np.allclose(sampled[1], theirs[1], atol=1e-9 * scale)
 
 
 def test_two_short_periods_make_a_long_one():
