@@ -67,13 +67,15 @@ def _model(
     make: Callable[..., TargetModel],
     words: str = "",
     *,
-    known: Sequence[str] = (),
+    computed: Sequence[str] = (),
     needs: Sequence[str] = (),
     **makers: Callable[..., Any],
 ) -> Table[TargetModel]:
     """The table of a function that makes a target model, for the plant as it is at step 0."""
     whole = Composed(make, words, plant=_at_first, **makers)
-    return Table(whole, given=("plant", *known), needs=needs, forms=FORMS, names=NAMES, docs=DOCS)
+    return Table(
+        whole, given=("plant", *computed), needs=needs, forms=FORMS, names=NAMES, docs=DOCS
+    )
 
 
 def _at_first(plant: Plant | PlantSchedule) -> Plant:
@@ -194,7 +196,10 @@ TARGETS: Kinds[Any] = Kinds(
         "filter": Kind(
             Variant(
                 _model(
-                    fitting, "Any filter, by its coefficients.", known=["exact"], target=TargetModel
+                    fitting,
+                    "Any filter, by its coefficients.",
+                    computed=["exact"],
+                    target=TargetModel,
                 ),
                 "numerator",
             ),
