@@ -40,7 +40,8 @@ folders
 """
 FOLDERS = """# The folders of the packages
 
-In the order of their layers, from the ground up: a folder imports only what stands above it. Each
+In the order of their layers, from the ground up: a folder imports only
+folders above it in this list. Each
 page has the public names of the folder and what is not public.
 
 {tables}

@@ -74,7 +74,7 @@ from .engine._changes import ControllerChange as ControllerChange
 from .engine._controller import Controller as Controller
 from .engine._jobs import RunInterrupted as RunInterrupted
 from .engine._recorder import Recorder as Recorder
-from .engine._run import simulate_reference as simulate_reference
+from .engine._reference import simulate_reference as simulate_reference
 from .engine._runs import Run as Run
 from .engine._runs import load_run as load_run
 from .engine._simulation import frozen_twin as frozen_twin

@@ -25,7 +25,7 @@ from .designing._logs import LoggedPlant as LoggedPlant
 from .engine._batch_runs import BatchRun as BatchRun
 from .engine._batches import CaseResult as CaseResult
 from .engine._changes import AppliedChange as AppliedChange
-from .engine._run import ReferenceRun as ReferenceRun
+from .engine._reference import ReferenceRun as ReferenceRun
 from .engine._target_learner import LearnedTarget as LearnedTarget
 from .estimation._consistency import Consistency as Consistency
 from .estimation._estimates import AdaptedEstimates as AdaptedEstimates

@@ -1,4 +1,4 @@
-"""Canonical forms of matrices of polynomials, and the structure of systems that they show."""
+"""Canonical forms, zeros, sampling, expansions and Diophantine equations of exact systems."""
 
 import lazy_loader
 

@@ -1,1 +1,1 @@
-"""LQG with proof in both time domains: gains, Riccati solutions, poles, limits and targets."""
+"""Exact LQG, Riccati, Lyapunov and Sylvester equations and Gramians, in both time domains."""

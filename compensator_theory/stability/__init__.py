@@ -1,1 +1,1 @@
-"""Where roots lie for which parameters: conditions, regions, margins, norms, interpolation."""
+"""Stability over parameters, margins, norms, passivity; interpolation and approximation."""

@@ -29,7 +29,7 @@ from rcac_numeric.arrays._values import Result, Value, replaced
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.engine._batches import SimulationCase, simulate_many
 from rcac_numeric.engine._compatibility import AnyController, controllers_of
-from rcac_numeric.engine._run import require_supported, simulate_reference
+from rcac_numeric.engine._reference import require_supported, simulate_reference
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation

@@ -28,7 +28,7 @@ from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.engine._compatibility import AnyController, controllers_of, require_fit
-from rcac_numeric.engine._run import require_supported
+from rcac_numeric.engine._reference import require_supported
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import PlantSchedule

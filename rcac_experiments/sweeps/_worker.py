@@ -37,7 +37,7 @@ from rcac_experiments.sweeps._study import Coordinates, Study
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 from rcac_numeric.engine._batches import SimulationCase, simulate_stream
-from rcac_numeric.engine._run import require_supported, simulate_reference
+from rcac_numeric.engine._reference import require_supported, simulate_reference
 from rcac_numeric.engine._runs import Run
 
 

@@ -1,1 +1,1 @@
-"""What a fixed controller does to a loop, held against exact theory."""
+"""LQG, Riccati equations, margins and costs: the analysis of a fixed controller in float64."""

@@ -1,1 +1,1 @@
-"""A logged controller, whatever program it ran in, replayed and analysed."""
+"""Health of a run or of a logged controller: warnings with next steps, replay of a log."""

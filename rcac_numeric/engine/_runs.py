@@ -32,10 +32,12 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._forgetting import (
+    CappedForgetting,
     ScheduledForgetting,
     SubspaceForgetting,
     VariableRateForgetting,
 )
+from rcac_numeric.controllers._gain_schedule import GainSchedule
 from rcac_numeric.controllers._joint import JointUD
 from rcac_numeric.controllers._memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers._normalization import Normalization
@@ -62,12 +64,12 @@ from rcac_numeric.targets._model import TargetModel
 
 # What the file of a run may be made of; nothing else is ever constructed from it.
 RECORDS = Records(
-    AppliedChange, CoefficientBounds, Compensator, ControllerChange, ControllerSettings,
-    Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal, FixedController,
-    Gradient, Instantaneous, JointUD, Normalization, Plant, PlantChange, PlantSchedule,
-    Saturation, SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure,
-    SubspaceForgetting, SupervisionEvent, SupervisionRecord, Tap, TargetModel, TroubleCount, UD,
-    VariableRateForgetting,
+    AppliedChange, CappedForgetting, CoefficientBounds, Compensator, ControllerChange,
+    ControllerSettings, Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal,
+    FixedController, GainSchedule, Gradient, Instantaneous, JointUD, Normalization, Plant,
+    PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting, SignalWeight,
+    SlidingWindow, Structure, SubspaceForgetting, SupervisionEvent, SupervisionRecord, Tap,
+    TargetModel, TroubleCount, UD, VariableRateForgetting,
 )  # fmt: skip
 
 # How a run may end, in the order of the kernel's numbers.

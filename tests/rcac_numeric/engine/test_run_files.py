@@ -1,6 +1,7 @@
 """A run as an object: saved and loaded bit for bit, handed to pandas and xarray."""
 
 import sys
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,6 +11,9 @@ from hypothesis import strategies as st
 import rcac_numeric as r
 from compensator_theory.errors import InputError
 from rcac_numeric import FunctionPlant, load_run, simulate, simulate_reference
+from rcac_numeric.compiled._updates import ARGUMENTS
+from rcac_numeric.controllers._forgetting import Forgetting
+from rcac_numeric.engine._runs import RECORDS
 from tests.rcac_numeric import samples
 from tests.support.examples import EXAMPLE_4_6
 
@@ -27,6 +31,26 @@ def test_a_loaded_run_goes_on_as_the_saved_one_would(tmp_path_factory, seed):
         for r in (run, again)
     )
     assert first == second and np.array_equal(first.theta, second.theta)
+
+
+def test_every_update_and_every_forgetting_can_stand_in_a_file():
+    classes = {cls.__name__ for cls in (*ARGUMENTS, *get_args(Forgetting))}
+    assert classes <= set(RECORDS._classes)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_runs_of_capped_forgetting_and_of_a_gain_schedule_are_loaded(tmp_path, seed):
+    plant, w = r.standard_plant("1/(q - 0.5)"), np.ones((20, 1))
+    for controller in (
+        r.ControllerSettings(
+            structure=r.iir(1), target=r.TargetModel([0, 1.0]),
+            update=r.UD(1.0, lambda_=r.CappedForgetting(0.99)),
+        ),
+        r.GainSchedule([0, 1 + seed], [r.Compensator([], [[[0.1]]])] * 2),
+    ):  # fmt: skip
+        run = simulate(plant, controller, w)
+        run.save(tmp_path / "run.npz")
+        assert load_run(tmp_path / "run.npz") == run
 
 
 @pytest.mark.costly
