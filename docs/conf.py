@@ -149,6 +149,14 @@ def insert_errata(app, name, source):
         source[0] = source[0].replace("<!-- the errata -->", errata_page())
 
 
+def insert_file_tables(app, name, source):
+    """Write the tables of keys into the page of experiment files."""
+    if name == "experiment-files":
+        from rcac_experiments.files._reference import page_with_tables
+
+        source[0] = page_with_tables(source[0])
+
+
 def insert_exercises(app, name, source):
     """Write the tables of exercises where their page asks for them."""
     if name == "exercises":
@@ -183,4 +191,5 @@ def setup(app):
     app.connect("source-read", insert_ledger)
     app.connect("source-read", insert_errata)
     app.connect("source-read", insert_exercises)
+    app.connect("source-read", insert_file_tables)
     app.connect("source-read", insert_judging)

@@ -21,7 +21,7 @@ from rcac_experiments.files._updates import UPDATES
 from rcac_experiments.format._tables import ByKey, Key, Kinds, Table
 from rcac_experiments.judging._reading import open_table
 
-MARKERS = re.compile(r"(<!-- table: (?P<name>[^\n]*?) -->\n).*?(\n<!-- end of table -->)", re.S)
+PLACEHOLDERS = re.compile(r"<!-- table: (?P<name>[^\n]*?) -->")
 
 
 def keys_table(table: Table[Any]) -> str:
@@ -75,19 +75,15 @@ def by_key_table(what: ByKey[Any]) -> str:
 
 
 def with_tables(page: str, tables: Mapping[str, str]) -> str:
-    r"""A page with its generated tables brought up to date.
-
-    They stand between `<!-- table: NAME -->` and `<!-- end of table -->`.
+    r"""A page with a table in place of each placeholder `<!-- table: NAME -->`.
 
     Examples
     --------
     >>> from rcac_experiments.files._reference import with_tables
-    >>> print(with_tables("<!-- table: a -->\nold\n<!-- end of table -->", {"a": "new"}))
-    <!-- table: a -->
-    new
-    <!-- end of table -->
+    >>> print(with_tables("<!-- table: a -->", {"a": "| key |"}))
+    | key |
     """
-    return MARKERS.sub(lambda match: match[1] + tables[match["name"]] + match[3], page)
+    return PLACEHOLDERS.sub(lambda match: tables[match["name"]], page)
 
 
 def cell(text: str) -> str:
@@ -173,5 +169,5 @@ def reference_tables() -> dict[str, str]:
 
 
 def page_with_tables(page: str) -> str:
-    """The page docs/experiment-files.md with its tables brought up to date."""
+    """The page docs/experiment-files.md with its tables filled in."""
     return with_tables(page, reference_tables())
