@@ -8,6 +8,7 @@ from pathlib import Path
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
+from docutils import nodes
 from sphinx.util import logging
 
 import rcac_experiments.dissertation
@@ -174,6 +175,14 @@ def insert_judging(app, name, source):
         source[0] = source[0].replace("<!-- the counts -->", counts())
 
 
+def stack_tables(app, tree, page):
+    """Let the tables of the reference stand name above sentence on a narrow screen."""
+    if page.startswith("reference/"):
+        for table in tree.findall(nodes.table):
+            if len(list(table.findall(nodes.colspec))) == 2:
+                table["classes"].append("stacked")
+
+
 def keep_only_the_page(app, tree):
     """Let go of what `eval-rst` parsed apart, whose settings would keep the whole environment."""
     for node in tree.findall():
@@ -186,6 +195,7 @@ def setup(app):
     app.connect("doctree-read", keep_only_the_page)
     app.connect("builder-inited", build_explorer)
     app.connect("doctree-resolved", insert_thumbnails)
+    app.connect("doctree-resolved", stack_tables)
     app.connect("autodoc-skip-member", skip_foreign)
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)
