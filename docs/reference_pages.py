@@ -17,17 +17,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = Path(__file__).resolve().parent / "reference_groups"
 PACKAGES = {
-    "rcac_numeric": "The numeric half: run RCAC in float64, and hold it against exact theory.",
-    "rcac_experiments": "What uses the two: experiment files, studies, pages, the dissertation.",
-    "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
+    "rcac_numeric": "The numeric half: RCAC in float64, compared with exact theory.",
+    "rcac_experiments": "Experiment files, studies, pages, the dissertation.",
+    "compensator_theory": "The exact half: integers, rationals and symbols, no floats.",
 }
 INDEX = """# Reference
 
-Every public name has a page under the name by which it is imported: from its package,
-`from rcac_numeric import simulate`, or from one of the package's namespaces,
-`from rcac_experiments.sweeps import Study`; the classes of what functions return are all in
-`results`. The groups are by task. Whoever has the dissertation beside them begins with
-[its equations](equations.md); whoever changes the code, with [the folders](folders.md).
+Every public name has a page under its import path: from its package, `from rcac_numeric import
+simulate`, or from a namespace, `from rcac_experiments.sweeps import Study`. Result classes are in
+`results`. The groups are by task; [the equations](equations.md) of the dissertation and
+[the folders](folders.md) of the code are further indexes.
 
 {tables}
 ```{{toctree}}
@@ -40,9 +39,8 @@ folders
 """
 FOLDERS = """# The folders of the packages
 
-In the order of their layers, from the ground up: a folder imports only
-folders above it in this list. Each
-page has the public names of the folder and what is not public.
+In the order of their layers: a folder imports only folders above it. Each page lists public and
+internal names.
 
 {tables}
 """
