@@ -18,7 +18,6 @@ import hashlib
 import importlib
 import itertools
 import json
-import re
 import signal
 import subprocess
 import sys
@@ -29,7 +28,7 @@ from pathlib import Path
 import hypothesis
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "constructions.md"
+CONSTRUCTIONS = ROOT / "docs" / "constructions.toml"
 TESTS = ROOT / "benchmarks" / "construction_tests.toml"
 
 
@@ -136,11 +135,11 @@ def parameter_sets(function) -> list[dict[str, object]]:
 
 def constructions(chosen: list[int]) -> dict[int, list[Test]]:
     """Return the tests of each construction; two that share a test share its cases."""
-    table = PAGE.read_text().partition("## Examples")[0]
-    paths = dict(re.findall(r"^\| (\d+) \|.*`(tests/[\w/]+\.py)`.*\|$", table, re.M))
+    rows = tomllib.loads(CONSTRUCTIONS.read_text())["construction"]
+    paths = {str(row["number"]): row["test"] for row in rows}
     named = tomllib.loads(TESTS.read_text())
     if set(named) != set(paths):
-        raise SystemExit(f"{TESTS.name} and the page differ in {sorted(set(named) ^ set(paths))}")
+        raise SystemExit(f"{TESTS.name} and the table differ in {sorted(set(named) ^ set(paths))}")
     known: dict[str, Test] = {}
     tests_by_row: dict[int, list[Test]] = {}
     for number, path in paths.items():

@@ -12,6 +12,8 @@ from docutils import nodes
 from sphinx.util import logging
 
 import rcac_experiments.dissertation
+from docs.constructions_page import FILE as CONSTRUCTIONS
+from docs.constructions_page import constructions_table
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
 from docs.equation_index import equations, equations_page
 from docs.equation_links import setup_equations
@@ -158,6 +160,13 @@ def insert_file_tables(app, name, source):
         source[0] = page_with_tables(source[0])
 
 
+def insert_constructions(app, name, source):
+    """Write the table of named constructions where its page asks for it."""
+    if name == "constructions":
+        app.env.note_dependency(str(CONSTRUCTIONS))
+        source[0] = source[0].replace("<!-- the constructions -->", constructions_table())
+
+
 def insert_exercises(app, name, source):
     """Write the tables of exercises where their page asks for them."""
     if name == "exercises":
@@ -200,6 +209,7 @@ def setup(app):
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)
     app.connect("source-read", insert_errata)
+    app.connect("source-read", insert_constructions)
     app.connect("source-read", insert_exercises)
     app.connect("source-read", insert_file_tables)
     app.connect("source-read", insert_judging)

@@ -7,47 +7,48 @@ from pathlib import Path
 
 import pytest
 
+from docs.constructions_page import constructions
 from tests.support.public import public_objects
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "constructions.md").read_text()
-TABLE, _, REST = PAGE.partition("## Examples")
+HEAD, _, REST = PAGE.partition("## Examples")
 PUBLIC = public_objects("compensator_theory")
 EXAMPLES, _, LEFT_OUT = REST.partition("## Left out")
-ROWS = re.findall(r"^\| (\d+) \|(.*)\|$", TABLE, re.M)
+ROWS = constructions()
 
 
 def test_no_number_is_missing():
-    numbers = [int(n) for n, _ in ROWS] + [
-        int(n) for n in re.findall(r"^\| (\d+) ", LEFT_OUT, re.M)
-    ]
+    numbers = [row["number"] for row in ROWS]
+    numbers += [int(n) for n in re.findall(r"^\| (\d+) ", LEFT_OUT, re.M)]
+    assert "<!-- the constructions -->" in HEAD
     assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 
-@pytest.mark.parametrize(("number", "row"), ROWS, ids=[n for n, _ in ROWS])
-def test_a_row_names_what_is_there(number, row):
-    functions = re.findall(r"\{py:func\}`(\w+) <([\w.]+)>`", row)
-    assert functions
-    for name, path in functions:
-        module, _, last = path.rpartition(".")
-        assert last == name and PUBLIC[name].__module__ == module
-    (test,) = re.findall(r"`(tests/[\w/]+\.py)`", row)
-    text = (ROOT / test).read_text()
-    assert any(re.search(rf"\b{name}\b", text) for name, _ in functions), test
+@pytest.mark.parametrize("row", ROWS, ids=[str(row["number"]) for row in ROWS])
+def test_a_row_names_what_is_there(row):
+    modules = {path.rpartition(".")[2]: path.rpartition(".")[0] for path in row["functions"]}
+    assert modules
+    for name, module in modules.items():
+        assert PUBLIC[name].__module__ == module
+    text = (ROOT / row["test"]).read_text()
+    assert any(re.search(rf"\b{name}\b", text) for name in modules), row["test"]
     called = {
         node.func.attr
-        for node in ast.walk(ast.parse("\n".join(re.findall(r">>> (.*)", example_of(number)))))
+        for node in ast.walk(
+            ast.parse("\n".join(re.findall(r">>> (.*)", example_of(row["number"]))))
+        )
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
-    assert called & {name for name, _ in functions}
+    assert called & set(modules)
 
 
 def test_the_drawn_tests_of_each_row_are_there():
     """What benchmarks/construction_oracles.py draws 10 000 cases for."""
     named = tomllib.loads((ROOT / "benchmarks" / "construction_tests.toml").read_text())
-    assert set(named) == {number for number, _ in ROWS}
-    for number, row in ROWS:
-        (path,) = re.findall(r"`(tests/[\w/]+\.py)`", row)
+    assert set(named) == {str(row["number"]) for row in ROWS}
+    for row in ROWS:
+        number, path = str(row["number"]), row["test"]
         drawn = {
             node.name
             for node in ast.parse((ROOT / path).read_text()).body
