@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from sympy import Expr, Symbol
 
@@ -139,6 +139,7 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
         The generic one first; each exceptional one stands after the case that it was taken from.
     """
 
+    _REST: ClassVar[str] = ".cases lists them"
     cases: tuple[ExceptionalCase[Answer], ...]
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly
@@ -74,6 +75,7 @@ class Zeros(ExactValue):
         That the matrix annihilates each direction, modulo its factor.
     """
 
+    _REST: ClassVar[str] = ".directions lists them"
     invariant_polynomials: tuple[Poly, ...]
     polynomial: Poly
     directions: tuple[ZeroDirection, ...]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from typing import ClassVar
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
@@ -57,6 +58,7 @@ class ZeroDirectionTarget(ExactValue):
         That G_f has every zero in its direction.
     """
 
+    _REST: ClassVar[str] = ".zeros lists them"
     transfer_matrix: TransferMatrix
     H: ImmutableMatrix
     delays: tuple[int, ...]

@@ -9,6 +9,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.lqg._sylvester_equations import solve_lyapunov, solve_stein
 from compensator_theory.matrices._certificates import Certificate, certificate_of
@@ -65,11 +66,9 @@ class Gramians(ExactValue):
         return characteristic_polynomial(product, x)
 
     def __str__(self) -> str:
-        return (
-            f"W_c = {text(self.controllability.tolist())}\n"
-            f"W_o = {text(self.observability.tolist())}\n"
-            f"H2 norm squared: {text(self.norm_squared)}"
-        )
+        W_c = matrix_line("W_c", self.controllability, "controllability")
+        W_o = matrix_line("W_o", self.observability, "observability")
+        return f"{W_c}\n{W_o}\nH2 norm squared: {text(self.norm_squared)}"
 
     def _repr_latex_(self) -> str:
         return displayed(

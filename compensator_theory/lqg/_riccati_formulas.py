@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy
 from sympy import Dummy, Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import InputError, NoSolutionError, NotControllableError
 from compensator_theory.lqg._regulator_data import Weights, read_weights
 from compensator_theory.lqg._riccati import RiccatiSolution, solve_riccati
@@ -60,6 +62,7 @@ class RiccatiFormula(ExactValue):
         The equation with the solution put in.
     """
 
+    _REST: ClassVar[str] = ".conditions and .exceptional list them"
     A: ImmutableMatrix
     B: ImmutableMatrix
     Q: ImmutableMatrix
@@ -90,7 +93,7 @@ class RiccatiFormula(ExactValue):
         return solve_riccati(A, B, Q=Q, R=R, N=N, time=self.time)
 
     def __str__(self) -> str:
-        lines = [f"K = {text(self.K.tolist())}", f"P = {text(self.P.tolist())}"]
+        lines = [matrix_line("K", self.K), matrix_line("P", self.P)]
         lines += [f"{text(condition)} > 0" for condition in self.conditions]
         return "\n".join([*lines, *(f"{text(factor)} != 0" for factor in self.exceptional)])
 

@@ -11,7 +11,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory._latex import displayed, latex, total, unless
-from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._echelon import contradictions, echelon
@@ -50,9 +50,7 @@ class MatrixSolution(ExactValue):
 
     def __str__(self) -> str:
         count = len(self.homogeneous)
-        return f"X = {text(self.X.tolist())}" + (
-            f", one of a family of dimension {count}" * bool(count)
-        )
+        return matrix_line("X", self.X) + f", one of a family of dimension {count}" * bool(count)
 
     def _repr_latex_(self) -> str:
         alpha = numbered(names_in_all(self), "alpha", len(self.homogeneous))

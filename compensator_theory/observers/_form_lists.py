@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import sympy
 from sympy import Expr, Poly
@@ -54,6 +55,7 @@ class ObserverForms(Certified, ExactValue):
     Source: (7.11)-(7.18); the subspaces are :math:`\ker p_R(\tilde A)`.
     """
 
+    _REST: ClassVar[str] = ".forms, .families, .rejections and .undecided list them"
     identity = "the identities of every form, p_R p_O = D~, det(sI - A~) = D~"
 
     plant: Realisation

@@ -8,7 +8,7 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
-from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._echelon import echelon
@@ -165,7 +165,7 @@ class FunctionalObserver(ExactValue):
 
     def __str__(self) -> str:
         s = self.plant.variable
-        lines = [f"{name} = {text(matrix.tolist())}" for name, matrix in self._named()]
+        lines = [matrix_line(name, matrix) for name, matrix in self._named()]
         error = f"the error obeys det({s}I - N) = {format_polynomial(self.error_polynomial)}"
         if self.fixed.degree() > 0:
             error += f", of which {format_polynomial(self.fixed)} cannot be moved"

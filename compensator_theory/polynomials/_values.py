@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from sympy import Poly
 
 from compensator_theory._latex import latex
-from compensator_theory._printing import representation
+from compensator_theory._terminal import in_few_lines, result_repr
 from compensator_theory._truth import Truth
 from compensator_theory.polynomials._carrying import (
     MARK,
@@ -29,12 +29,16 @@ class ExactValue(Truth):
 
     _CARRIES: ClassVar[bool | str] = False
     """Whether its methods take functions of symbols; "reals": those of real values only."""
+    _REST: ClassVar[str] = ""
+    """The attributes that have what a printed result omits."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        if "__str__" in vars(cls):
+            cls.__str__ = in_few_lines(vars(cls)["__str__"])  # type: ignore[method-assign]
         carry_methods(cls, ExactValue)
         if "__repr__" not in vars(cls):
-            cls.__repr__ = _representation  # type: ignore[method-assign]
+            cls.__repr__ = result_repr  # type: ignore[method-assign]
 
     def _latex(self, printer: object = None) -> str:
         """Answer SymPy's `latex` with what a notebook shows."""
@@ -47,12 +51,6 @@ class ExactValue(Truth):
     def __setstate__(self, state: dict[str, object]) -> None:
         for name, value in state.items():
             object.__setattr__(self, name, _restored(value))
-
-
-def _representation(value: Any) -> str:
-    """What a dataclass writes, with numbers of any length."""
-    parts = (f"{f.name}={representation(getattr(value, f.name))}" for f in fields(value) if f.repr)
-    return f"{type(value).__qualname__}({', '.join(parts)})"
 
 
 def _restored(value: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
 import flint
 import sympy
@@ -91,6 +92,7 @@ class StabilityDelays(ExactValue):
         which roots touch the axis; None: there is no end.
     """
 
+    _REST: ClassVar[str] = ".crossings lists them"
     coefficients: tuple[Poly, ...]
     unstable_without: int
     crossings: tuple[DelayCrossing, ...]

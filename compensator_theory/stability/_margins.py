@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import flint
 import sympy
@@ -152,6 +152,7 @@ class StabilityMargins(ExactValue):
         The interval of gain factors around 1 with which the loop is stable; None if it is not.
     """
 
+    _REST: ClassVar[str] = ".gain_crossovers and .phase_crossovers list them"
     numerator: Poly
     denominator: Poly
     hidden: Poly

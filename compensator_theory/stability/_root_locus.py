@@ -15,6 +15,7 @@ from compensator_theory import figures
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory._showing import picture_of
+from compensator_theory._terminal import several
 from compensator_theory.errors import InputError
 from compensator_theory.loops._siso import LoopPart, read_loop
 from compensator_theory.matrices._certificates import Certified
@@ -239,18 +240,20 @@ class RootLocus(Certified, ExactValue):
         return picture_of(self, **options)
 
     def __str__(self) -> str:
-        lines = [
-            f"{format_polynomial(self.denominator)} + k*({format_polynomial(self.numerator)})",
-            *map(str, self.breaks),
-            *map(str, self.crossings or ()),
-        ]
+        lines = [f"{format_polynomial(self.denominator)} + k*({format_polynomial(self.numerator)})"]
+        if self.breaks:
+            lines.append(several(self.breaks, "breaks"))
         if self.crossings is None:
             lines.append("branches run along the boundary of stability")
+        elif self.crossings:
+            lines.append(several(self.crossings, "crossings"))
         if self.centroid is not None:
             angles = ", ".join(map(text, self.asymptotes))
             lines.append(f"asymptotes from {text(self.centroid)} at the angles {angles}")
-        lines += [f"departure {angles}" for angles in self.departures if angles.at.value.imag]
-        lines += [f"arrival {angles}" for angles in self.arrivals if angles.at.value.imag]
+        ends = [f"departure {angles}" for angles in self.departures if angles.at.value.imag]
+        ends += [f"arrival {angles}" for angles in self.arrivals if angles.at.value.imag]
+        if ends:
+            lines.append(several(ends, "departures and .arrivals"))
         return "\n".join(lines)
 
     def _repr_latex_(self) -> str:
@@ -305,10 +308,8 @@ def root_locus(
     >>> from compensator_theory import root_locus
     >>> print(root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1))
     s**4 + 8*s**3 + 36*s**2 + 80*s + k*(1)
-    2 branches meet at -2+2.44949j for k = 100
-    2 branches meet at -2 for k = 64
-    on the boundary at 0 for k = 0
-    on the boundary at 3.16228 for k = 260
+    2 branches meet at -2+2.44949j for k = 100; 2 branches meet at -2 for k = 64
+    on the boundary at 0 for k = 0; on the boundary at 3.16228 for k = 260
     asymptotes from -2 at the angles pi/4, 3*pi/4, 5*pi/4, 7*pi/4
     departure at -2+4j: -90 degrees
     """

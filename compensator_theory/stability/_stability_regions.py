@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from math import comb
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
@@ -95,6 +95,7 @@ class StabilityRegion(ExactValue):
         there `in` and `section` say not stable.
     """
 
+    _REST: ClassVar[str] = ".slabs lists them"
     polynomial: Poly
     parameters: tuple[Symbol, ...]
     boundaries: tuple[Expr, ...]

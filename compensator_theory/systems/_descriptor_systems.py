@@ -13,7 +13,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, unless
-from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._echelon import echelon
@@ -416,7 +416,7 @@ class DescriptorSystem(System):
 
     def __str__(self) -> str:
         names = ("E", "A", "B", "C") + (() if self.D.is_zero_matrix else ("D",))
-        return "\n".join(f"{name} = {text(getattr(self, name).tolist())}" for name in names)
+        return "\n".join(matrix_line(name, getattr(self, name)) for name in names)
 
     def _repr_latex_(self) -> str:
         rows = (latex(getattr(self, name)) for name in "EABCD")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, table
-from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
@@ -380,7 +380,7 @@ class Realisation(System):
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
-        return "\n".join(f"{name} = {text(getattr(self, name).tolist())}" for name in names)
+        return "\n".join(matrix_line(name, getattr(self, name)) for name in names)
 
     def _repr_latex_(self) -> str:
         return displayed(table([[self.A, self.B], [self.C, self.D]]))

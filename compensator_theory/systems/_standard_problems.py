@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex
-from compensator_theory._printing import text
+from compensator_theory._terminal import matrix_line
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import identity_matrix, symbols_in, zero_matrix
@@ -101,6 +101,7 @@ class StandardProblem(System):
     (6)/(q - 1/2) (1)/(q - 1/2)
     """
 
+    _REST: ClassVar[str] = ".D_1, .D_0, .D_2, .E_1, .E_2 and .E_0 are matrices"
     A: ImmutableMatrix
     B: ImmutableMatrix
     C: ImmutableMatrix
@@ -251,9 +252,7 @@ class StandardProblem(System):
     def __str__(self) -> str:
         lines = [f"n={self.n}, l_u={self.l_u}, l_y={self.l_y}, l_w={self.l_w}, l_z={self.l_z}"]
         names = [f.name for f in fields(self) if f.name in _SHAPES]
-        return "\n".join(
-            lines + [f"{name} = {text(getattr(self, name).tolist())}" for name in names]
-        )
+        return "\n".join(lines + [matrix_line(name, getattr(self, name)) for name in names])
 
     def _repr_latex_(self) -> str:
         return displayed(*(f"{name} = {latex(getattr(self, name))}" for name in _SHAPES))

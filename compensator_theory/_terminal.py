@@ -1,0 +1,97 @@
+"""Results in a terminal: the answer on at most five lines, then the names of the fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass
+from functools import wraps
+from typing import Any
+
+from sympy import MatrixBase, Poly
+
+from compensator_theory._printing import representation, text
+
+MOST_LINES = 5
+WHOLE_CALL = 200
+"""Characters of a constructor call that is printed with all its arguments."""
+WHOLE_MATRIX = 400
+"""Characters of a matrix that is printed with all its entries."""
+_LONGEST_LINE = 240
+_LONGEST_FIELD = 60
+
+
+def in_few_lines(write: Callable[[Any], str]) -> Callable[[Any], str]:
+    """Decorate a ``__str__``: at most five lines, the last of which counts the omitted ones.
+
+    `_REST` of the class says which attributes have what is omitted.
+    """
+
+    @wraps(write)
+    def written(self: Any) -> str:
+        lines = write(self).split("\n")
+        if len(lines) <= MOST_LINES:
+            return "\n".join(lines)
+        rest = type(self)._REST or f"the fields are {_field_names(self)}"
+        omitted = len(lines) - MOST_LINES + 1
+        return "\n".join([*lines[: MOST_LINES - 1], f"... {omitted} more; {rest}"])
+
+    return written
+
+
+def matrix_line(name: str, matrix: MatrixBase, attribute: str = "") -> str:
+    """Write a matrix with its name; a large one by its shape and its attribute."""
+    written = text(matrix.tolist())
+    if len(written) <= WHOLE_MATRIX:
+        return f"{name} = {written}"
+    return f"{name}: {_shape(matrix)}, see .{attribute or name}"
+
+
+def several(parts: Sequence[object], attribute: str, most: int = 4) -> str:
+    """Write the first parts on one line, with a count of the others and their attribute."""
+    more = [f"... {len(parts) - most} more; .{attribute} has all"] if len(parts) > most else []
+    return "; ".join([*map(str, parts[:most]), *more])
+
+
+def result_repr(value: Any) -> str:
+    """Write a short result as a constructor call, a longer one as its answer and its fields."""
+    name = type(value).__qualname__
+    arguments = [(f.name, getattr(value, f.name)) for f in fields(value) if f.repr]
+    call = f"{name}({', '.join(f'{key}={representation(part)}' for key, part in arguments)})"
+    if "\n" not in call and len(call) <= WHOLE_CALL:
+        return call
+    if type(value).__str__ is object.__str__:
+        return f"{name}({', '.join(f'{key}={_in_short(part)}' for key, part in arguments)})"
+    lines = [_cut(line) for line in str(value).split("\n")]
+    last = f"fields: {_field_names(value)}"
+    if len(lines) == MOST_LINES:
+        lines, last = lines[: MOST_LINES - 1], f"... print it for the rest; {last}"
+    return "\n  ".join([f"{name}: {lines[0]}", *lines[1:], last])
+
+
+def _field_names(value: Any) -> str:
+    names = []
+    for field in fields(value):
+        if field.repr:
+            part = getattr(value, field.name)
+            count = f" ({len(part)})" if isinstance(part, tuple) else ""
+            names.append(f".{field.name}{count}")
+    return ", ".join(names)
+
+
+def _in_short(part: Any) -> str:
+    if isinstance(part, MatrixBase):
+        return f"<{_shape(part)}>"
+    if is_dataclass(part):
+        return f"<{type(part).__qualname__}>"
+    written = text(part.as_expr()) if isinstance(part, Poly) else representation(part)
+    if len(written) <= _LONGEST_FIELD:
+        return written
+    return f"<{len(part)} items>" if isinstance(part, tuple) else _cut(written, _LONGEST_FIELD)
+
+
+def _shape(matrix: MatrixBase) -> str:
+    return f"{matrix.rows} x {matrix.cols} matrix"
+
+
+def _cut(line: str, most: int = _LONGEST_LINE) -> str:
+    return line if len(line) <= most else f"{line[: most - 3]}..."
