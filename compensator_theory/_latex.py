@@ -11,14 +11,14 @@ from sympy import Basic, Expr, MatrixBase, Poly
 from compensator_theory._printing import formula
 
 BEFORE, AFTER = r"$\displaystyle ", "$"
-# Signs that words may not have: set as formulas, which MathJax, KaTeX and LaTeX write alike.
+# Characters that \text cannot hold: written as formulas that MathJax, KaTeX and LaTeX agree on.
 ESCAPED = {"\\": r"\backslash ", "^": r"\wedge ", "~": r"\sim "}
 ESCAPED |= {sign: rf"\{sign}" for sign in "_{}#$%&"}
 SPECIAL = re.compile("([" + re.escape("".join(ESCAPED)) + "])")
 
 
 def latex(value: object) -> str:
-    r"""Write one value as a formula, without the signs around it."""
+    r"""Write one value as a formula, without delimiters."""
     if isinstance(value, str):
         return value
     if isinstance(value, Poly):
@@ -29,7 +29,7 @@ def latex(value: object) -> str:
         return rf"0_{{{value.rows} \times {value.cols}}}"
     if isinstance(value, Basic | MatrixBase | int) and not isinstance(value, bool):
         return formula(value)
-    show = getattr(value, "_repr_latex_", None)  # every result of ours has it
+    show = getattr(value, "_repr_latex_", None)  # every result class of this package has it
     if show is None:
         return words(str(value))
     return str(show()).removeprefix(BEFORE).removesuffix(AFTER)
@@ -41,7 +41,7 @@ def displayed(*formulas: str) -> str:
 
 
 def unless(exceptional: Iterable[Expr]) -> str:
-    r"""Say where a symbolic result holds."""
+    r"""Return the conditions under which a symbolic result holds."""
     return r", \; ".join(rf"{latex(factor)} \neq 0" for factor in exceptional)
 
 

@@ -1,4 +1,4 @@
-"""Numbers of any length as text and back; Python's own limit of digits stays as the user set it."""
+"""Integers of any length to text and back, whatever limit of digits the user set in Python."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
 SHORT = 600
-"""Digits that Python writes and reads under every limit: the least that can be set is 640."""
+"""Digits that Python converts under every setting: the smallest limit is 640."""
 
 
 def decimal(number: int) -> str:
@@ -38,12 +38,12 @@ def fraction_of(number: str) -> Fraction:
 
 
 def text(value: object) -> str:
-    """Write what SymPy's ``str`` writes, whatever the length of the numbers in it."""
+    """Return SymPy's ``str`` of a value, with integers of any length."""
     return _written(_Text, value)
 
 
 def representation(value: object) -> str:
-    """Write what ``repr`` writes, whatever the length of the numbers in SymPy's objects."""
+    """Return the ``repr`` of a value, with integers of any length in SymPy's objects."""
     try:
         return repr(value)
     except ValueError:
@@ -51,14 +51,14 @@ def representation(value: object) -> str:
 
 
 def formula(value: object, **settings: object) -> str:
-    r"""Write what SymPy's ``latex`` writes, whatever the length of the numbers in it."""
+    r"""Return SymPy's ``latex`` of a value, with integers of any length."""
     return _written(_Formula, value, **settings)
 
 
 def _written(printer: type[Printer], value: object, **settings: object) -> str:
     try:
         return str(printer({"order": None, **settings}).doprint(value))
-    except ValueError:  # SymPy sorts factors by texts of its own, those of long radicands, too
+    except ValueError:  # SymPy sorts factors by their text, with its own printer
         return str(printer({**settings, "order": "none"}).doprint(value))
 
 

@@ -1,4 +1,4 @@
-"""How an exact result draws itself without importing what draws it."""
+"""Pictures of exact results, without an import of the plotting package."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 
-# A picture is made of floats, and none is made in this half. What draws enters itself in this group
-# of entry points.
+# This package has no floats and draws nothing; a plotting package registers in this group of entry
+# points.
 GROUP = "compensator_theory.pictures"
 
 
@@ -19,5 +19,5 @@ def picture_of(result: object, **options: Any) -> figures.Figure:
         drawn: figures.Figure = one.load()(result, **options)
         return drawn
     raise InputError(
-        "nothing that is installed draws exact results: pip install compensator-theory[plot]."
+        "no installed package draws exact results: pip install compensator-theory[plot]."
     )

@@ -1,4 +1,4 @@
-"""The truth value of a result: its answer where it answers yes or no, and else none."""
+"""The truth value of a result: its yes-or-no answer, otherwise an error."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ class Truth:
         if not kind._ANSWER:
             ask = " or ".join(f".{name}" for name in _questions(kind)) or "one of its attributes"
             raise InputError(
-                f"{kind.__name__} is no answer to a yes-or-no question, and has no truth value; "
-                f"ask {ask}, or write `is not None`"
+                f"{kind.__name__} has no truth value; test {ask}, or write `is not None`"
             )
         answer = getattr(self, kind._ANSWER)
         if answer is None:
             first = str(self).split("\n", maxsplit=1)[0]
             raise InputError(
-                f"{kind.__name__} is undecided, and has no truth value: {first}; look at "
-                f".{kind._ANSWER}, which is None"
+                f"{kind.__name__} is undecided, and has no truth value: {first}; .{kind._ANSWER} "
+                "is None"
             )
         return bool(answer)
 
 
 def _questions(kind: type) -> list[str]:
-    """Attributes that answer yes or no."""
+    """Names of the boolean attributes."""
     names = (name for name in dir(kind) if name.startswith(("is_", "has_", "agrees", "holds")))
     return sorted(name for name in names if not callable(getattr(kind, name, None)))

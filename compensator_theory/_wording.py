@@ -1,4 +1,4 @@
-"""Words of others in what we say: shown as they are, never a command to a terminal."""
+"""Foreign text in messages: control characters are escaped, so that no terminal executes them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CONTROL = re.compile(
 
 
 def printable(text: str) -> str:
-    r"""Write out the control characters of a text, so that no terminal obeys them.
+    r"""Escape the control characters of a text, so that no terminal executes them.
 
     Examples
     --------
@@ -20,9 +20,9 @@ def printable(text: str) -> str:
     >>> print(printable("a\x1b[31m title"))
     a\x1b[31m title
     """
-    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    return CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
 
 
 def in_a_line(text: str) -> str:
-    r"""Write out the ends of lines too, as in a title."""
+    r"""Escape line ends too, as in a title."""
     return printable(text.replace("\n", "\\n").replace("\t", "\\t"))

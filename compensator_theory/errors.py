@@ -1,4 +1,4 @@
-"""The one tree of errors of all packages: what was wrong with the input, and what to do next."""
+"""Errors of all packages: each message gives the cause and the next step."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _LONG_NUMBER = re.compile(r"\d{80,}")
 class Advice:
     """The next step that an error advises, as data: the call that takes it.
 
-    Its text is what a reader of Python is told; another program, such as the command line, says
-    the same in its own words, from the names and the values.
+    Its text is for Python users; another program, such as the command line, writes its own text
+    from the names and the values.
 
     Attributes
     ----------
@@ -90,12 +90,12 @@ class CompensatorError(ValueError):
     exceptional: tuple[object, ...] = ()
 
     def of(self, source: str) -> Self:
-        """Return the error, whose message begins with the name of a file."""
+        """Return the error with the file name at the beginning of its message."""
         self.source = source
         return self
 
     def holding(self, unless: Iterable[object], exceptional: Iterable[object] = ()) -> Self:
-        """Return the error, which says now for which values of the symbols it holds."""
+        """Return the error with the conditions on the symbols under which it holds."""
         self.unless, self.exceptional = tuple(unless), tuple(exceptional)
         return self
 
@@ -104,15 +104,15 @@ class CompensatorError(ValueError):
         """The parts of the message that are advice."""
         return tuple(part for part in self.args if isinstance(part, Advice))
 
-    def told(self, reader: Callable[[Advice], str]) -> str:
-        """Return the message for a reader to whom each advice is said in words of his own."""
+    def message_for(self, reader: Callable[[Advice], str]) -> str:
+        """Return the message with each advice written by `reader`, as the command line does."""
         parts = (reader(part) if isinstance(part, Advice) else str(part) for part in self.args)
         text = _LONG_NUMBER.sub(lambda m: f"{m[0][:20]}...", "".join(parts))
         return printable(text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}")
 
     def __str__(self) -> str:
         """Return the message, shortened to a page; control characters in it are written out."""
-        return self.told(str)
+        return self.message_for(str)
 
 
 class InputError(CompensatorError):

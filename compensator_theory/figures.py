@@ -1,4 +1,4 @@
-"""The type of a picture, for annotations: it loads matplotlib when it is looked at, not before."""
+"""The type of a picture, for annotations; matplotlib is imported on first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Libraries: what installs those that only some doors need, and what one of them cannot do."""
+"""Optional libraries: how to install them, and a defect of one of them."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ EXTRAS = {
     "pyarrow": "studies",
     "xarray": "pandas",
 }
-"""Each library that is not always there, and the extra of ours that brings it."""
+"""Each optional library, and the extra of this package that installs it."""
 
 
 @contextmanager
 def needed(library: str) -> Iterator[None]:
-    """Around an import of a library that may be missing.
+    """Turn a missing optional library into an error that names the extra to install.
 
     Examples
     --------
@@ -40,12 +40,12 @@ def needed(library: str) -> Iterator[None]:
         yield
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != library:
-            raise  # it is there, and lacks something itself
+            raise  # the library is installed, but one of its dependencies is missing
         raise InputError(_missing(library)) from None
 
 
 def require_library(library: str) -> None:
-    """Refuse, before anything long is run, what will need a library that is not installed.
+    """Refuse a request whose optional library is not installed, before any long computation.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def require_library(library: str) -> None:
 
 
 def absent(name: str, *packages: ModuleType) -> AttributeError:
-    """The error of the first package for a name that it has not: where it is, if it is anywhere.
+    """Return the AttributeError of a missing name, with the namespace that has it.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def absent(name: str, *packages: ModuleType) -> AttributeError:
 
 
 def _places(name: str, packages: Iterable[ModuleType]) -> Iterator[str]:
-    """The packages and their public namespaces that have a name, by their lists of names."""
+    """Return the public namespaces that have a name."""
     line = re.compile(rf"(?: as |^class ){re.escape(name)}\b", re.MULTILINE)
     for package in packages:
         folder = Path(str(package.__file__)).parent
@@ -96,7 +96,7 @@ def _missing(library: str) -> str:
 
 
 class roots_in_sympy(ContextDecorator):
-    """Around what multiplies roots of long integers: SymPy 1.14 fails on some, and says nothing.
+    """Turn a silent failure of SymPy 1.14 on roots of long integers into an error.
 
     Its factorint takes a product of two close numbers apart and then insists that they are prime.
 

@@ -13,8 +13,8 @@ from compensator_theory._printing import text
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certified
 from compensator_theory.matrices._flint_polynomials import (
+    flint_polynomial_pair,
     from_flint_polynomial,
-    kept_in_flint,
 )
 from compensator_theory.matrices._function_rings import FunctionRing
 from compensator_theory.polynomials._carrying import carrying
@@ -83,10 +83,10 @@ class BezoutIdentity(Certified, ExactValue):
 
     @property
     def residual(self) -> Poly:
-        """What is left of x a + y b - g; zero, as computed anew."""
-        return self._left_over()[0]
+        """The residual x a + y b - g, recomputed; zero."""
+        return self._residuals()[0]
 
-    def _left_over(self) -> list[Poly]:
+    def _residuals(self) -> list[Poly]:
         x, y, a, b, gcd, *parts = over_one_field(
             self.x, self.y, self.a, self.b, self.gcd, *self.quotients
         )
@@ -135,7 +135,7 @@ def bezout_identity(
     (True, (a - b,))
     """
     first, second = in_one_variable(a, b, variable=variable)
-    if (pair := kept_in_flint(first, second)) is not None and pair[0] and pair[1]:
+    if (pair := flint_polynomial_pair(first, second)) is not None and pair[0] and pair[1]:
         return _of_rationals(first, second, *pair)
     if first.is_zero and second.is_zero:
         raise InputError("a and b are both zero; every polynomial divides them")
@@ -165,10 +165,10 @@ def _of_rationals(
 
 
 def _of_functions(first: Poly, second: Poly, ring: FunctionRing) -> BezoutIdentity:
-    """Coefficients are rational functions of symbols, which python-flint eliminates."""
+    """Compute over the rational functions of symbols, by elimination in python-flint."""
     a = ring.read(first)
     x, y, *quotients = ring.identity(a, ring.read(second))
-    if ring.degree(quotients[1]) == 0:  # b alone, of two that say the same
+    if ring.degree(quotients[1]) == 0:  # b alone: both quotients have the same roots
         x, y = ring.zero, ring.reciprocal_of_leading(quotients[1])
     gcd, _ = ring.divide(a, quotients[0])
     leading, scale = ring.coefficient(gcd, ring.degree(gcd)), ring.reciprocal_of_leading(gcd)

@@ -15,7 +15,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 
 TALL = 100
-"""Bits of the resultant for each degree, above which remainder sequences swell: found by timing."""
+"""Bits of the resultant per degree above which remainder sequences grow too long (measured)."""
 
 Pair = tuple[flint.fmpz_poly, flint.fmpz_poly]
 
@@ -47,7 +47,7 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
 
 
 def _is_tall(a: flint.fmpq_poly, b: flint.fmpq_poly) -> bool:
-    """Tell whether Hadamard's bound of the resultant is large beside the degree."""
+    """Return whether Hadamard's bound of the resultant is large compared with the degree."""
     m, n = a.degree(), b.degree()
     heights = (abs(p.numer().height_bits()) for p in (a, b))
     return bool(sum(d * h for d, h in zip((n, m), heights, strict=True)) > TALL * (m + n))
@@ -128,7 +128,7 @@ def _value(digits: Sequence[flint.fmpz_poly], base: flint.fmpz) -> flint.fmpz_po
 
 
 def _reconstructed(residues: Sequence[flint.fmpz_poly], modulus: int) -> tuple[Pair, int] | None:
-    """Return integer polynomials over one denominator that these are modulo p^k, if any is seen."""
+    """Reconstruct polynomials over one denominator from residues modulo p^k, or return None."""
     d, room = 1, 3 * modulus.bit_length() // 4  # a share: v w = u modulo p^k is then v w = u
     for value in chain.from_iterable(q.coeffs() for q in residues):
         if _centred(int(value) * d, modulus).bit_length() > room:

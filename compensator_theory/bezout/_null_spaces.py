@@ -25,7 +25,7 @@ IDENTITY = "a = g abar, b = g bbar"
 
 @dataclass(frozen=True)
 class NullSpaceGCD(ExactValue):
-    r"""A greatest common divisor with cofactors, as the null space of a Sylvester matrix has them.
+    r"""A greatest common divisor and its cofactors, from the null space of a Sylvester matrix.
 
     .. math:: a = g\,\bar a, \quad b = g\,\bar b, \qquad a\,\bar b - b\,\bar a = 0
 
@@ -117,9 +117,9 @@ def gcd_from_null_space(
         for power in range(rows)
     ]  # fmt: skip
     (vector,) = solve_affine(ImmutableMatrix(entries), zero_matrix(rows, 1)).nullspace
-    found = list(vector)
-    b_bar = from_coefficients(found[: l - nullity + 1][::-1], s)
-    a_bar = from_coefficients([-c for c in found[l - nullity + 1 :]][::-1], s)
+    entries = list(vector)
+    b_bar = from_coefficients(entries[: l - nullity + 1][::-1], s)
+    a_bar = from_coefficients([-c for c in entries[l - nullity + 1 :]][::-1], s)
     field = a_bar.unify(first)[0].domain.get_field()
     quotient = canonical(first.set_domain(field).quo(a_bar.set_domain(field)))
     g, leading = monic(quotient), quotient.LC()

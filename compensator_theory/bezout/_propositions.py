@@ -1,4 +1,4 @@
-"""Propositions 3 and 4 on the matrix of the pole placement equation, as checks."""
+"""Checks of Propositions 3 and 4 on the matrix of the pole placement equation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from compensator_theory._latex import displayed, words
 from compensator_theory.bezout._sylvester import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._budget import ask, integer, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials._values import ExactValue
@@ -160,7 +160,7 @@ def _read(
     if m >= n:
         raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
     if integer(n_c, "n_c") < m:
-        raise InputError(f"n_c = {shown(n_c)} must be an integer of at least deg N = {m}")
+        raise InputError(f"n_c = {repr_of(n_c)} must be an integer of at least deg N = {m}")
     integer(m_hat, "the degree m_hat of a numerator")
     ask("entries", (n + n_c) ** 2, "the Sylvester matrix")
     return d, b, n

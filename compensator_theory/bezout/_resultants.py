@@ -17,7 +17,10 @@ from compensator_theory.bezout._sylvester import (
 )
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import rational
-from compensator_theory.matrices._flint_polynomials import kept_in_flint, to_flint_polynomial
+from compensator_theory.matrices._flint_polynomials import (
+    flint_polynomial_pair,
+    to_flint_polynomial,
+)
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
@@ -71,7 +74,7 @@ def number_of_common_roots(
     >>> number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s")
     1
     """
-    if (pair := _kept(a, b, variable)) is not None:
+    if (pair := _flint_pair_of(a, b, variable)) is not None:
         return int(pair[0].gcd(pair[1]).degree())
     first, second = _with_leading(*with_formal_degrees(a, b, variable))
     if is_rational(first[0]) and is_rational(second[0]):
@@ -111,7 +114,7 @@ def resultant(
     >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
     (1, -a + b)
     """
-    if (pair := _kept(a, b, variable)) is not None:
+    if (pair := _flint_pair_of(a, b, variable)) is not None:
         return rational(pair[0].resultant(pair[1]))
     first, second = _with_leading(*with_formal_degrees(a, b, variable))
     if first[1] == 0:  # a constant has no root, that of 0 either
@@ -127,7 +130,7 @@ def resultant(
 def _generic_resultant(
     a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
 ) -> tuple[Expr, list[Expr]]:
-    """It is a polynomial in the coefficients, and so holds while the degrees do."""
+    """Return the resultant and its condition: the degrees must not drop."""
     (p, _), _ = _with_leading(*with_formal_degrees(a, b, variable))
     return resultant(a, b, variable=variable), [p.LC()]
 
@@ -146,11 +149,11 @@ def _generic_number(
     return count, [principal[count], first.LC()]
 
 
-def _kept(
+def _flint_pair_of(
     a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
-    """Return what is read already, at its true degrees: a reader would cost more than the work."""
-    pair = kept_in_flint(a, b) if variable is None else None
+    """Return python-flint polynomials at their true degrees; None if they are not read yet."""
+    pair = flint_polynomial_pair(a, b) if variable is None else None
     if pair is None or not pair[0] or not pair[1]:
         return None
     ask("degree", max(pair[0].degree(), pair[1].degree()), "the polynomial")
@@ -161,9 +164,9 @@ def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
     if first[1] == second[1] == 0:
         return sympy.Integer(1)
     if all(int(p.degree()) == degree for p, degree in (first, second) if not p.is_zero):
-        found = _by_flint(first[0], second[0])
-        if found is not None:
-            return found
+        value = _by_flint(first[0], second[0])
+        if value is not None:
+            return value
     both = (formal_coefficients(*pair) for pair in (first, second))
     return determinant(matrix_of_coefficients(*both))
 
@@ -184,7 +187,7 @@ def _by_flint(a: Poly, b: Poly) -> Expr | None:
 
 
 def _with_leading(first: Formal, second: Formal) -> tuple[Formal, Formal]:
-    """Refuse a without its leading coefficient; 0 and b are exchanged, which keeps the sign."""
+    """Refuse a polynomial a whose formal leading coefficient is 0, unless b has it."""
     if first[0].is_zero and first[1] == 0:
         first, second = second, first
     poly, degree = first
@@ -198,7 +201,7 @@ def _with_leading(first: Formal, second: Formal) -> tuple[Formal, Formal]:
 
 
 def _number_for_all_values(a: Poly, b: Poly) -> int | None:
-    """Count by subresultants: as many as vanish before the first that vanishes for no values."""
+    """Count by subresultants: the number of principal coefficients that vanish identically."""
     if not a.LC().is_nonzero:  # its degree depends on the values
         return None
     if b.is_zero:

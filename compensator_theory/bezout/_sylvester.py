@@ -11,7 +11,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._flint_matrices import from_flint
-from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._budget import ask, integer, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
 from compensator_theory.polynomials._polynomial_objects import in_our_order
@@ -21,7 +21,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def holds_while_degrees_do(function: Function) -> Function:
-    """Mark a function of two polynomials whose answer is made of coefficients, by the degrees."""
+    """Mark a function of two polynomials whose result holds while their degrees do not drop."""
 
     @generic_answer_of(function)
     def companion(
@@ -92,14 +92,14 @@ def sylvester_m(
     rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
         raise InputError(
-            f"n_c = {shown(n_c)} must be at least 0 and m_hat = {shown(m_hat)} at least -1"
+            f"n_c = {repr_of(n_c)} must be at least 0 and m_hat = {repr_of(m_hat)} at least -1"
         )
     offset = rows - (len(n) - 1) - m_hat - 1
     if offset < 0 <= m_hat:
         raise InputError(
-            f"a numerator of degree {shown(m_hat)} times N of degree {len(n) - 1} exceeds the "
-            f"degree {shown(rows - 1)} of this equation; lower m_hat to {shown(m_hat + offset)} or "
-            "raise n_c"
+            f"a numerator of degree {repr_of(m_hat)} times N of degree {len(n) - 1} exceeds the "
+            f"degree {repr_of(rows - 1)} of this equation; lower m_hat to "
+            f"{repr_of(m_hat + offset)} or raise n_c"
         )
     ask("entries", rows * (n_c + m_hat + 1), "the Sylvester matrix")
     columns = _shifts(d, n_c, 0) + _shifts(n, m_hat + 1, offset)
@@ -216,8 +216,8 @@ def with_formal_degrees(
     a, b = in_our_order(a), in_our_order(b)
     read = in_one_variable(a, b, variable=variable, default="s")
     padded = []
-    for name, argument, poly, asked in zip("ab", (a, b), read, degrees, strict=True):
-        degree = asked
+    for name, argument, poly, formal_degree in zip("ab", (a, b), read, degrees, strict=True):
+        degree = formal_degree
         if degree is None:
             size = len(argument) if is_list(argument) and isinstance(argument, Sized) else 0
             degree = size - 1 if size else _degree(poly)
@@ -240,7 +240,7 @@ def formal_coefficients(poly: Poly, degree: int) -> list[Expr]:
 
 
 def _shifts(column: list[Expr], count: int, offset: int) -> list[dict[int, Expr]]:
-    """Return the entries by row of the column moved down by offset, offset + 1, ..."""
+    """Return the rows of a band matrix: one column, shifted down by offset, offset + 1, ..."""
     entries = [(row, entry) for row, entry in enumerate(column) if entry != 0]
     return [{row + offset + shift: e for row, e in entries} for shift in range(count)]
 

@@ -1,1 +1,1 @@
-"""What a symbolic answer becomes where its exceptional polynomials vanish."""
+"""Case analysis of a symbolic answer where its exceptional polynomials vanish."""

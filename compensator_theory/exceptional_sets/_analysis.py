@@ -1,4 +1,4 @@
-"""A construction on its own exceptional set, until no new exceptional polynomial appears."""
+"""A construction on its exceptional set, repeated until no new exceptional polynomial appears."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from compensator_theory.exceptional_sets._equations import (
     irreducible_factors,
     solutions,
 )
-from compensator_theory.polynomials._budget import integer, shown
+from compensator_theory.polynomials._budget import integer, repr_of
 from compensator_theory.polynomials._carrying import require_no_functions
 from compensator_theory.polynomials._generic_answers import generic_answer
 from compensator_theory.polynomials._letters import reserved
@@ -32,7 +32,7 @@ from compensator_theory.polynomials._substitution import names_in, require_varia
 from compensator_theory.polynomials._variables import is_operator
 
 WITHOUT_VARIABLE = {"MatrixLike", "SpectrumLike", "NumberLike", "Time", "int", "str", "bool"}
-"""Annotations of arguments in which no symbol is taken for the variable."""
+"""Annotations of arguments in which no symbol can be mistaken for the variable."""
 
 
 def exceptional_cases(
@@ -96,7 +96,9 @@ def exceptional_cases(
     ('NoSolutionError', True)
     """
     if not callable(function):
-        raise InputError(f"{shown(function)} cannot be called; give a function, then its arguments")
+        raise InputError(
+            f"{repr_of(function)} cannot be called; give a function, then its arguments"
+        )
     integer(cases, "cases", at_least=1)
     require_no_functions((arguments, options))
     work = _Analysis(function, arguments, options, cases)
@@ -114,17 +116,17 @@ class _Analysis(Generic[Answer]):
         self.function, self.arguments, self.options = function, arguments, options
         self.left = left
         self.names = names_in((arguments, options))
-        self.made: dict[str, str] = {}  # symbols that answers have made, with their meaning
+        self.made: dict[str, str] = {}  # symbols that answers introduce, with their meaning
         self.parameters: set[str] = set()  # symbols of coefficients, which are no variable
         self.knows_variable = _names_its_variable(function, arguments, options)
 
     def of(self, conditions: Conditions) -> Iterator[ExceptionalCase[Answer]]:
-        """Answer in one case, then in those that are taken out of it."""
+        """Yield the case for generic values, then its exceptional cases."""
         if conditions.unsolved:
             yield _case(conditions, reason=conditions.unsolved)
             return
         if not self.left:
-            yield _case(conditions, reason="more cases than asked for; raise cases=")
+            yield _case(conditions, reason="more cases than requested; raise cases=")
             return
         self.left -= 1
         is_first = not conditions.values
@@ -135,8 +137,8 @@ class _Analysis(Generic[Answer]):
             }
             companion = generic_answer(self.function)
             if companion is not None:
-                answer, own_conditions = self._call(companion, arguments, options)
-                divisors = tuple(own_conditions)
+                answer, nonzero_conditions = self._call(companion, arguments, options)
+                divisors = tuple(nonzero_conditions)
             else:
                 answer = self._call(self.function, arguments, options)
                 divisors = _exceptional(answer, must_have=is_first)
@@ -155,19 +157,19 @@ class _Analysis(Generic[Answer]):
     def _require_arguments(
         self, divisors: tuple[Expr, ...], answer: object, conditions: Conditions
     ) -> None:
-        """Refuse symbols that a function has besides its arguments: they cannot be substituted."""
+        """Refuse symbols of a function that its arguments lack: no substitution reaches them."""
         used = {s.name for divisor in divisors for s in divisor.free_symbols}
         names = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
         for part in answer if isinstance(answer, tuple) else (answer,):
             introduced_symbols = getattr(
                 part, "exponentials", ()
-            )  # symbols that the answer says the meaning of
+            )  # symbols that the answer defines
             self.made.update((x.name, f"{x} = {text(value)}") for x, value in introduced_symbols)
         self.parameters |= used
         if missing := sorted(used - names - self.made.keys()):
             raise FunctionFailedError(
-                f"the function uses {', '.join(missing)} besides its arguments; pass what holds "
-                "these symbols as an argument, so that values can be put in"
+                f"the function uses {', '.join(missing)} besides its arguments; pass the objects "
+                "with these symbols as arguments, so that values can be substituted"
             )
 
     def _call(
@@ -179,7 +181,7 @@ class _Analysis(Generic[Answer]):
         except CompensatorError:
             raise
         except Exception as error:
-            name = getattr(self.function, "__name__", shown(self.function))
+            name = getattr(self.function, "__name__", repr_of(self.function))
             raise FunctionFailedError(f"{name} failed: {type(error).__name__}: {error}") from error
 
     def _arguments(self, conditions: Conditions) -> tuple[Any, ...]:
@@ -208,12 +210,12 @@ class _Analysis(Generic[Answer]):
     def _refused(
         self, conditions: Conditions, error: CompensatorError
     ) -> Iterator[ExceptionalCase[Answer]]:
-        """Follow a refusal to where it falls, if the error says where that is."""
+        """Yield the cases of a refusal, also those where its conditions fail."""
         if isinstance(error, InputError):
             yield _case(conditions, error=type(error), reason=str(error))
             return
         if isinstance(error, NotControllableError | NotObservableError):
-            error.holding([1])  # a rank that is lost for generic values is lost for all
+            error.holding([1])  # a rank that is not full for generic values is not full for any
         if error.unless is None:
             left = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
             generic = any(not is_operator(Symbol(name)) for name in left)
@@ -228,8 +230,8 @@ class _Analysis(Generic[Answer]):
             falls = tuple(_expression(e) for e in error.unless)
         one = len(nonzero) == 1
         at_least_one = falls if not one else ()
-        shown_case = holds.assuming(*nonzero[0]) if one else holds
-        yield _case(shown_case, error=type(error), reason=str(error), not_all_zero=at_least_one)
+        refused_case = holds.assuming(*nonzero[0]) if one else holds
+        yield _case(refused_case, error=type(error), reason=str(error), not_all_zero=at_least_one)
         if falls:
             for case in solutions(holds.also_zero(*falls)):
                 yield from self.of(case)
@@ -239,7 +241,7 @@ class _Analysis(Generic[Answer]):
 def _names_its_variable(
     function: Callable[..., Any], arguments: tuple[Any, ...], options: dict[str, Any]
 ) -> bool:
-    """Whether no symbol of the arguments is taken for the variable: it is named, or there is none.
+    """Whether the variable is named or absent, so that no symbol is mistaken for it.
 
     Plain matrices (`MatrixLike`) show no variable.
     """

@@ -1,4 +1,4 @@
-"""The cases of a symbolic answer, printed, and found for given values of the symbols."""
+"""The cases of a symbolic answer, and the case for given values of the symbols."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from compensator_theory._latex import displayed, latex, unless, words
 from compensator_theory._printing import text
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets._equations import irreducible_factors
-from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._letters import names_in_all, reserved
 from compensator_theory.polynomials._numbers import NumberLike
 from compensator_theory.polynomials._substitution import Substitutions, read_values
 from compensator_theory.polynomials._values import ExactValue
 
-Answer = TypeVar("Answer")  # what the construction returns; documented, it stops the pages
+Answer = TypeVar("Answer")  # a docstring here breaks the documentation build
 
 
 @dataclass(frozen=True)
 class ExceptionalCase(ExactValue, Generic[Answer]):
-    r"""What a construction answers under conditions on its symbols.
+    r"""The answer of a construction under conditions on its symbols.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
         return ", ".join(parts) or "always"
 
     def _names(self) -> set[str]:
-        """The symbols of the conditions, which no letter of the answer may be."""
+        """The symbols of the conditions, which the answer must not introduce."""
         return names_in_all(self.values, self.zero, self.nonzero, self.not_all_zero)
 
     def __str__(self) -> str:
@@ -166,8 +166,8 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
             if case.contains(numbers):
                 return case
         raise InputError(
-            f"{shown(numbers)} lies in no case; the symbols stand for real numbers that meet "
-            "their own assumptions"
+            f"{repr_of(numbers)} lies in no case; each value must be real and meet the "
+            "assumptions of its symbol"
         )
 
     def __str__(self) -> str:

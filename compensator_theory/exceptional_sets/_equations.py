@@ -16,7 +16,7 @@ from compensator_theory.polynomials._sympy_trees import settled
 
 @dataclass(frozen=True)
 class Conditions:
-    """What holds in a case.
+    """The conditions of a case.
 
     Attributes
     ----------
@@ -36,15 +36,15 @@ class Conditions:
     unsolved: str = ""
 
     def assuming(self, *nonzero: Expr) -> Conditions:
-        """Return the same with more polynomials that are not zero."""
+        """Return the conditions with additional nonzero polynomials."""
         return replace(self, nonzero=tuple(dict.fromkeys((*self.nonzero, *nonzero))))
 
     def also_zero(self, *polynomials: Expr) -> Conditions:
-        """Return the same with more polynomials that are zero, to be solved."""
+        """Return the conditions with additional equations to be solved."""
         return replace(self, pending=(*polynomials, *self.pending))
 
     def given(self, symbol: Symbol, value: Expr) -> Conditions | None:
-        """Return what the conditions become with a value for a symbol; None if it breaks one."""
+        """Return the conditions with a value substituted for a symbol; None if it violates one."""
         if _contradicts(symbol, value):
             return None
         at = {symbol: value}
@@ -76,7 +76,7 @@ def irreducible_factors(expression: Expr) -> tuple[Expr, ...] | None:
 
 
 def solutions(conditions: Conditions) -> Iterator[Conditions]:
-    r"""Solve what is pending: disjoint cases, in each of which values or the reason are given.
+    r"""Solve the pending equations: disjoint cases with values, or with the reason why not.
 
     .. math:: c\,x + d = 0: \quad x = -d/c \text{ where } c \ne 0, \quad c = d = 0; \qquad
               p(x) = 0: \quad x \text{ a real root of } p
@@ -142,7 +142,7 @@ def _linear(symbol: Symbol, slope: Expr, offset: Expr, rest: Conditions) -> Iter
 
 
 def _contradicts(symbol: Symbol, value: Expr) -> bool:
-    """Tell whether a value is none of those that a symbol with assumptions may have."""
+    """Return whether a value contradicts the assumptions of a symbol."""
     assumptions = (
         (symbol.is_positive, value.is_positive),
         (symbol.is_negative, value.is_negative),

@@ -64,19 +64,19 @@ class CoprimeFractions(Certified, ExactValue):
     Y_l: PolynomialMatrix
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
-        given = PolynomialMatrix(self.source.numerators)
+    def _residuals(self) -> Residuals:
+        numerators = PolynomialMatrix(self.source.numerators)
         below = PolynomialMatrix(((self.source.denominator,),))
         right, left = (
             (self.D_r, self.N_r, self.X_l, self.Y_l),
             (self.D_l, self.N_l, self.X_r, self.Y_r),
         )
-        ring = joint_ring(given, below, *right, *left)
-        N, d = read_into(ring, given), read_into(ring, below)[0][0]
+        ring = joint_ring(numerators, below, *right, *left)
+        N, d = read_into(ring, numerators), read_into(ring, below)[0][0]
         D_r, N_r, X_l, Y_l = (read_into(ring, part) for part in right)
         D_l, N_l, X_r, Y_r = (read_into(ring, part) for part in left)
-        first = _beside(X_r, Y_r) + _beside(_negated(N_l), D_l)
-        second = _beside(D_r, _negated(Y_l)) + _beside(N_r, X_l)
+        first = _joined_rows(X_r, Y_r) + _joined_rows(_negated(N_l), D_l)
+        second = _joined_rows(D_r, _negated(Y_l)) + _joined_rows(N_r, X_l)
         scaled = [[[d * entry for entry in row] for row in grid] for grid in (N_r, N_l)]
         pairs = [
             (multiply(ring, first, second), identity(ring, len(first))),
@@ -178,12 +178,12 @@ def coprime_fractions(
     results = [written(ring, block) for block in blocks]
     exceptional = exceptional_factors(denominators(*results))
     a, b, c, e, f, g, h, i = results
-    found = CoprimeFractions(source, a, b, c, e, f, g, h, i, exceptional)
-    proven(found.certificate, "fraction")
-    return found
+    fractions = CoprimeFractions(source, a, b, c, e, f, g, h, i, exceptional)
+    proven(fractions.certificate, "fraction")
+    return fractions
 
 
-def _beside(a: Grid, b: Grid) -> Grid:
+def _joined_rows(a: Grid, b: Grid) -> Grid:
     return [x + y for x, y in zip(a, b, strict=True)]
 
 

@@ -101,7 +101,7 @@ def _realised(
 
 
 def _coefficients(poly: Poly, degree: int) -> list[Expr]:
-    """Those of the powers 1 to degree."""
+    """Return the coefficients of the powers 1 to degree."""
     return [poly.coeff_monomial(poly.gen**k) for k in range(1, degree + 1)]
 
 

@@ -1,4 +1,4 @@
-"""A polynomial matrix under unimodular row and column operations, and what they made of it."""
+"""A polynomial matrix and its form under unimodular row and column operations."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ class Equivalence(Certified, ExactValue):
             for factor, power in invariant.factor_list()[1]
         )
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         matrices = self.matrix, self.form, self.U, self.V, self.U_inverse, self.V_inverse
         ring = joint_ring(*matrices)
         P, F, U, V, U_inverse, V_inverse = (read_into(ring, matrix) for matrix in matrices)
@@ -151,7 +151,7 @@ def elimination_of(matrix: PolynomialMatrix) -> Elimination:
 
 
 def equivalence_of(source: PolynomialMatrix, work: Elimination, rank: int) -> Equivalence:
-    """The form that elementary operations made, its certificate checked."""
+    """Return the form after elementary operations, with its certificate checked."""
     grids = (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)
     form, U, V, U_inverse, V_inverse = (written(work.ring, grid) for grid in grids)
     exceptional = exceptional_factors(denominators(form, U, V, U_inverse, V_inverse))
@@ -168,7 +168,7 @@ def certificate_of_products(
 
 
 def differences(ring: Ring, pairs: Iterable[tuple[Grid, Grid]]) -> list[list[Expr]]:
-    """What matrices that should be equal differ by, pair by pair, row by row."""
+    """Return the differences of pairs of matrices, row by row."""
     return [
         [S.Zero if x == y else ring.write(x - y).as_expr() for x, y in zip(row, other, strict=True)]
         for a, b in pairs

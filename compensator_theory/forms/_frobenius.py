@@ -31,7 +31,7 @@ from compensator_theory.matrices._linear_algebra import (
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._letters import variable_beside
+from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._controllability import PRIME, krylov
@@ -124,7 +124,7 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol | None = None) -> Frobe
     ()
     """
     a = exact_matrix(A, "A")
-    s = variable_beside(variable, a)
+    s = variable_for_matrix(variable, a)
     if a.rows != a.cols or not a.rows:
         raise InputError(f"A is {a.rows} x {a.cols}; a square matrix is needed")
     cyclic = _cyclic(a)

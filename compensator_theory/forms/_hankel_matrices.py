@@ -132,12 +132,12 @@ def _degree_and_minors(
 
 
 def _bottoms(poly: Poly) -> list[Expr]:
-    """Return what the coefficients are divided by; where it is zero, G has another form."""
+    """Return the denominators of the coefficients; where one is zero, G has another form."""
     return [sympy.fraction(c)[1] for c in map(sympy.cancel, poly.all_coeffs()) if c.free_symbols]
 
 
 def block_rows(G: TransferMatrix) -> int:
-    """Return how many block rows are enough: the degree of the denominator without what cancels."""
+    """Return the number of block rows that suffices: the degree of the reduced denominator."""
     common = G.denominator
     for entry in (entry for row in G.numerators for entry in row):
         common = common.gcd(entry)

@@ -27,7 +27,7 @@ from compensator_theory.matrices._linear_algebra import (
     rank,
 )
 from compensator_theory.matrices._nonsingularity import is_proven_nonsingular
-from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._budget import ask, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
@@ -127,7 +127,7 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
     rational Jordan blocks of (s - b), (s - a) (a - b,)
     """
     if not is_one_of(over, ("rational", "real", "complex")):
-        raise InputError(f"over = {shown(over)} must be 'rational', 'real' or 'complex'")
+        raise InputError(f"over = {repr_of(over)} must be 'rational', 'real' or 'complex'")
     a = exact_matrix(A, "A")
     if a.rows != a.cols or not a.rows:
         raise InputError(f"A is {a.rows} x {a.cols}; a square matrix is needed")
@@ -148,12 +148,12 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
             if part.degree > 2:
                 raise InputError(
                     f"the factor {format_polynomial(f)} has degree {part.degree}, and its roots "
-                    "are no square roots; over = 'rational' gives it blocks of its own"
+                    "are no square roots; over = 'rational' gives it separate blocks"
                 )
             if over == "real" and f.free_symbols_in_domain:
                 raise InputError(
                     f"whether {format_polynomial(f)} has real roots depends on the values of the "
-                    "symbols; ask for over = 'complex' or 'rational'"
+                    "symbols; use over = 'complex' or 'rational'"
                 )
             divisors.append(f.discriminant())
         for vector, length in _generators(a, part):
@@ -175,7 +175,7 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
 
 
 def _ask(a: ImmutableMatrix) -> None:
-    """Ask for the entries of a, and for the terms of a polynomial of it."""
+    """Check the budget: digits of the entries and terms of a polynomial of the matrix."""
     n, symbols = a.rows, sorted(a.free_symbols, key=str)
     ask("entries", 4 * n**3, "the Jordan form")
     if symbols:
@@ -185,7 +185,7 @@ def _ask(a: ImmutableMatrix) -> None:
 
 
 def _simple(entry: Expr) -> Expr:
-    """Multiply out, so that squares of square roots are what they are the roots of."""
+    """Multiply out and simplify squares of square roots."""
     if not entry.free_symbols:
         return sympy.expand(entry)
     top, bottom = sympy.fraction(sympy.together(entry))

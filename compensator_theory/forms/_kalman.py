@@ -1,4 +1,4 @@
-"""Kalman's decomposition of the state space into what the input reaches and the output shows."""
+"""Kalman's decomposition of the state space into controllable and observable parts."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def kalman_decomposition(
     blocks = [ImmutableMatrix(reached * meeting.kernel()[: reached.cols, :])]
     for space in (reached, hidden, identity_matrix(n)):
         known = ImmutableMatrix.hstack(zero_matrix(n, 0), *blocks)
-        if len(blocks) == 2:  # what is hidden is joined to the first block, not to the second
+        if len(blocks) == 2:  # unobservable states join the first block, not the second
             basis, minor = independent_columns(blocks[0].row_join(space))
             blocks.append(basis[:, blocks[0].cols :])
         else:

@@ -30,11 +30,11 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import is_rational_matrix, to_flint
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices._residues import pivots
-from compensator_theory.matrices._symbolic_matrices import kept_with_symbols
+from compensator_theory.matrices._symbolic_matrices import over_common_symbols
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
-from compensator_theory.polynomials._letters import variable_beside
+from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
 
@@ -104,7 +104,7 @@ def _digits(regular: Sequence[flint.fmpz_mat]) -> int:
 
 
 def _columns(vectors: NullVectors) -> flint.fmpz_mat:
-    """Return all coefficients side by side."""
+    """Return the coefficient matrices joined in one row of blocks."""
     columns = [list(column) for vector in vectors for column in vector]
     return flint.fmpz_mat(columns).transpose()
 
@@ -184,7 +184,7 @@ SIZES = "(s E - A) M = 0, W M = I, the same of the transposed pencil, and the bl
 
 @dataclass(frozen=True)
 class KroneckerForm(ExactValue):
-    r"""All that stays of a pencil sE - A under changes of both bases.
+    r"""The invariants of a pencil sE - A under changes of both bases.
 
     Attributes
     ----------
@@ -293,7 +293,7 @@ def kronecker_form(
     right indices (), left indices (), finite none, infinite (2,)
     """
     a, e = exact_matrix(A, "A"), exact_matrix(E, "E")
-    s = variable_beside(variable, a, e)
+    s = variable_for_matrix(variable, a, e)
     if a.shape != e.shape or 0 in a.shape:
         raise InputError(
             f"A is {a.rows} x {a.cols} and E is {e.rows} x {e.cols}; both need one shape, with at "
@@ -330,7 +330,7 @@ def kronecker_form(
 
 def _pencil(constant: ImmutableMatrix, slope: ImmutableMatrix, s: Symbol) -> PolynomialMatrix:
     """Return s times the slope plus the constant."""
-    if (read := kept_with_symbols(slope, constant)) is None:
+    if (read := over_common_symbols(slope, constant)) is None:
         return polynomial_matrix(s * slope + constant, s)
     work, (first, second) = read
     rows = (
@@ -344,7 +344,7 @@ def _pencil(constant: ImmutableMatrix, slope: ImmutableMatrix, s: Symbol) -> Pol
 
 
 def _rational(A: flint.fmpq_mat, E: flint.fmpq_mat, s: Symbol) -> KroneckerForm:
-    """Find the form without a Smith form, whose numbers would swell."""
+    """Find the form without a Smith form, whose numbers grow too long."""
     ask("degree", max(A.nrows(), A.ncols()), "the pencil")
     rows = [
         [from_flint_polynomial(flint.fmpq_poly([-a, e]), s) for a, e in zip(*row, strict=True)]

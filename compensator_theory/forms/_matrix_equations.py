@@ -28,13 +28,13 @@ from compensator_theory.matrices._certificates import (
 from compensator_theory.matrices._elimination import Elimination
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._rings import Element, Grid, Ring, multiply
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._letters import fresh, names_in_all
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._values import ExactValue
 
-IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}  # by the side of the unknowns
+IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}  # keyed by the side of the unknowns
 
 
 @dataclass(frozen=True)
@@ -73,9 +73,9 @@ class MatrixDiophantineSolution(Certified, ExactValue):
     @property
     def certificate(self) -> Certificate:
         """The equation, evaluated anew from the fields of this result."""
-        return evaluated(IDENTITY[self.side], self._left_over())
+        return evaluated(IDENTITY[self.side], self._residuals())
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         A, B, X, Y = self.A, self.B, self.X, self.Y
         total = A @ X + B @ Y if self.side == "right" else X @ A + Y @ B
         return [(total - self.C).as_matrix()]
@@ -108,14 +108,14 @@ class MatrixDiophantineSolution(Certified, ExactValue):
         """
         if self.kernel.basis is None:
             raise InputError("this solution is unique; it has no parameter")
-        given = polynomial_matrix(T, self.A.variable)
+        T_matrix = polynomial_matrix(T, self.A.variable)
         right = self.side == "right"
         width = self.C.shape[1 if right else 0]
-        parameter = given if right else given.T
+        parameter = T_matrix if right else T_matrix.T
         needed = (self.kernel.basis.shape[1], width)
         if parameter.shape != needed:
-            shown = needed if right else needed[::-1]
-            raise InputError(f"the parameter is {given.shape}; here it must be {shown}")
+            needed_shape = needed if right else needed[::-1]
+            raise InputError(f"the parameter is {T_matrix.shape}; it must be {needed_shape}")
         added = self.kernel.basis @ parameter
         size = self.X.shape[0 if right else 1]
         parts = PolynomialMatrix(added.rows[:size]), PolynomialMatrix(added.rows[size:])
@@ -192,15 +192,14 @@ def solve_matrix_diophantine(
     ((1, 1), (2,), 1)
     """
     if not is_one_of(side, IDENTITY):
-        raise InputError(f"side = {shown(side)} must be 'right' or 'left'")
+        raise InputError(f"side = {repr_of(side)} must be 'right' or 'left'")
     matrices = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
     a, b, c = matrices if side == "right" else [matrix.T for matrix in matrices]
     if not a.shape[0] == b.shape[0] == c.shape[0]:
         lines = "rows" if side == "right" else "columns"
         raise InputError(
             f"A, B and C have the shapes {', '.join(str(m.shape) for m in matrices)}; for "
-            "unknowns on "
-            f"the {side} they need equally many {lines}"
+            f"unknowns on the {side} they need equally many {lines}"
         )
     joined = PolynomialMatrix(tuple(x + y for x, y in zip(a.rows, b.rows, strict=True)))
     ring = joint_ring(a, b, c)
@@ -253,7 +252,7 @@ def _particular(ring: Ring, stacked: Grid, target: Grid) -> Grid:
 
 
 def _least(ring: Ring, row: list[Element], basis: Grid, indices: tuple[int, ...]) -> list[Element]:
-    """Subtract what lowers the degree of a row until its leading coefficients are independent."""
+    """Reduce the degrees of the rows until their leading coefficients are independent."""
     while (degree := max(map(ring.degree, row))) >= 0:
         usable = [i for i, index in enumerate(indices) if index <= degree]
         leading = [[ring.coefficient(e, indices[i]) for e in basis[i]] for i in usable]

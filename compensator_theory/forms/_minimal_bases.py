@@ -31,7 +31,7 @@ from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._values import ExactValue
 
 CHAINS = 5
-"""The degree up to which a pencil is made; above, row operations are as fast, or faster."""
+"""Largest degree for the computation by a pencil; above it, row operations are as fast."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ class MinimalBasis(Certified, ExactValue):
     indices: tuple[int, ...]
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         if self.basis is None or self.left_inverse is None:
             return [zero_matrix(1, 1)]
-        with unlimited():  # P has passed the doors, and products of rows take no elimination
+        with unlimited():  # P is validated already, and a product needs no elimination
             zero = (self.matrix @ self.basis).as_matrix()
             unit = (self.left_inverse @ self.basis).as_matrix()
         return [zero, unit - ImmutableMatrix.eye(unit.rows)]

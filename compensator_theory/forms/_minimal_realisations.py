@@ -1,4 +1,4 @@
-"""Realisations of the least order, by Ho and Kalman or out of a larger one."""
+"""Realisations of least order, by Ho and Kalman's algorithm or from a larger realisation."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ IDENTITY = "the transfer matrix of the realisation times D, less N times its den
 
 @dataclass(frozen=True)
 class MinimalRealisation(ExactValue):
-    """A realisation of the least order, and the check that its transfer matrix is the given one.
+    """A realisation of least order, with the certificate that it has the given transfer matrix.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ Relation: TypeAlias = dict[tuple[int, int], flint.nmod]
 NullVectors: TypeAlias = list[list[list[int]]]
 """The coefficients of polynomial vectors by ascending powers, each a list of numbers."""
 MEASURE = "a minimal basis with a left inverse, three digits as an entry,"
-"""What is asked of the budget."""
+"""The subject of a budget error."""
 
 
 class Pencil:
@@ -70,10 +70,10 @@ class Pencil:
             return []
         modulus, structure, values, attempts = 1, None, [], 0
         for count, prime in enumerate(primes(), 1):
-            found = self._residues(prime)
-            if found is None:
+            residues = self._residues(prime)
+            if residues is None:
                 continue
-            shape, residues = found
+            shape, residues = residues
             if shape != structure:  # one of the two primes divides a minor that matters
                 if structure is not None and sum(shape) < sum(structure):
                     continue
@@ -137,7 +137,7 @@ class Pencil:
         return result
 
     def _are_null(self, vectors: NullVectors) -> bool:
-        """Whether (t R + E) x(t) is zero, by whole numbers."""
+        """Whether (t R + E) x(t) is zero, in integer arithmetic."""
         zero = [0] * self.shape[1]
         for vector in vectors:
             by_R, by_E = _columns([zero, *vector]), _columns([*vector, zero])
@@ -156,7 +156,7 @@ class Pencil:
 
 
 def _krylov(F: flint.nmod_mat, G: flint.nmod_mat) -> tuple[list[int], list[Relation]]:
-    """Return for each column g_j the least k with F^k g_j dependent on what came before, and how.
+    """Return for each column g_j the least k with F^k g_j dependent, and the relation.
 
     Columns come in the order G, F G, F^2 G, ..., and more of them at a time.
     """
@@ -185,8 +185,8 @@ def _krylov(F: flint.nmod_mat, G: flint.nmod_mat) -> tuple[list[int], list[Relat
         inputs = [j for j in inputs if j not in relations]
         if inputs:
             block = flint.nmod_mat([ahead[j] for j in inputs], prime).transpose()
-    found = [relations[j] for j in range(G.ncols())]
-    return [index for index, _ in found], [relation for _, relation in found]
+    residues = [relations[j] for j in range(G.ncols())]
+    return [index for index, _ in residues], [relation for _, relation in residues]
 
 
 def _states(

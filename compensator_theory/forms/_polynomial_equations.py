@@ -18,7 +18,7 @@ from compensator_theory.forms._polynomial_matrices import (
 from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._linear_algebra import solve
-from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._budget import ask, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh, names_in_all
@@ -74,7 +74,7 @@ class DiophantineSolution(Certified, ExactValue):
     dy: Poly
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         a, b = self.a, self.b
         return [
             total(product(a, self.x), product(b, self.y), -self.c),
@@ -88,7 +88,7 @@ class DiophantineSolution(Certified, ExactValue):
         return canonical(self.x + factor * self.dx), canonical(self.y + factor * self.dy)
 
     def _letters(self) -> list[Symbol]:
-        """The unknowns x and y, and t for any polynomial, beside the symbols of the input."""
+        """The unknowns x, y and the free polynomial t, distinct from the input's symbols."""
         names = names_in_all(self)
         return [fresh(names, name) for name in "xyt"]
 
@@ -151,7 +151,7 @@ def solve_diophantine(
     Poly(s**2 - s + 7, s, domain='QQ')
     """
     if not is_one_of(least, ("x", "y")):
-        raise InputError(f"least = {shown(least)} must be 'x' or 'y'")
+        raise InputError(f"least = {repr_of(least)} must be 'x' or 'y'")
     first, second, right = in_one_variable(a, b, c, variable=variable)
     for name, side in (("a", first), ("b", second)):
         if side.is_zero:

@@ -184,7 +184,7 @@ class PolynomialMatrix(ExactValue):
 
 
 PolynomialMatrixLike: TypeAlias = PolynomialMatrix | TransferMatrixLike
-"""What :func:`polynomial_matrix` reads."""
+"""Input types of :func:`polynomial_matrix`."""
 
 
 @holds_where_defined
@@ -224,7 +224,7 @@ def polynomial_matrix(
 
 
 def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
-    """Return what coefficients are divided by, polynomials in the symbols.
+    """Return the denominators of the coefficients, polynomials in the symbols.
 
     An identity between polynomial matrices holds for all values of the symbols where none of these
     is zero, whatever was divided by on the way to it.

@@ -1,4 +1,4 @@
-"""What row operations make of a polynomial matrix: the Hermite form and row-reduced forms."""
+"""Forms of a polynomial matrix under row operations: Hermite and row-reduced."""
 
 from __future__ import annotations
 

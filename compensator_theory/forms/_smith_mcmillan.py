@@ -57,7 +57,7 @@ class SmithMcMillanForm(ExactValue):
 
     @property
     def certificate(self) -> Certificate:
-        """That of the Smith form."""
+        """The certificate of the Smith form."""
         return self.smith.certificate
 
     @property
@@ -164,8 +164,8 @@ def _at_infinity(G: TransferMatrix, rank: int) -> tuple[tuple[int, ...], list[Ex
     s, height = G.variable, max(int(e.degree()) for row in G.numerators for e in row if e)
     blocks: list[ImmutableMatrix] = []
     orders: list[int] = []
-    divisors, before, found = [], 0, 0
-    while found < rank:
+    divisors, before, known_rank = [], 0, 0
+    while known_rank < rank:
         k = len(blocks)
         power = s ** (height - k)
         blocks.append(
@@ -177,8 +177,8 @@ def _at_infinity(G: TransferMatrix, rank: int) -> tuple[tuple[int, ...], list[Ex
         toeplitz = echelon(_toeplitz(blocks))
         divisors.append(toeplitz.divided_by)
         grown = len(toeplitz.pivots) - before
-        orders += [k + int(G.denominator.degree()) - height] * (grown - found)
-        before, found = len(toeplitz.pivots), grown
+        orders += [k + int(G.denominator.degree()) - height] * (grown - known_rank)
+        before, known_rank = len(toeplitz.pivots), grown
     return tuple(orders), divisors
 
 

@@ -1,4 +1,4 @@
-"""Zeros with the directions in which they block, read off Smith forms."""
+"""Zeros and their blocking directions, from Smith forms."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ IDENTITY = "the matrix at each zero times its directions"
 
 @dataclass(frozen=True)
 class ZeroDirection(ExactValue):
-    """Where a system blocks at a zero: vectors that hold at every root of one irreducible factor.
+    """The zero directions at every root of one irreducible factor.
 
     Attributes
     ----------
@@ -48,8 +48,8 @@ class ZeroDirection(ExactValue):
     def __str__(self) -> str:
         names = ("state", "input", "costate", "output")
         vectors = [(name, list(getattr(self, name))) for name in names]
-        shown = ", ".join(f"{name} {text(vector)}" for name, vector in vectors if vector)
-        return f"{format_polynomial(self.factor)} = 0: {shown}"
+        listed_vectors = ", ".join(f"{name} {text(vector)}" for name, vector in vectors if vector)
+        return f"{format_polynomial(self.factor)} = 0: {listed_vectors}"
 
     def _repr_latex_(self) -> str:
         names = {"x": self.state, "u": self.input, "w": self.costate, "y'": self.output}

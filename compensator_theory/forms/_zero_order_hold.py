@@ -31,7 +31,7 @@ from compensator_theory.polynomials._budget import (
     ask_for_number,
     decimal_digits,
     integer,
-    shown,
+    repr_of,
     unlimited,
 )
 from compensator_theory.polynomials._carrying import refusing
@@ -243,21 +243,21 @@ def tustin(
     >>> print(tustin("1/(s + 1)", "1/2").transfer_function)
     (z/5 + 1/5)/(z - 3/5)
     """
-    given, z, h = _read(plant, step, variable, discrete_variable)
+    system, z, h = _read(plant, step, variable, discrete_variable)
     if not (h.is_Rational or isinstance(h, Symbol)):
-        raise InputError(f"the step {shown(h)} must be a rational number or a symbol here")
-    n = given.n
+        raise InputError(f"the step {repr_of(h)} must be a rational number or a symbol")
+    n = system.n
     unit = identity_matrix(n)
-    below = ImmutableMatrix(unit - given.A * h / 2)
+    below = ImmutableMatrix(unit - system.A * h / 2)
     if n and determinant(below) == 0:
         raise NoSolutionError(
             f"2/h = {2 / h} is a pole of the plant, which z = infinity would be; take another step"
         )
     inverse = solve(below, unit) if n else below
-    A = in_lowest_terms(inverse * (unit + given.A * h / 2))
-    B, C = in_lowest_terms(inverse * given.B * h), multiplied(given.C, inverse)
-    D = in_lowest_terms(given.D + C * given.B * h / 2)
-    left = [below * A - unit - given.A * h / 2, below * B - given.B * h, C * below - given.C]
+    A = in_lowest_terms(inverse * (unit + system.A * h / 2))
+    B, C = in_lowest_terms(inverse * system.B * h), multiplied(system.C, inverse)
+    D = in_lowest_terms(system.D + C * system.B * h / 2)
+    left = [below * A - unit - system.A * h / 2, below * B - system.B * h, C * below - system.C]
     certificate = certificate_of(
         "(I - Ah/2) A_d = I + Ah/2, (I - Ah/2) B_d = B h, C_d (I - Ah/2) = C", left, "sampling"
     )
@@ -311,10 +311,10 @@ def matched(
     >>> print(matched("1/(s*(s + 1))").transfer_function)
     ((-h*x/2 + h/2)*z + (-h*x/2 + h/2))/(z**2 + (-x - 1)*z + x)
     """
-    given, z, h = _read(plant, step, variable, discrete_variable)
-    if given.D.shape != (1, 1):
+    system, z, h = _read(plant, step, variable, discrete_variable)
+    if system.D.shape != (1, 1):
         raise InputError("poles and zeros are matched for one input and one output")
-    G = given.transfer_function().reduced()
+    G = system.transfer_function().reduced()
     if G.numerator.is_zero:
         raise InputError("the plant is 0: it has no zeros to be matched")
     polynomials = [p.monic() for p in (G.numerator, G.denominator)]
@@ -324,7 +324,7 @@ def matched(
     M = ImmutableMatrix(sympy.diag(*companions))
     ask("entries", M.rows**2 * (M.rows + 1), "the matrix exponential")
     annihilator = canonical(polynomials[0] * polynomials[1])
-    E, meaning, certificate, squares = _exponential_of(M, annihilator, given, h, z)
+    E, meaning, certificate, squares = _exponential_of(M, annihilator, system, h, z)
     m = companions[0].rows
     N, D = (characteristic_polynomial(part, z) for part in (E[:m, :m], E[m:, m:]))
     unit, rule = Poly(z + 1, z), Poly(z - 1, z)
@@ -335,7 +335,9 @@ def matched(
         at_rest *= before.all_coeffs()[-1 - zeros] ** sign / h ** (sign * zeros)
         rest *= canonical(after).exquo(rule**zeros).eval(1) ** sign
     if rest.has(sympy.zoo, sympy.nan) or sympy.cancel(rest) == 0:
-        raise InputError(f"with the step {shown(h)} a zero or a pole is mapped to 1; take another")
+        raise InputError(
+            f"with the step {repr_of(h)} a zero or a pole is mapped to 1; choose another step"
+        )
     k = sympy.cancel(at_rest / rest)
     sampled = TransferFunction(canonical(N * k), canonical(D), sample_time=_period(h))
     divisors = [sympy.fraction(sympy.cancel(c))[1] for c in (*sampled.numerator.all_coeffs(), k)]
@@ -354,10 +356,10 @@ def _read(
     discrete_variable: str | Symbol | None,
 ) -> tuple[Realisation, Symbol, Expr]:
     """Read a continuous plant, the variable of the sampled one, and the step."""
-    given = realisation(plant, variable)
-    if given.variable.name in DISCRETE or is_discrete(given.variable, "sampling"):
-        raise InputError(f"the plant in {given.variable} is discrete already; give one in s")
-    plant_names = names_in_all(*given.matrices)
+    system = realisation(plant, variable)
+    if system.variable.name in DISCRETE or is_discrete(system.variable, "sampling"):
+        raise InputError(f"the plant in {system.variable} is already discrete; give a plant in s")
+    plant_names = names_in_all(*system.matrices)
     if discrete_variable is None and plant_names.issuperset(DISCRETE):
         raise InputError(
             "z and q are symbols of the plant, and one of them has to be the variable of the "
@@ -368,9 +370,9 @@ def _read(
         meaning="the variable of the sampled plant", owner="a symbol of the plant",
     )  # fmt: skip
     require_discrete(z, "a sampled plant")
-    variables = {given.variable.name, z.name}
+    variables = {system.variable.name, z.name}
     if step is None:
-        return given, z, fresh(plant_names | variables, "h", "step")
+        return system, z, fresh(plant_names | variables, "h", "step")
     h = _positive(step)
     if isinstance(h, Symbol):
         for names, owner in (
@@ -378,7 +380,7 @@ def _read(
             (plant_names, "a symbol of the plant"),
         ):
             introduced(h, names, "h", "step", meaning="the step", owner=owner)
-    return given, z, h
+    return system, z, h
 
 
 def _sampled(
@@ -389,25 +391,25 @@ def _sampled(
     order: int,
 ) -> SampledPlant:
     """Sample with a hold of order 0 (`order` 1) or 1 (`order` 2)."""
-    given, z, h = _read(plant, step, variable, discrete_variable)
-    n, m = given.B.shape
+    system, z, h = _read(plant, step, variable, discrete_variable)
+    n, m = system.B.shape
     size = n + order * m
-    ask("entries", size**2 * (given.n + 1), "the matrix exponential")
-    rows = [given.A.row_join(given.B).row_join(zero_matrix(n, size - n - m))]
+    ask("entries", size**2 * (system.n + 1), "the matrix exponential")
+    rows = [system.A.row_join(system.B).row_join(zero_matrix(n, size - n - m))]
     if order == 2:
         rows.append(zero_matrix(m, n + m).row_join(identity_matrix(m)))
     rows.append(zero_matrix(m, size))
     M = ImmutableMatrix.vstack(*rows)
-    poles = characteristic_polynomial(given.A, given.variable)
-    annihilator = canonical(poles * Poly(given.variable**order, given.variable, domain=QQ))
-    sampled, meaning, certificate, squares = _exponential_of(M, annihilator, given, h, z)
-    B, D = sampled[:n, n : n + m], given.D
+    poles = characteristic_polynomial(system.A, system.variable)
+    annihilator = canonical(poles * Poly(system.variable**order, system.variable, domain=QQ))
+    sampled, meaning, certificate, squares = _exponential_of(M, annihilator, system, h, z)
+    B, D = sampled[:n, n : n + m], system.D
     if order == 2:
         slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
         B = in_lowest_terms(B - slope + sampled[:n, :n] * slope)
-        D = in_lowest_terms(given.D + given.C * slope)
+        D = in_lowest_terms(system.D + system.C * slope)
     with unlimited():
-        result = Realisation(sampled[:n, :n], B, given.C, D, z, sample_time=_period(h))
+        result = Realisation(sampled[:n, :n], B, system.C, D, z, sample_time=_period(h))
     divisors = [sympy.fraction(entry)[1] for entry in (*sampled, *B, *D)]
     exceptional = _where_zero(divisors, h, meaning, squares)
     return SampledPlant(result, h, meaning, exceptional, certificate)
@@ -419,7 +421,7 @@ Meaning: TypeAlias = tuple[tuple[Symbol, Expr], ...]
 def _exponential_of(
     M: ImmutableMatrix, annihilator: Poly, plant: Realisation, h: Expr, z: Symbol
 ) -> tuple[ImmutableMatrix, Meaning, Certificate, Meaning]:
-    """exp(M h), what its new symbols stand for, the certificate, and y with w**2 for tangents."""
+    """Return exp(M h), the meaning of its symbols, the certificate, and the tangents' y, w**2."""
     matrices = (plant.A, plant.B, plant.C, plant.D)
     used = {str(x) for matrix in matrices for x in matrix.free_symbols}
     used |= {str(x) for x in h.free_symbols} | {z.name}
@@ -430,14 +432,14 @@ def _exponential_of(
     values = {x: _exponential(rate * h) for x, rate in exponential.rates}
     if h.has(sympy.pi) and sum(rate.is_number for _, rate in exponential.rates) > 1:
         raise InputError(
-            f"with several rates the step {shown(h)} may hide relations between their "
+            f"with several rates the step {repr_of(h)} may hide relations between their "
             "exponentials; leave it a symbol"
         )
     for y, square in exponential.tangents:
         omega = sympy.sqrt(square)
         if h.has(sympy.log):
             raise InputError(
-                f"with poles of frequency {omega} the step {shown(h)}, a logarithm, may hide "
+                f"with poles of frequency {omega} the step {repr_of(h)}, a logarithm, may hide "
                 "relations; leave it a symbol"
             )
         values[y] = _tangent(omega, h)
@@ -448,7 +450,7 @@ def _exponential_of(
         del values[y]
     if any(e.has(sympy.log, sympy.exp, sympy.pi) for e in sampled):
         raise InputError(
-            f"with multiple poles, or a hold of first order, the step {shown(h)} itself, an "
+            f"with multiple poles, or a hold of first order, the step {repr_of(h)} itself, an "
             "irrational number, is in the matrices; leave it a symbol"
         )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
@@ -458,7 +460,7 @@ def _exponential_of(
 def _where_zero(
     divisors: Iterable[Expr], h: Expr, meaning: Meaning, squares: Meaning
 ) -> tuple[Expr, ...]:
-    """What must not vanish, in symbols of the plant where that can be said.
+    """Return the exceptional polynomials, in symbols of the plant where possible.
 
     With y = tan(w h/2)/w the square of a cosine, 1/(1 + w**2 y**2), is never infinite, and a
     product of exponentials is 1 where the sum of their exponents is 0.
@@ -533,11 +535,13 @@ def _positive(step: NumberLike) -> Expr:
     allowed = h.is_Rational or logarithm or h.has(sympy.pi)
     if h.is_positive is False or (h.is_number and not allowed):
         raise InputError(
-            f"the step {shown(step)} must be a symbol or a positive number: rational, with "
+            f"the step {repr_of(step)} must be a symbol or a positive number: rational, with "
             "logarithms, or a rational multiple of pi"
         )
     if not (h.is_number or isinstance(h, Symbol)):
-        raise InputError(f"the step {shown(step)} must be a symbol or a number, such as 'h' or 0.1")
+        raise InputError(
+            f"the step {repr_of(step)} must be a symbol or a number, such as 'h' or 0.1"
+        )
     return h
 
 
@@ -546,8 +550,8 @@ def _tangent(omega: Expr, h: Expr) -> Expr:
     value: Expr = sympy.tan(omega * h / 2) / omega
     if h.has(sympy.pi) and not (value.is_Rational or value is sympy.zoo):
         raise InputError(
-            f"with poles of frequency {text(omega)} the step {shown(h)} makes irrational numbers; "
-            "leave it a symbol, or take a multiple of a quarter of the period"
+            f"with poles of frequency {text(omega)} the step {repr_of(h)} makes irrational "
+            "numbers; leave it a symbol, or take a multiple of a quarter of the period"
         )
     return value
 

@@ -43,17 +43,17 @@ def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None
     zeros of s + 5
     s + 5 = 0: state [1, -5], input [12], costate [1, 0], output [1]
     """
-    given = realisation(plant, variable)
-    upper = _pencil(given).row_join(-given.B)
-    matrix = upper.col_join(given.C.row_join(given.D))
-    smith = smith_form(matrix, given.variable)
-    n = given.n
-    return zeros_of(smith, smith, (n, given.B.cols), (n, given.C.rows))
+    system = realisation(plant, variable)
+    upper = _pencil(system).row_join(-system.B)
+    matrix = upper.col_join(system.C.row_join(system.D))
+    smith = smith_form(matrix, system.variable)
+    n = system.n
+    return zeros_of(smith, smith, (n, system.B.cols), (n, system.C.rows))
 
 
 @carrying()
 def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Zeros:
-    r"""Find where a transfer matrix blocks a direction of the input.
+    r"""Find the transmission zeros and their directions.
 
     .. math:: G = N_r D_r^{-1} = D_l^{-1} N_l, \qquad N_r(z)\,v = 0, \quad u = D_r(z)\,v, \qquad
               w' N_l(z) = 0, \quad y' = w' D_l(z)
@@ -99,7 +99,7 @@ def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = No
 
 @carrying()
 def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
-    r"""Find the modes that the input does not reach.
+    r"""Find the input-decoupling zeros: the uncontrollable modes.
 
     .. math:: w' \begin{bmatrix} zI - A & -B \end{bmatrix} = 0
 
@@ -117,13 +117,13 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
     zeros of s + 2
     s + 2 = 0: costate [0, 1]
     """
-    given = realisation(plant, variable)
-    return _decoupling_zeros(given, _pencil(given).row_join(-given.B), (0, 0), (given.n, 0))
+    system = realisation(plant, variable)
+    return _decoupling_zeros(system, _pencil(system).row_join(-system.B), (0, 0), (system.n, 0))
 
 
 @carrying()
 def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
-    r"""Find the modes that the output does not show.
+    r"""Find the output-decoupling zeros: the unobservable modes.
 
     .. math:: \begin{bmatrix} zI - A \\ C \end{bmatrix} x = 0
 
@@ -141,8 +141,8 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
     zeros of s + 2
     s + 2 = 0: state [0, 1]
     """
-    given = realisation(plant, variable)
-    return _decoupling_zeros(given, _pencil(given).col_join(given.C), (given.n, 0), (0, 0))
+    system = realisation(plant, variable)
+    return _decoupling_zeros(system, _pencil(system).col_join(system.C), (system.n, 0), (0, 0))
 
 
 def _pencil(plant: Realisation) -> ImmutableMatrix:
@@ -152,6 +152,6 @@ def _pencil(plant: Realisation) -> ImmutableMatrix:
 def _decoupling_zeros(
     plant: Realisation, matrix: ImmutableMatrix, right: tuple[int, int], left: tuple[int, int]
 ) -> Zeros:
-    """Find where the pencil beside B or C loses rank; without states there is nothing to hide."""
+    """Find where the pencil [sI - A, B] or [sI - A; C] loses rank."""
     smith = smith_form(matrix if plant.n else [[1]], plant.variable)
     return zeros_of(smith, smith, right, left)

@@ -6,7 +6,7 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops._loop import PolynomialMatrixLike, close_loop, require_problem
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._reading import is_one_of
@@ -134,7 +134,7 @@ def closed_loop_zero_polynomial(
     require_problem(problem)
     if not (is_one_of(w_channel, range(problem.l_w)) and is_one_of(z_channel, range(problem.l_z))):
         raise InputError(
-            f"there is no map from w[{shown(w_channel)}] to z[{shown(z_channel)}]: w "
+            f"there is no map from w[{repr_of(w_channel)}] to z[{repr_of(z_channel)}]: w "
             f"has {problem.l_w} and z has {problem.l_z} components"
         )
     return close_loop(problem, N_c, D_c).numerators_from_w()[z_channel][w_channel]

@@ -11,7 +11,7 @@ from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, listed, quoted, shown
+from compensator_theory.polynomials._budget import ask, listed, quoted, repr_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.systems._transfer_matrices import TransferMatrix
@@ -20,11 +20,13 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
     """Read a matrix of rationals from its rows."""
     try:
-        given = [listed(row, "degree", name) for row in listed(value, "degree", name)]
-        ask("entries", sum(map(len, given)), name)
-        rows = [[exact_number(entry) for entry in row] for row in given]
+        rows = [listed(row, "degree", name) for row in listed(value, "degree", name)]
+        ask("entries", sum(map(len, rows)), name)
+        rows = [[exact_number(entry) for entry in row] for row in rows]
     except TypeError as error:
-        raise InputError(f"{name} = {shown(value)} must be a matrix, a list of its rows") from error
+        raise InputError(
+            f"{name} = {repr_of(value)} must be a matrix, a list of its rows"
+        ) from error
     if not rows or not rows[0] or len({len(row) for row in rows}) != 1:
         raise InputError(f"{name} needs rows of one and the same nonzero length")
     if not all(entry.is_rational for row in rows for entry in row):
@@ -42,12 +44,12 @@ def gaussian(value: NumberLike, name: str) -> Expr:
 
 def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
     """Read a direction, a column of that size that is not zero."""
-    name = f"the direction {shown(eta)}"
+    name = f"the direction {repr_of(eta)}"
     entries = [gaussian(entry, name) for entry in listed(eta, "degree", name)]
     if len(entries) != size:
         raise InputError(f"the direction {entries} has {len(entries)} entries; {size} are needed")
     if not any(entries):
-        raise InputError("the direction is zero, which is none")
+        raise InputError("the direction is zero; give a nonzero vector")
     return ImmutableMatrix(entries)
 
 
@@ -69,7 +71,7 @@ def _value(G: TransferMatrix, z0: Expr) -> DomainMatrix:
 
     bottom = at(G.denominator)
     if bottom == QQ_I.zero:
-        raise InputError(f"z0 = {z0} is a pole of {G}; a zero is asked for")
+        raise InputError(f"z0 = {z0} is a pole of {G}; give a zero")
     values = [[at(entry) / bottom for entry in row] for row in G.numerators]
     return DomainMatrix(values, G.shape, QQ_I)
 

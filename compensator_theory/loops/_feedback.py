@@ -1,4 +1,4 @@
-"""The transfer function of a loop, from where a signal is added to the plant's input."""
+"""The transfer function of a loop from an input added to the control."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from compensator_theory.systems._transfer_functions import TransferFunction
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 SeveralSignals: TypeAlias = TransferMatrix | MatrixBase
-"""What says by itself that a loop is one of matrices."""
+"""Types that identify a loop of matrices."""
 
 
 @overload

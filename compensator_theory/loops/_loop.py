@@ -16,7 +16,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices._certificates import Certificate, proven
 from compensator_theory.matrices._flint_matrices import identity_matrix
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._poly import from_expression
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.polynomials._values import ExactValue
@@ -176,10 +176,10 @@ def close_loop(
 
 
 def require_problem(problem: StandardProblem) -> None:
-    """Refuse what is no standard problem."""
+    """Refuse a plant that is not a standard problem."""
     if not isinstance(problem, StandardProblem):
         raise InputError(
-            f"{shown(problem)} is not a StandardProblem; make one with standard_problem or "
+            f"{repr_of(problem)} is not a StandardProblem; make one with standard_problem or "
             "servo_problem"
         )
 
@@ -187,14 +187,14 @@ def require_problem(problem: StandardProblem) -> None:
 def _polynomial_rows(
     value: PolynomialMatrixLike, shape: tuple[int, int], variable: Symbol, name: str
 ) -> list[list[Poly]]:
-    given = _nested(value)
-    if len(given) != shape[0] or any(len(row) != shape[1] for row in given):
-        lengths = shown([len(row) for row in given[:20]])  # more than are shown
+    entries = _nested(value)
+    if len(entries) != shape[0] or any(len(row) != shape[1] for row in entries):
+        lengths = repr_of([len(row) for row in entries[:20]])  # more entries than a message quotes
         raise InputError(
             f"{name} has rows of lengths {lengths}; this plant needs a {shape[0]} x {shape[1]} "
             "matrix"
         )
-    rows = [[_entry(entry, variable) for entry in row] for row in given]
+    rows = [[_entry(entry, variable) for entry in row] for row in entries]
     if name == "D_c" and all(entry.is_zero for row in rows for entry in row):
         raise InputError("D_c is zero; a compensator needs a denominator")
     return rows

@@ -6,7 +6,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
-from compensator_theory.polynomials._budget import ask, integer, shown
+from compensator_theory.polynomials._budget import ask, integer, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical
@@ -93,7 +93,7 @@ def _scalar_numerator(plant: StandardProblem | tuple[Poly, int]) -> tuple[Poly, 
     elif isinstance(plant, tuple) and len(plant) == 2 and isinstance(plant[0], Poly):
         N_zu, n = plant
     else:
-        raise InputError(f"{shown(plant)} is neither a StandardProblem nor a pair (N_zu, n)")
+        raise InputError(f"{repr_of(plant)} is neither a StandardProblem nor a pair (N_zu, n)")
     if N_zu.is_zero:
         raise InputError("N_zu = 0: the control does not reach z, so there is nothing to match")
     return canonical(N_zu), n

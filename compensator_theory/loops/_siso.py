@@ -1,4 +1,4 @@
-"""The loop of a SISO plant and compensator: its sign, and the one home of D D_c - f N N_c."""
+"""The loop of a SISO plant and compensator: its sign and its polynomial D D_c - f N N_c."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, TypeVar
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import Advice, ImproperError, InputError, NotCoprimeError
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, over_one_field
 from compensator_theory.polynomials._reading import is_one_of, read_plain_text
@@ -23,13 +23,15 @@ from compensator_theory.systems._transfer_functions import (
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 LoopPart: TypeAlias = TransferFunctionLike | Realisation
-"""What :func:`read_loop` reads: a transfer function in any form, or a realisation."""
+"""A transfer function in any form, or a realisation."""
 
 
 def require_sign(feedback: object) -> None:
     """Refuse a sign of feedback other than +1 and -1."""
     if not is_one_of(feedback, (1, -1)):
-        raise InputError(f"feedback = {shown(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+        raise InputError(
+            f"feedback = {repr_of(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)"
+        )
 
 
 def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | None) -> int:
@@ -88,7 +90,7 @@ def read_loop(
     name: str = "compensator",
     variable: str | Symbol | None = None,
 ) -> tuple[TransferFunction, TransferFunction]:
-    """Read a plant and what stands beside it; a constant has the variable of the plant."""
+    """Read a plant and the other part of the loop; a constant has the variable of the plant."""
     require_sign(feedback)
     if isinstance(plant, Realisation):
         G = plant.transfer_function()
@@ -131,7 +133,7 @@ Read = TypeVar("Read", TransferFunction, TransferMatrix)
 
 
 def in_variable_of(G: Read, part: Any, read: Callable[[Any, str | Symbol | None], Read]) -> Read:
-    """Read what stands beside G; only another operator is another variable."""
+    """Read the other part of a loop in the variable of G, unless it names another operator."""
     part = read_plain_text(part)
     try:
         sides = read(part, None)

@@ -21,7 +21,7 @@ from compensator_theory.loops._directions import (
 )
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._linear_algebra import rank, solve
-from compensator_theory.polynomials._budget import ask, integer, is_integer, listed, shown
+from compensator_theory.polynomials._budget import ask, integer, is_integer, listed, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._letters import names_in_all
 from compensator_theory.polynomials._numbers import NumberLike
@@ -143,15 +143,15 @@ def zero_direction_target(
     rows, columns = leading.shape
     if rank(leading) < min(rows, columns):
         raise InputError(
-            f"H = {shown(leading.tolist(), 200)} does not have full rank, so that no target model "
-            "with this leading coefficient has only the zeros that are asked for; give the first "
+            f"H = {repr_of(leading.tolist(), 200)} does not have full rank, so that no target "
+            "model with this leading coefficient has only the requested zeros; give the first "
             "coefficient that is not zero of every row, with the delays of the rows."
         )
     tall = rows > columns
     size = columns if tall else rows
     steps = _delays(delays, rows, tall)
     if not isinstance(zeros, Iterable):
-        raise InputError(f"zeros = {shown(zeros)} must be a list of pairs (z0, eta)")
+        raise InputError(f"zeros = {repr_of(zeros)} must be a list of pairs (z0, eta)")
     known = tuple(_zero(pair, size) for pair in listed(zeros, "degree", "the list of zeros"))
     E, Z = _real_form(known, [0] * size if tall else list(steps), size)
     L = _least_squares(E, Z, size, taps)
@@ -201,9 +201,9 @@ def direction_residual(
     G = transfer_matrix(G_f, variable)
     if names_in_all(G) - {G.variable.name}:
         raise InputError(
-            f"{G} has symbols, and the residual is found over numbers; substitute numbers for them"
+            f"{G} has symbols, but the residual needs numbers; substitute numbers for them"
         )
-    z0, direction = gaussian(zero, f"the zero {shown(zero)}"), read_direction(eta, G.shape[0])
+    z0, direction = gaussian(zero, f"the zero {repr_of(zero)}"), read_direction(eta, G.shape[0])
     return ImmutableMatrix(residual(G, z0, Matrix.eye(G.shape[0]), direction))
 
 
@@ -213,7 +213,7 @@ def _delays(delays: int | Sequence[int], rows: int, tall: bool) -> tuple[int, ..
     else:
         steps = (delays,) * rows
     if len(steps) != rows or not all(is_integer(d) and d >= 0 for d in steps):
-        raise InputError(f"delays = {shown(delays)}: a count of steps, or {rows} of them, is due")
+        raise InputError(f"delays = {repr_of(delays)}: give one number of steps, or {rows} numbers")
     ask("degree", max(steps), "the target model with these delays")
     if tall and len(set(steps)) > 1:
         raise InputError("with more rows than columns all rows need one delay")
@@ -222,10 +222,10 @@ def _delays(delays: int | Sequence[int], rows: int, tall: bool) -> tuple[int, ..
 
 def _zero(pair: Direction, size: int) -> tuple[Expr, ImmutableMatrix]:
     try:
-        given, eta = pair
+        zero_like, eta = pair
     except (TypeError, ValueError):
-        raise InputError(f"{shown(pair)} is not a pair (z0, eta)") from None
-    z0 = gaussian(given, f"the zero {shown(given)}")
+        raise InputError(f"{repr_of(pair)} is not a pair (z0, eta)") from None
+    z0 = gaussian(zero_like, f"the zero {repr_of(zero_like)}")
     a, b = z0.as_real_imag()
     if a**2 + b**2 < (1 - CIRCLE) ** 2:
         raise InputError(f"the zero {z0} is inside the unit circle and belongs in no target")
@@ -241,7 +241,7 @@ def _real_form(
     """E with the real and imaginary parts of the directions as rows, and Z with E z = Z E."""
     E, blocks = Matrix(0, size, []), []
     for z0, eta in zeros:
-        # The directions of what stands behind the delays.
+        # The directions of the target without its delays.
         row = [
             sympy.expand(eta[i] * sympy.expand(z0 ** (max(delays) - d)))
             for i, d in enumerate(delays)
@@ -275,8 +275,8 @@ def _least_squares(E: Matrix, Z: Matrix, size: int, taps: int | None) -> list[Ma
             f"{taps} taps do not carry {E.rows} zeros with these directions; leave taps out"
         )
     raise NoSolutionError(
-        "the directions of one and the same zero are dependent, so that they ask for it more than "
-        "once; a zero of multiplicity m needs m independent directions"
+        "the directions of one zero are linearly dependent; a zero of multiplicity m needs m "
+        "independent directions"
     )
 
 

@@ -362,7 +362,7 @@ def lqg_controller(plant: StandardProblem, *, digits: int = 30) -> LQGController
     time = time_of(s, "LQG")
     require_stable_hidden_modes(plant, time)
     if time == "discrete" and (plant.l_u, plant.l_w, plant.l_y, plant.l_z) == (1, 1, 1, 1):
-        scalar_numerators(plant)  # names the numerator that is at fault
+        scalar_numerators(plant)  # its error names the invalid numerator
     solutions = (
         solve_riccati(A, B, E_1=E_1, E_2=E_2, time=time, digits=digits, variable=s)
         for A, B, E_1, E_2 in sides

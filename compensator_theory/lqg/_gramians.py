@@ -31,7 +31,7 @@ IDENTITY = "both Lyapunov equations of the Gramians"
 
 @dataclass(frozen=True)
 class Gramians(ExactValue):
-    r"""What inputs of unit energy reach, and the energy that states show, with what follows.
+    r"""The controllability and observability Gramians, the H2 norm and the Hankel singular values.
 
     Attributes
     ----------
@@ -141,18 +141,18 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
         first, second = solver(A, B * B.T), solver(A.T, C.T * C)
         if not (first.is_unique and second.is_unique):
             raise NoSolutionError("two modes cancel for all values of the symbols: not stable")
-        reached, shown = first.X, second.X
+        reached, observed = first.X, second.X
         exceptional = exceptional_factors([*first.exceptional, *second.exceptional])
     else:
-        reached = shown = zero_matrix(0, 0)
+        reached = observed = zero_matrix(0, 0)
         exceptional = ()
     energy = sympy.cancel((C * reached * C.T).trace())
     norm = energy + direct if discrete else sympy.oo if not D.is_zero_matrix else energy
     left = (
-        [A * reached * A.T + B * B.T - reached, A.T * shown * A + C.T * C - shown]
+        [A * reached * A.T + B * B.T - reached, A.T * observed * A + C.T * C - observed]
         if discrete
-        else [A * reached + reached * A.T + B * B.T, A.T * shown + shown * A + C.T * C]
+        else [A * reached + reached * A.T + B * B.T, A.T * observed + observed * A + C.T * C]
     )
-    left += [reached - reached.T, shown - shown.T]
+    left += [reached - reached.T, observed - observed.T]
     certificate = certificate_of(IDENTITY, left)
-    return Gramians(reached, shown, norm, conditions, exceptional, certificate)
+    return Gramians(reached, observed, norm, conditions, exceptional, certificate)

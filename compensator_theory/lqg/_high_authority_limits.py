@@ -1,4 +1,4 @@
-"""High-authority LQG in continuous time: which poles have limits, and how the others leave."""
+"""High-authority LQG in continuous time: limits of the poles, and the poles that go to infinity."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class HighAuthorityLimit(ExactValue):
 
     @property
     def number_to_infinity(self) -> int:
-        """How many poles leave every bounded set."""
+        """Number of poles that go to infinity."""
         return sum(pattern.order for pattern in self.patterns)
 
     @property
@@ -138,7 +138,7 @@ class HighAuthorityLimit(ExactValue):
 
 @dataclass(frozen=True)
 class HighAuthorityLimits(ExactValue):
-    """Where LQG in continuous time puts the poles as its weights go to nothing.
+    """The limits of the continuous-time LQG poles as the weights go to 0.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The poles of a regulator as the weight of its input goes from nothing to infinity."""
+"""The poles of a regulator as its input weight goes from 0 to infinity."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class RegulatorLocus(ExactValue):
 
     @property
     def cheap(self) -> SpectralFactor:
-        r"""Where the finite poles go as :math:`R_2 \to 0`: the zeros, unstable ones reflected.
+        r"""Limits of the finite poles as :math:`R_2 \to 0`: the zeros, unstable ones reflected.
 
         In discrete time all n poles stay finite, :math:`n - m` of them at 0.
 
@@ -94,7 +94,7 @@ class RegulatorLocus(ExactValue):
 
     @property
     def expensive(self) -> SpectralFactor:
-        r"""Where they go as :math:`R_2 \to \infty`: the poles, unstable ones reflected.
+        r"""Limits as :math:`R_2 \to \infty`: the open-loop poles, unstable ones reflected.
 
         Raises
         ------
@@ -106,14 +106,14 @@ class RegulatorLocus(ExactValue):
 
     @property
     def number_to_infinity(self) -> int:
-        r"""How many poles leave every bounded set as :math:`R_2 \to 0`; none in discrete time."""
+        r"""Number of poles that go to infinity as :math:`R_2 \to 0`; 0 in discrete time."""
         if self.time == "discrete":
             return 0
         return int(self.denominator.degree() - self.numerator.degree())
 
     @property
     def distance(self) -> Expr:
-        r"""How far these are, to first order: they tend to the pattern of Butterworth.
+        r"""Distance of these poles from 0, to first order: a Butterworth pattern.
 
         .. math:: |\lambda| \to \left(b^2/(a^2R_2)\right)^{1/(2k)}, \qquad k = n - m
         """

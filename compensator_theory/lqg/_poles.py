@@ -30,7 +30,7 @@ from compensator_theory.systems._standard_problems import StandardProblem
 
 @dataclass(frozen=True)
 class LQGPoles(ExactValue):
-    r"""Where LQG puts the closed-loop poles.
+    r"""The closed-loop poles of LQG.
 
     .. math:: \mathrm{mspec}(\tilde A) = \mathrm{mspec}(A + BC_c) \cup \mathrm{mspec}(A - B_cC)
 
@@ -136,8 +136,8 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
         spectrum = regulator_spectrum(A, B, E_1=E_1, E_2=E_2, time=time, variable=s)
         if time == "continuous" and (spectrum.is_zero or spectrum.degree() < 2 * plant.n):
             raise NoSolutionError(
-                f"a combination of {weight} costs nothing, so that a gain is infinite; weight all "
-                "of it, or see regulator_locus for the limits of the poles"
+                f"a combination of {weight} has zero weight, so the optimal gain is infinite; "
+                "weight every combination, or see regulator_locus for the limits of the poles"
             )
         if spectrum.is_zero:
             raise NoSolutionError(
@@ -156,7 +156,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
 
 def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
-    """Refuse a mode that no gain moves and that is not in the region of stability."""
+    """Refuse an uncontrollable or unobservable mode that is not stable."""
     region = "inside the unit circle" if time == "discrete" else "left of the imaginary axis"
     for error, matrices, kind in (
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),

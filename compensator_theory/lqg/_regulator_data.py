@@ -10,7 +10,7 @@ from compensator_theory._latex import table
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import is_rational_matrix, zero_matrix
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.roots._enclosures import Enclosure, ball_of_number, enclosure_of_ball
 from compensator_theory.systems._standard_problems import StandardProblem
 
@@ -109,8 +109,8 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
     """Return the data of both problems of a plant, that of the estimator in its dual form."""
     if not isinstance(plant, StandardProblem):
         raise InputError(
-            f"{shown(plant)} is not a StandardProblem: a plant alone does not say what disturbs it "
-            "and what is weighed. Give lqg_problem(plant, Q, R, W, V), or standard_problem(G), "
+            f"{repr_of(plant)} is not a StandardProblem: a plant alone defines neither "
+            "disturbance nor cost. Give lqg_problem(plant, Q, R, W, V), or standard_problem(G), "
             "where the measurement is weighed and the disturbance is matched, or the problem of a "
             "rcac_numeric.Plant"
         )

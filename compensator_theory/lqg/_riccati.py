@@ -198,7 +198,7 @@ class RiccatiSolution(ExactValue):
 
     @property
     def residual(self) -> EnclosedMatrix:
-        """What is left of the equation, computed anew in balls; every entry contains 0."""
+        """The residual of the equation, recomputed in balls; every entry contains 0."""
         if self.is_rational and self.P is not None:
             weights = (self.A, self.B, self.Q, self.R, self.N)
             exact = _residual([to_flint(m) for m in weights], to_flint(self.P), self.factor.time)
@@ -213,7 +213,7 @@ class RiccatiSolution(ExactValue):
 
     @property
     def _weight(self) -> str:
-        """What the constant of the factor is."""
+        """The name of the constant of the factor."""
         weight = "R + B'PB" if self.factor.time == "discrete" else "R"
         return weight if self.B.cols == 1 else f"det({weight})"
 
@@ -338,7 +338,7 @@ def solve_riccati(
     else:
         try:
             P, K, certificate = work.solution()
-        except BudgetError:  # too long to be worth it
+        except BudgetError:  # the exact solution would be too long to use
             return RiccatiSolution(*weights, factor, None, *work.balls(digits), None)
     if field.degree == 1:
         P = work.solution(K)[0] if P is None else P
@@ -367,9 +367,8 @@ def _factor(weights: Weights, time: Time, s: Symbol, digits: int) -> SpectralFac
     if time == "continuous" and R.det() == 0:
         subject = "E_2 = 0 or R = 0" if R.is_zero_matrix else f"R = {R.tolist()} is singular"
         raise NoSolutionError(
-            f"{subject}: a direction of u costs nothing, and in continuous time the best gain "
-            "is then "
-            "infinite; give u a weight, or see regulator_locus for the limits of the poles"
+            f"{subject}: a direction of u has zero weight, so the optimal gain in continuous time "
+            "is infinite; give u a weight, or see regulator_locus for the limits of the poles"
         )
     spectrum = spectrum_of_weights(weights, time, s)
     if spectrum.is_zero:
@@ -430,9 +429,9 @@ def _formula(solution: RiccatiSolution) -> GainFormula | None:
     n, factor = int(A.nrows()), solution.factor
     if (row := _last_row(A, B)) is None:
         return None
-    taken = {factor.spectrum.gen.name}
-    size = fresh(taken, "c")
-    names = tuple(fresh(taken, f"c{k}") for k in range(n))
+    used_names = {factor.spectrum.gen.name}
+    size = fresh(used_names, "c")
+    names = tuple(fresh(used_names, f"c{k}") for k in range(n))
     monic = (*names, sympy.Integer(1))
     K = sympy.zeros(1, n)
     for c in monic:
@@ -509,7 +508,7 @@ def pivots(matrix: flint.fmpq_mat) -> list[int]:
 
 
 class _Work:
-    """One equation on its way: the Hamiltonian matrix, its stable factor, and what follows."""
+    """Working data of one equation: the Hamiltonian matrix, its stable factor and the results."""
 
     def __init__(self, weights: Weights, time: Time) -> None:
         self.weights, self.time = weights, time
@@ -598,7 +597,7 @@ class _Work:
             raise NoSolutionError(NO_GRAPH) from error
         certificate = certificate_of(
             "the Riccati equation, P = P', and the sum of the closed-loop poles",
-            _left_over(self.data, P, K, self.chi, work, self.time),
+            _residuals(self.data, P, K, self.chi, work, self.time),
             "Riccati solution",
         )
         return field_matrix(work.field, P), field_matrix(work.field, K), certificate
@@ -695,7 +694,7 @@ def _gain(data: Sequence[flint.fmpq_mat], P: Grid, work: Arithmetic, time: Time)
     return work.solve(weight, [[-entry for entry in line] for line in row])
 
 
-def _left_over(
+def _residuals(
     data: Sequence[flint.fmpq_mat],
     P: Grid,
     K: Grid,
@@ -703,7 +702,7 @@ def _left_over(
     work: Arithmetic,
     time: Time,
 ) -> list[list[sympy.Expr]]:
-    """Return what must be zero: one number where all is, so that nothing long is written."""
+    """Return the residual of the equation; a single 0 where all entries vanish."""
     A, B, Q, R, N = data
     row = times(B.transpose(), P)
     first = plus(by(row, A) if time == "discrete" else row, work.of(N.transpose()))

@@ -287,7 +287,7 @@ def _equations(weights: Weights, K: Matrix, P: Matrix, time: Time) -> list[Matri
 
 
 def _rebuilt(value: Expr) -> Expr:
-    """Return what SymPy makes of the parts: factors that it keeps apart would not pickle."""
+    """Rebuild an expression by SymPy: factors that it does not combine would not pickle."""
     return value.func(*map(_rebuilt, value.args)) if value.args else value
 
 

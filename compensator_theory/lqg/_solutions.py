@@ -1,4 +1,4 @@
-"""What solves a linear equation for a matrix: one solution, all of them, and where that holds."""
+"""Solutions of a linear matrix equation: one solution, the family, and the conditions."""
 
 from __future__ import annotations
 
@@ -95,14 +95,14 @@ def solve_by_kronecker(
 def _table(terms: Terms) -> Matrix:
     """Add up the Kronecker products, entries that are not zero only."""
     left, right = terms[0]
-    below, beside = right.cols, right.rows
+    below, width = right.cols, right.rows
     entries: dict[tuple[int, int], Expr] = defaultdict(lambda: sympy.Integer(0))
     for L, R in terms:
         columns = list(R.todok().items())
         for (i, j), x in L.todok().items():
             for (k, n), y in columns:
-                entries[i * below + n, j * beside + k] += x * y
-    return Matrix(left.rows * below, left.cols * beside, lambda i, j: entries.get((i, j), 0))
+                entries[i * below + n, j * width + k] += x * y
+    return Matrix(left.rows * below, left.cols * width, lambda i, j: entries.get((i, j), 0))
 
 
 def certified(
@@ -112,6 +112,6 @@ def certified(
     homogeneous: tuple[ImmutableMatrix, ...],
     divisors: Iterable[Expr],
 ) -> MatrixSolution:
-    """Put a solution together with what is left of its equation; refuse a wrong one."""
+    """Return a solution with its certificate; refuse a wrong one."""
     certificate = certificate_of(identity, residuals)
     return MatrixSolution(X, homogeneous, exceptional_factors(divisors), certificate)

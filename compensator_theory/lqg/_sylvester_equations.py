@@ -81,8 +81,8 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
         [[(a, eye(b.rows)), (eye(a.rows), b)]],
         c.shape,
         list(-c),
-        contradiction="A X + X B + C = 0 has no solution: A and -B share an eigenvalue, and C lies "
-        "outside of what A X + X B reaches; change C, or give the symbols other values",
+        contradiction="A X + X B + C = 0 has no solution: A and -B share an eigenvalue, and C is "
+        "not in the range of X -> A X + X B; change C, or give the symbols other values",
         sources=sources,
     )
     return certified(
@@ -143,7 +143,7 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
         q.shape,
         list(-q),
         contradiction="A X + X A' + Q = 0 has no solution: two eigenvalues of A have the sum 0, "
-        "and Q lies outside of what A X + X A' reaches; remove these modes, or change Q",
+        "and Q is not in the range of X -> A X + X A'; remove these modes, or change Q",
         sources=(a, q),
     )
     left = [a * X + X * a.T + q, *(a * Y + Y * a.T for Y in more)]
@@ -200,7 +200,7 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
         q.shape,
         list(q),
         contradiction="X = A X B + Q has no solution: an eigenvalue of A is the reciprocal of one "
-        "of B, and Q lies outside of what X - A X B reaches; remove these modes, or change Q",
+        "of B, and Q is not in the range of X -> X - A X B; remove these modes, or change Q",
         sources=(a, b, q),
     )
     left = [a * X * b + q - X, *(a * Y * b - Y for Y in more)]
@@ -281,7 +281,7 @@ class _Symbolic:
 
 # Sylvester's and Stein's equations over the rationals, in python-flint's integers.
 
-_SMALL = 15  # measured: from 20 on the lifting is the faster one
+_SMALL = 15  # measured: from order 20 on the lifting is faster
 _PROBES = 2
 _SMALL_PRIMES = 2**16 * 3**8 * 5**4 * 7**4 * 11**2 * 13**2  # combinations may cancel these
 _SPARE_BITS = 64 + _SMALL_PRIMES.bit_length()
@@ -362,8 +362,8 @@ def _by_inverse(matrix: flint.fmpz_mat, right: flint.fmpz_mat) -> tuple[flint.fm
     python-flint solves.
     """
     if matrix.nrows() <= _SMALL:
-        found = flint.fmpq_mat(matrix.transpose().solve(right.transpose()))
-        numerators, denominator = found.transpose().numer_denom()
+        quotient = flint.fmpq_mat(matrix.transpose().solve(right.transpose()))
+        numerators, denominator = quotient.transpose().numer_denom()
         return numerators, denominator
     rows, modulo = right.nrows(), 10_007
     weights = [pow(5, k * k + k, modulo) for k in range(_PROBES * rows)]
@@ -374,9 +374,9 @@ def _by_inverse(matrix: flint.fmpz_mat, right: flint.fmpz_mat) -> tuple[flint.fm
     longest = max(abs(int(entry)).bit_length() for entry in [*numerators.entries(), denominator])
     _ask_for_digits(right, 4 * longest, "fifty")  # above and below
     denominator *= _SMALL_PRIMES
-    found = _lifted(matrix, right, denominator, longest + _SPARE_BITS)
-    if found * matrix == right * denominator:
-        return found, denominator
+    quotient = _lifted(matrix, right, denominator, longest + _SPARE_BITS)
+    if quotient * matrix == right * denominator:
+        return quotient, denominator
     solution = turned.solve(flint.fmpq_mat(right.transpose()), algorithm="dixon").transpose()
     top, bottom = solution.numer_denom()
     return top, bottom

@@ -1,4 +1,4 @@
-"""The target model that asks RCAC for the closed loop of high-authority LQG."""
+"""The target model of RCAC whose match is the closed loop of high-authority LQG."""
 
 from __future__ import annotations
 

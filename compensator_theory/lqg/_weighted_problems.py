@@ -88,16 +88,16 @@ def lqg_problem(
             "Q weighs states, and a transfer function does not say which they are; give (A, B, C), "
             "or realisation(G), which has the states of the controllable canonical form"
         )
-    found = timed_realisation(plant, variable, "an LQG problem")
-    A, B, Q_, R_, N_ = read_weights(found.A, found.B, Q, R, N)
+    system = timed_realisation(plant, variable, "an LQG problem")
+    A, B, Q_, R_, N_ = read_weights(system.A, system.B, Q, R, N)
     E = _rows_of_squares(_joined(Q_, R_, N_), "Q, R and N")
     names = ("A", "C", "W", "V", "S")
-    _, _, W_, V_, S_ = read_weights(found.A.T, found.C.T, W, V, S, names=names)
+    _, _, W_, V_, S_ = read_weights(system.A.T, system.C.T, W, V, S, names=names)
     D = _rows_of_squares(_joined(W_, V_, S_), "W, V and S").T
-    n = found.n
+    n = system.n
     return StandardProblem(
-        A=A, B=B, C=found.C, D_0=found.D, D_1=D[:n, :], D_2=D[n:, :], E_1=E[:, :n], E_2=E[:, n:],
-        E_0=None, variable=found.variable, sample_time=found.sample_time,
+        A=A, B=B, C=system.C, D_0=system.D, D_1=D[:n, :], D_2=D[n:, :], E_1=E[:, :n], E_2=E[:, n:],
+        E_0=None, variable=system.variable, sample_time=system.sample_time,
     )  # fmt: skip
 
 

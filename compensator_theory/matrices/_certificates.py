@@ -1,4 +1,4 @@
-"""What a conversion leaves behind to be checked: an identity, and what is left of it."""
+"""Certificates of results: an identity and its residual."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from compensator_theory.polynomials._values import ExactValue
 
 @dataclass(frozen=True)
 class Certificate(ExactValue):
-    """An exact identity between a result and what it was made from, evaluated.
+    """An exact identity between a result and its source, evaluated.
 
     Attributes
     ----------
     identity : str
         What was checked.
     residual : sympy.ImmutableMatrix
-        What is left of it, computed from the source; the identity holds if it is zero.
+        The residual, computed from the source; the identity holds if it is zero.
 
     Examples
     --------
@@ -43,21 +43,21 @@ class Certificate(ExactValue):
 
     @property
     def holds(self) -> bool:
-        """Whether nothing is left."""
+        """Whether the residual is zero."""
         return bool(self.residual.is_zero_matrix)
 
     def __str__(self) -> str:
         return f"{self.identity}: {'holds exactly' if self.holds else 'FAILS'}"
 
     def _repr_latex_(self) -> str:
-        left = "" if self.holds else f"{words('left is')} {latex(self.residual)}"
+        left = "" if self.holds else f"{words('residual:')} {latex(self.residual)}"
         return displayed(words(str(self)), left)
 
 
-def proven(certificate: Certificate, what: str = "result") -> Certificate:
+def proven(certificate: Certificate, subject: str = "result") -> Certificate:
     """Return a certificate that holds."""
     if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the {what} is wrong, please report it")
+        raise NoSolutionError(f"{certificate}; the {subject} is wrong, please report it")
     return certificate
 
 
@@ -65,15 +65,15 @@ Residuals: TypeAlias = Iterable[Iterable[Expr] | Poly]
 """Matrices, lists of expressions and polynomials that an identity says are zero."""
 
 
-def certificate_of(identity: str, residuals: Residuals, what: str = "result") -> Certificate:
-    """Return the certificate of what must vanish, and refuse what does not."""
-    return proven(evaluated(identity, residuals), what)
+def certificate_of(identity: str, residuals: Residuals, subject: str = "result") -> Certificate:
+    """Return the certificate of residuals that must vanish; raise if one does not."""
+    return proven(evaluated(identity, residuals), subject)
 
 
 def evaluated(identity: str, residuals: Residuals) -> Certificate:
     """Return the certificate of an identity, whether it holds or not."""
     parts = [part.all_coeffs() if isinstance(part, Poly) else part for part in residuals]
-    rational = [part.kept for part in parts if isinstance(part, RationalMatrix)]
+    rational = [part.flint_form for part in parts if isinstance(part, RationalMatrix)]
     if len(rational) == len(parts):
         numbers = [entry for part in rational for entry in part.entries()]
         matrix = from_flint(flint.fmpq_mat(1, len(numbers), numbers))
@@ -87,21 +87,21 @@ def evaluated(identity: str, residuals: Residuals) -> Certificate:
 
 
 class Certified:
-    """Base of the results that can be held against what they were made from, by their own fields.
+    """Base of the results that can be compared with their source from their fields alone.
 
-    A class says its `identity`, and in `_left_over` what that says is zero. Nothing of the
-    algorithm that found the result is used again.
+    A class defines its `identity`, and in `_residuals` the expressions that must vanish. The check
+    uses nothing of the algorithm that computed the result.
     """
 
     identity: ClassVar[str]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         raise NotImplementedError
 
     @property
     def certificate(self) -> Certificate:
         """The identity, evaluated anew from the fields of this result."""
-        return evaluated(self.identity, self._left_over())
+        return evaluated(self.identity, self._residuals())
 
     @property
     def is_verified(self) -> bool:

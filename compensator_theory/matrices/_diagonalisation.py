@@ -25,7 +25,7 @@ def diagonalise(work: Elimination) -> int:
     ring = work.ring
     if not isinstance(ring, FunctionRing):
         return by_euclid(work)
-    if work.columns > work.rows:  # a last row alone would be left to Euclid
+    if work.columns > work.rows:  # a single last row is a case for Euclid's algorithm
         work.transpose()
         rank = diagonalise(work)
         work.transpose()

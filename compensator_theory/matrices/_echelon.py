@@ -64,9 +64,9 @@ def echelon(matrix: Matrix) -> Echelon:
         form = flint.fmpq_mat(len(rows), columns, [entry for row in rows for entry in row])
         return Echelon(from_flint(form), pivots, sympy.Integer(1))
     if (symbolic := SymbolicRows.of(matrix)) is not None:
-        found_pivots = symbolic.reduce(columns, shortest=False)
-        form = symbolic.quotients(range(len(found_pivots)), range(columns))
-        return Echelon(form, tuple(found_pivots), symbolic.minor())
+        pivot_columns = symbolic.reduce(columns, shortest=False)
+        form = symbolic.quotients(range(len(pivot_columns)), range(columns))
+        return Echelon(form, tuple(pivot_columns), symbolic.minor())
     (over_ring,) = domain_matrices(matrix)
     if over_ring.domain.has_assoc_Ring:
         over_ring = over_ring.clear_denoms_rowwise(convert=True)[1]

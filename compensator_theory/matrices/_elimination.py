@@ -120,7 +120,7 @@ class Elimination:
         self.add_column(target, source, -self.ring.divide(a, b)[0])
 
     def _ask(self, a: Element, b: Element) -> None:
-        """Count the digits that a step works on, for nobody can foresee how they grow."""
+        """Check the budget for the digits of one step: their growth cannot be predicted."""
         self.effort += (self.rows + self.columns) * self.ring.effort(a, b)
         ask("entries", self.effort // 400, "the elimination, 400 digits as an entry,")
 

@@ -11,22 +11,22 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices._flint_backed import FlintBackedMatrix
 from compensator_theory.matrices._flint_matrices import (
     RationalMatrix,
     from_flint,
-    kept_rational,
+    rational_representation,
     to_flint,
 )
-from compensator_theory.matrices._kept_matrices import KeptMatrix
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
-from compensator_theory.polynomials._budget import ask, decimal_digits, listed, shown
+from compensator_theory.polynomials._budget import ask, decimal_digits, listed, repr_of
 from compensator_theory.polynomials._decidable import require_rational_functions
 from compensator_theory.polynomials._numbers import NumberLike, exact_number, plain_rationals
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
 
 class ArrayOfNumbers(Protocol):
-    """What a NumPy array shows of itself; only its shape and its entries are used."""
+    """Protocol of NumPy arrays: their shape and their entries."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -67,15 +67,19 @@ def _in_rows(value: Any, name: str) -> Any:
     return [[entry] for entry in entries] if name == "B" else [entries]
 
 
-def _read_at_once(value: Any, name: str) -> KeptMatrix | None:
-    """Read what is kept, and rational numbers without a look at each as an expression, or None."""
+def _read_at_once(value: Any, name: str) -> FlintBackedMatrix | None:
+    """Read a rational matrix at once, without an expression for each entry; None for others."""
     if isinstance(value, SymbolicMatrix):
         ask("entries", value.rows * value.cols, f"the matrix {name}")
         return value
     if isinstance(value, RationalMatrix):
-        return _asked(value, name)
+        return _within_budget(value, name)
     if type(value) in (ImmutableMatrix, Matrix):
-        return None if kept_rational(value) is None else _asked(from_flint(to_flint(value)), name)
+        return (
+            None
+            if rational_representation(value) is None
+            else _within_budget(from_flint(to_flint(value)), name)
+        )
     is_array = type(value).__module__ == "numpy" and getattr(value, "ndim", 0) == 2
     if is_array and value.dtype.name in ("float64", "int64"):
         ask("entries", value.size, f"the matrix {name}")
@@ -94,9 +98,9 @@ def _read_at_once(value: Any, name: str) -> KeptMatrix | None:
     return None if entries is None else from_flint(flint.fmpq_mat(*shape, entries))
 
 
-def _asked(matrix: RationalMatrix, name: str) -> RationalMatrix:
-    """Ask the budget for the entries and for the longest of them."""
-    entries = matrix.kept.entries()
+def _within_budget(matrix: RationalMatrix, name: str) -> RationalMatrix:
+    """Check the budget for the number of entries and for the longest one."""
+    entries = matrix.flint_form.entries()
     ask("entries", len(entries), f"the matrix {name}")
     bits = max(map(flint.fmpq.height_bits, entries), default=0)
     ask("digits", decimal_digits(bits), "a number")
@@ -113,7 +117,7 @@ def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
     rows = listed(value, "entries", f"the matrix {name}") if iterable and shape != () else None
     if rows is None or any(isinstance(r, str | bytes) or not hasattr(r, "__len__") for r in rows):
         raise InputError(
-            f"{name} = {shown(value)} is not a matrix; write rows, as in [[1, 2], [3, 4]]"
+            f"{name} = {repr_of(value)} is not a matrix; write rows, as in [[1, 2], [3, 4]]"
         )
     if len({len(row) for row in rows}) > 1:
         raise InputError(f"the rows of {name} have different lengths: {[len(r) for r in rows]}")

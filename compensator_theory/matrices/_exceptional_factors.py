@@ -1,4 +1,4 @@
-"""Where a symbolic answer does not hold: the factors of what was divided by on the way to it."""
+"""Exceptional polynomials of a symbolic answer: the factors of all its divisors."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
             sides = work.lowest(*work.read(divisor))
         except NotRationalError:
             for side in sympy.fraction(sympy.cancel(divisor)):
-                for found, _ in sympy.factor_list(side)[1]:
-                    yield found, int(sympy.Poly(found).total_degree())
+                for factor, _ in sympy.factor_list(side)[1]:
+                    yield factor, int(sympy.Poly(factor).total_degree())
             continue
         for side in sides:
             for factor, _ in side.factor()[1]:
@@ -45,7 +45,7 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     for matrix in filter(symbols_in, matrices):
         symbolic = symbolic_matrix(matrix)
         if isinstance(symbolic, SymbolicMatrix):
-            bottoms[symbolic.work.expression(symbolic.kept.below)] = None
+            bottoms[symbolic.work.expression(symbolic.flint_form.below)] = None
         elif symbolic is None:
             bottoms |= dict.fromkeys(sympy.fraction(sympy.cancel(e))[1] for e in matrix)
     return [bottom for bottom in bottoms if bottom.free_symbols]

@@ -86,8 +86,8 @@ Base = tuple[Symbol, Expr, Expr]
 """A symbol x = exp(rate h), its rate, and the monomial that the rate is a multiple of."""
 
 
-def _taken(name: str, used: set[str]) -> Symbol:
-    """Choose a symbol and take its name."""
+def _choose_symbol(name: str, used: set[str]) -> Symbol:
+    """Return a new symbol and reserve its name."""
     symbol = fresh(used, name)
     used.add(symbol.name)
     return symbol
@@ -132,7 +132,7 @@ def _angles(squares: Sequence[Expr], used: set[str]) -> list[_Angle]:
     for first, multiples in groups:
         unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
         ask("terms", sum(int(c / unit) for c in multiples) * 4, "the matrix exponential")
-        angles.append(_Angle(_taken("y", used), sympy.factor(first * unit**2)))
+        angles.append(_Angle(_choose_symbol("y", used), sympy.factor(first * unit**2)))
     return angles
 
 
@@ -175,7 +175,7 @@ def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
         unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
         sign = 1 if all(c > 0 for c in multiples) else -1
         name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
-        bases.append((_taken(name, used), sign * unit * monomial, monomial))
+        bases.append((_choose_symbol(name, used), sign * unit * monomial, monomial))
         powers = sum(int(abs(c) / unit) for c in multiples)
         ask("terms", powers * (len(poles) + 1), "the matrix exponential")
     return bases

@@ -1,4 +1,4 @@
-"""Rational matrices that python-flint keeps, and SymPy shows."""
+"""Rational matrices in python-flint with the interface of SymPy."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ from sympy import QQ, Expr, ImmutableMatrix, Integer, Matrix, Rational, Symbol, 
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.sdm import SDM
 
-from compensator_theory.matrices._kept_matrices import OF_SYMPY, KeptMatrix
+from compensator_theory.matrices._flint_backed import OF_SYMPY, FlintBackedMatrix
 
 
-class RationalMatrix(KeptMatrix):
-    """A matrix of rational numbers that python-flint keeps.
+class RationalMatrix(FlintBackedMatrix):
+    """A SymPy matrix of rational numbers, stored in python-flint.
 
     Sums, products, transposes and ranks of such matrices stay in python-flint.
 
     Attributes
     ----------
-    kept : flint.fmpq_mat
-        Not to be changed by anybody.
+    flint_form : flint.fmpq_mat
+        Must not be modified.
     """
 
-    kept: flint.fmpq_mat
+    flint_form: flint.fmpq_mat
 
     @classmethod
-    def _kept_as(cls, kept: flint.fmpq_mat) -> RationalMatrix:
-        matrix: RationalMatrix = cls._of_shape(int(kept.nrows()), int(kept.ncols()))
-        matrix.kept = kept
+    def _of_flint_form(cls, raw: flint.fmpq_mat) -> RationalMatrix:
+        matrix: RationalMatrix = cls._of_shape(int(raw.nrows()), int(raw.ncols()))
+        matrix.flint_form = raw
         return matrix
 
     @classmethod
     def _fromrep(cls, rep: DomainMatrix) -> ImmutableMatrix:
         if rep.domain.is_ZZ or rep.domain.is_QQ:
-            return cls._kept_as(_in_flint(rep))
+            return cls._of_flint_form(_in_flint(rep))
         return ImmutableMatrix._fromrep(rep)
 
     @cached_property
     def _rep(self) -> DomainMatrix:
         """SymPy's form for computing, sparse as in all its matrices."""
-        rows: list[list[Any]] = self.kept.tolist() if self._rows and self._cols else []
+        rows: list[list[Any]] = self.flint_form.tolist() if self._rows and self._cols else []
         if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
             rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
         nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
@@ -56,15 +56,15 @@ class RationalMatrix(KeptMatrix):
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, RationalMatrix):
-            return bool(self.kept == other.kept)
+            return bool(self.flint_form == other.flint_form)
         return super().__eq__(other)
 
-    __hash__ = KeptMatrix.__hash__
+    __hash__ = FlintBackedMatrix.__hash__
 
     @property
     def is_zero_matrix(self) -> bool:
         """Whether every entry is zero, which is always known here."""
-        return not any(self.kept.entries())
+        return not any(self.flint_form.entries())
 
     @property
     def free_symbols(self) -> set[Symbol]:
@@ -72,7 +72,7 @@ class RationalMatrix(KeptMatrix):
         return set()
 
     def _entry(self, row: int, column: int) -> Rational:
-        return rational(self.kept[row, column])
+        return rational(self.flint_form[row, column])
 
     def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
         return OF_SYMPY[operation](left, self)
@@ -80,43 +80,53 @@ class RationalMatrix(KeptMatrix):
     def _eval_tolist(self) -> list[list[Rational]]:
         if not (self._rows and self._cols):
             return [[] for _ in range(self._rows)]
-        return [[rational(entry) for entry in row] for row in self.kept.tolist()]
+        return [[rational(entry) for entry in row] for row in self.flint_form.tolist()]
 
     def _eval_transpose(self) -> RationalMatrix:
-        return self._kept_as(self.kept.transpose())
+        return self._of_flint_form(self.flint_form.transpose())
 
     def __neg__(self) -> RationalMatrix:
-        return self._kept_as(-self.kept)
+        return self._of_flint_form(-self.flint_form)
 
     def _eval_add(self, other: Matrix) -> ImmutableMatrix:
         raw = rational_in_flint(other)
-        return self._left_to("add", other) if raw is None else self._kept_as(self.kept + raw)
+        return (
+            self._delegate("add", other)
+            if raw is None
+            else self._of_flint_form(self.flint_form + raw)
+        )
 
     def _eval_matrix_mul(self, other: Matrix) -> ImmutableMatrix:
         raw = rational_in_flint(other)
-        return self._left_to("multiply", other) if raw is None else self._kept_as(self.kept * raw)
+        return (
+            self._delegate("multiply", other)
+            if raw is None
+            else self._of_flint_form(self.flint_form * raw)
+        )
 
     def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
         if not isinstance(other, Rational):
             return super()._eval_scalar_mul(other)
-        return self._kept_as(self.kept * flint.fmpq(int(other.p), int(other.q)))
+        return self._of_flint_form(self.flint_form * flint.fmpq(int(other.p), int(other.q)))
 
     _eval_scalar_rmul = _eval_scalar_mul
 
     def _eval_row_join(self, other: Matrix) -> ImmutableMatrix:
         if (raw := rational_in_flint(other)) is None:
-            return self._left_to("beside", other)
-        return self._kept_as(_joined(self.kept.transpose(), raw.transpose()).transpose())
+            return self._delegate("beside", other)
+        return self._of_flint_form(
+            _joined(self.flint_form.transpose(), raw.transpose()).transpose()
+        )
 
     def _eval_col_join(self, other: Matrix) -> ImmutableMatrix:
         if (raw := rational_in_flint(other)) is None:
-            return self._left_to("below", other)
-        return self._kept_as(_joined(self.kept, raw))
+            return self._delegate("below", other)
+        return self._of_flint_form(_joined(self.flint_form, raw))
 
     def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> RationalMatrix:
-        entries, width = self.kept.entries(), self._cols
+        entries, width = self.flint_form.entries(), self._cols
         chosen = [entries[i * width + j] for i in rows for j in columns]
-        return self._kept_as(flint.fmpq_mat(len(rows), len(columns), chosen))
+        return self._of_flint_form(flint.fmpq_mat(len(rows), len(columns), chosen))
 
 
 def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
@@ -126,11 +136,11 @@ def _joined(above: flint.fmpq_mat, below: flint.fmpq_mat) -> flint.fmpq_mat:
 
 def is_rational_matrix(matrix: Matrix) -> bool:
     """Tell whether every entry is a rational number."""
-    if isinstance(matrix, KeptMatrix):  # what turned out rational is not kept with symbols
+    if isinstance(matrix, FlintBackedMatrix):  # a rational matrix never has the symbolic type
         return isinstance(matrix, RationalMatrix)
-    if kept_rational(matrix) is not None:
+    if rational_representation(matrix) is not None:
         return True
-    # SymPy's conversion would write down what it refuses, and look for the values of its roots
+    # SymPy's conversion is slow where it fails: it evaluates roots
     return all(entry.is_Rational for entry in matrix.todok().values())
 
 
@@ -142,8 +152,8 @@ def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
 def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     """Return a rational matrix as one of python-flint."""
     if isinstance(matrix, RationalMatrix):
-        return matrix.kept
-    rational = kept_rational(matrix)
+        return matrix.flint_form
+    rational = rational_representation(matrix)
     return _in_flint(matrix.to_DM(domain=QQ) if rational is None else rational)
 
 
@@ -154,10 +164,10 @@ def _in_flint(rational: DomainMatrix) -> flint.fmpq_mat:
     return flint.fmpq_mat(*rational.shape, entries)
 
 
-def kept_rational(matrix: Matrix) -> DomainMatrix | None:
-    """Return SymPy's own form of rational numbers, None for others; a conversion takes longer."""
-    if isinstance(matrix, KeptMatrix) and not isinstance(matrix, RationalMatrix):
-        return None  # and it is not written
+def rational_representation(matrix: Matrix) -> DomainMatrix | None:
+    """Return SymPy's DomainMatrix of a rational matrix, None where a conversion would be needed."""
+    if isinstance(matrix, FlintBackedMatrix) and not isinstance(matrix, RationalMatrix):
+        return None  # without converting the entries
     domain_matrix = getattr(matrix, "_rep", None)
     if isinstance(domain_matrix, DomainMatrix) and (
         domain_matrix.domain.is_ZZ or domain_matrix.domain.is_QQ
@@ -168,17 +178,19 @@ def kept_rational(matrix: Matrix) -> DomainMatrix | None:
 
 def symbols_in(matrix: Matrix) -> set[Symbol]:
     """Return the symbols of a matrix; one of numbers only is not looked through."""
-    is_free = not isinstance(matrix, KeptMatrix) and kept_rational(matrix) is not None
+    is_free = (
+        not isinstance(matrix, FlintBackedMatrix) and rational_representation(matrix) is not None
+    )
     return set() if is_free else set(matrix.free_symbols)
 
 
 def from_flint(matrix: flint.fmpq_mat) -> RationalMatrix:
-    """Return a rational matrix of python-flint, which is kept and must not change, as SymPy's."""
-    return RationalMatrix._kept_as(matrix)
+    """Return a python-flint matrix as one of SymPy; it is not copied and must not change."""
+    return RationalMatrix._of_flint_form(matrix)
 
 
 def of_rows(rows: Sequence[Sequence[Expr]], shape: tuple[int, int]) -> ImmutableMatrix:
-    """Return the matrix of entries that were computed here, kept by python-flint if it can be."""
+    """Return the matrix of computed entries, in python-flint where they are rational."""
     flat = [entry for row in rows for entry in row]
     if not all(isinstance(entry, int | Rational) for entry in flat):
         return ImmutableMatrix(*shape, flat)

@@ -9,10 +9,10 @@ from sympy.polys.polyclasses import DMP, DUP_Flint
 from compensator_theory.polynomials._reading import PolynomialLike
 
 
-def kept_in_flint(
+def flint_polynomial_pair(
     a: PolynomialLike, b: PolynomialLike
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
-    """Return two polynomials in one variable where SymPy keeps both as python-flint's, else None.
+    """Return the python-flint polynomials of two SymPy polynomials in one variable, else None.
 
     That they are rational and in canonical form then needs no further look.
     """

@@ -12,9 +12,9 @@ from compensator_theory.matrices._rational_functions import RationalFunctions
 from compensator_theory.matrices._symbolic_matrices import (
     Numerators,
     common_factor,
-    kept_with_symbols,
     multiplied_grids,
     of_numerators,
+    over_common_symbols,
     over_one,
 )
 
@@ -39,13 +39,13 @@ class SymbolicRows:
             [x for flat, m in zip(flats, widths, strict=True) for x in flat[i * m : (i + 1) * m]]
             for i in range(parts[0].rows)
         )
-        lowest_terms = (_shortened(row, common) for row in rows)
+        lowest_terms = (_in_lowest_terms(row, common) for row in rows)
         self.rows, self.scales = map(list, zip(*lowest_terms, strict=True))
 
     @classmethod
     def of(cls, *matrices: Matrix) -> SymbolicRows | None:
         """Read matrices of rational functions of symbols over QQ; None where they hold others."""
-        if 0 in matrices[0].shape or (read := kept_with_symbols(*matrices)) is None:
+        if 0 in matrices[0].shape or (read := over_common_symbols(*matrices)) is None:
             return None
         return cls(*read)
 
@@ -104,7 +104,7 @@ class SymbolicRows:
         return self.work.write(above, below)
 
 
-def _shortened(
+def _in_lowest_terms(
     row: list[flint.fmpz_mpoly], below: flint.fmpz_mpoly
 ) -> tuple[list[flint.fmpz_mpoly], flint.fmpz_mpoly]:
     """Return a row of numerators times its own denominators, and these."""
@@ -117,10 +117,10 @@ def symbolic_characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly
 
     .. math:: M_1 = I, \quad c_k = -\mathrm{tr}(A M_k)/k, \quad M_{k+1} = A M_k + c_k I
     """
-    if (read := kept_with_symbols(matrix)) is None:
+    if (read := over_common_symbols(matrix)) is None:
         return None
-    work, (given,) = read
-    n, A, common = given.rows, given.grid(), given.below
+    work, (numerators,) = read
+    n, A, common = numerators.rows, numerators.grid(), numerators.below
     coefficients, below, product = [(work.one, work.one)], work.one, [list(row) for row in A]
     for k in range(1, n + 1):
         below = below * common

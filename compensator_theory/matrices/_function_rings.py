@@ -119,7 +119,7 @@ class FunctionRing:
         return len(element.above) - 1
 
     def terms(self, element: Element) -> int:
-        """Return how many terms the coefficients have: what grows, and nobody can foresee it."""
+        """Return the number of terms of the coefficients, whose growth cannot be predicted."""
         return sum(map(len, element.above)) + len(element.below)
 
     def effort(self, a: Element, b: Element) -> int:

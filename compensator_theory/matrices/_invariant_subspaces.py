@@ -17,7 +17,7 @@ from compensator_theory.polynomials._values import ExactValue
 
 @dataclass(frozen=True)
 class PrimaryComponent(ExactValue):
-    r"""Everything of a matrix that belongs to one irreducible factor f of its polynomial.
+    r"""The primary component of a matrix for one irreducible factor f of its polynomial.
 
     .. math:: \ker f(\tilde A) \subseteq \ker f(\tilde A)^2 \subseteq \cdots
               \subseteq \ker f(\tilde A)^m

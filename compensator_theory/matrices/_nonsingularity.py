@@ -48,4 +48,4 @@ def surd_ball(number: Expr) -> flint.acb:
     if isinstance(number, sympy.Pow) and number.exp.is_Rational and number.exp.q <= 2:
         base = surd_ball(number.base)  # a positive number: SymPy takes I out of other roots
         return (base if number.exp.q == 1 else base.sqrt()) ** int(number.exp.p)
-    raise InputError(f"{quoted(number)} is made of more than rational numbers and square roots")
+    raise InputError(f"{quoted(number)} contains numbers other than rationals and square roots")

@@ -47,10 +47,10 @@ def grassmannian_cell(
     for i in range(w):
         general = generators[i]
         for other in generators[w:]:
-            own = tuple(islice(names, d))
-            parameters += own
+            row_parameters = tuple(islice(names, d))
+            parameters += row_parameters
             powers = krylov(matrix, other, d)
-            general = general + powers * Matrix(d, 1, list(own))
+            general = general + powers * Matrix(d, 1, list(row_parameters))
         blocks.append(krylov(matrix, general, d))
     return joined(matrix.rows, blocks), tuple(parameters)
 

@@ -35,7 +35,7 @@ class RationalFunctions:
     """Reads expressions in some symbols as fractions of polynomials with whole coefficients."""
 
     def __init__(self, symbols: Iterable[Symbol]) -> None:
-        """Make one; `in_symbols` has those of the last computations, with what they read."""
+        """Create a reader; `in_symbols` returns cached ones."""
         domain = composite_domain(frozenset(symbols), divides=False)
         self.rational: PolyRing = domain.ring
         self.symbols: tuple[Symbol, ...] = domain.symbols  # in SymPy's order, which decides signs
@@ -54,7 +54,7 @@ class RationalFunctions:
     def _remembered(
         self, expression: Expr, above: flint.fmpz_mpoly, below: flint.fmpz_mpoly
     ) -> Fraction:
-        """Keep what an expression is, so that the next matrix with it is read at once."""
+        """Cache the fraction of an expression for the next matrix that contains it."""
         self.size += 1 + len(above) + len(below)
         if self.size > REMEMBERED:
             self.known, self.size = {}, 0
@@ -165,19 +165,19 @@ class RationalFunctions:
 
 
 def _require_few(*terms: int) -> None:
-    """Leave alone what would have too many terms, written out; a short text can ask for it."""
+    """Refuse an expression that has too many terms when multiplied out."""
     if max(terms) > MOST_TERMS:
         raise NotRationalError
 
 
 @lru_cache(maxsize=8)
 def in_symbols(symbols: frozenset[Symbol]) -> RationalFunctions:
-    """Return the reader for these symbols, the same one again with what it has read."""
+    """Return the reader for these symbols, cached with the expressions that it has read."""
     return RationalFunctions(symbols)
 
 
 def vanish(expressions: Iterable[Expr]) -> list[bool | None]:
-    """Tell of expressions whether they are zero for all values of their symbols."""
+    """Return for each expression whether it is zero for all values of its symbols."""
     list_of_expressions = list(expressions)
     symbols = {
         x

@@ -47,7 +47,9 @@ class RationalRing:
 
     def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
         """Return quotient and remainder."""
-        half = self._digits(a, b) // 2  # of 8000 digits: some seconds; nobody can foresee it
+        half = (
+            self._digits(a, b) // 2
+        )  # numbers of 8000 digits take seconds; their growth cannot be predicted
         ask("digits", half, "each half of a coefficient in the elimination of a polynomial matrix")
         quotient, remainder = divmod(a, b)
         return quotient, remainder
@@ -105,7 +107,7 @@ class SymbolicRing:
         return 0
 
     def _terms(self, element: Element) -> int:
-        """Return how many terms the coefficients have: what grows, and nobody can foresee it."""
+        """Return the number of terms of the coefficients, whose growth cannot be predicted."""
         if not self.has_fractions:
             return len(element)
         return sum(len(c.numer) + len(c.denom) for c in element.values())
@@ -134,7 +136,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
         return RationalRing(listed[0].gen)
     if field.is_EX or not field.is_Exact:
         raise InputError(
-            "the coefficients span no field that is known here; write symbols in place of "
+            "the coefficients span no supported number field; write symbols in place of "
             "irrational numbers"
         )
     kind = FunctionRing if FunctionRing.serves(field) else SymbolicRing

@@ -1,4 +1,4 @@
-"""How large a continuum of invariant subspaces is: strata, dimensions, components."""
+"""Size of a continuum of invariant subspaces: strata, dimensions, components."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Matrices of rational functions of symbols that python-flint keeps, and SymPy shows."""
+"""Matrices of rational functions in python-flint with the interface of SymPy."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import flint
 from sympy import Expr, ImmutableMatrix, Integer, Matrix, Symbol, Tuple
 from sympy.polys.matrices import DomainMatrix
 
+from compensator_theory.matrices._flint_backed import OF_SYMPY, FlintBackedMatrix
 from compensator_theory.matrices._flint_matrices import (
     RationalMatrix,
     from_flint,
@@ -18,7 +19,6 @@ from compensator_theory.matrices._flint_matrices import (
     symbols_in,
     to_flint,
 )
-from compensator_theory.matrices._kept_matrices import OF_SYMPY, KeptMatrix
 from compensator_theory.matrices._rational_functions import (
     NotRationalError,
     RationalFunctions,
@@ -43,28 +43,28 @@ class Numerators:
         return [list(self.flat[k * width : (k + 1) * width]) for k in range(self.rows)]
 
 
-class SymbolicMatrix(KeptMatrix):
-    """A matrix of rational functions of symbols over QQ that python-flint keeps.
+class SymbolicMatrix(FlintBackedMatrix):
+    """A SymPy matrix of rational functions of symbols over QQ, stored in python-flint.
 
     Sums, products, joins, parts and transposes of such matrices, and of these with rational ones,
-    stay in python-flint; entries are written in lowest terms, and only where somebody looks.
+    stay in python-flint; entries are written in lowest terms, on demand.
 
     Attributes
     ----------
     work : RationalFunctions
-        What writes them.
-    kept : Numerators
+        The ring that writes them.
+    flint_form : Numerators
         Without a common factor, the denominator with a positive leading coefficient: equal
-        matrices are kept alike. Not to be changed by anybody.
+        matrices are kept alike. Must not be modified.
     """
 
     work: RationalFunctions
-    kept: Numerators
+    flint_form: Numerators
 
     @classmethod
-    def _kept_as(cls, work: RationalFunctions, numerators: Numerators) -> SymbolicMatrix:
+    def _of_flint_form(cls, work: RationalFunctions, numerators: Numerators) -> SymbolicMatrix:
         matrix: SymbolicMatrix = cls._of_shape(numerators.rows, numerators.columns)
-        matrix.work, matrix.kept = work, numerators
+        matrix.work, matrix.flint_form = work, numerators
         return matrix
 
     @classmethod
@@ -73,9 +73,11 @@ class SymbolicMatrix(KeptMatrix):
 
     @cached_property
     def _plain(self) -> ImmutableMatrix:
-        """The matrix that it stands for."""
-        below = self.kept.below
-        return ImmutableMatrix(*self.shape, [self.work.write(x, below) for x in self.kept.flat])
+        """The equal ImmutableMatrix."""
+        below = self.flint_form.below
+        return ImmutableMatrix(
+            *self.shape, [self.work.write(x, below) for x in self.flint_form.flat]
+        )
 
     @property
     def _rep(self) -> DomainMatrix:
@@ -88,38 +90,42 @@ class SymbolicMatrix(KeptMatrix):
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, SymbolicMatrix) and self.work.symbols == other.work.symbols:
-            return self.kept == other.kept
+            return self.flint_form == other.flint_form
         return super().__eq__(other)
 
-    __hash__ = KeptMatrix.__hash__
+    __hash__ = FlintBackedMatrix.__hash__
 
     @cached_property
     def free_symbols(self) -> set[Symbol]:
         """The symbols that occur, which after a sum or a product may be fewer."""
-        return self.work.symbols_of([*self.kept.flat, self.kept.below])
+        return self.work.symbols_of([*self.flint_form.flat, self.flint_form.below])
 
     def _entry(self, row: int, column: int) -> Expr:
-        return self.work.write(self.kept.flat[row * self._cols + column], self.kept.below)
+        return self.work.write(
+            self.flint_form.flat[row * self._cols + column], self.flint_form.below
+        )
 
-    def _made(self, flat: Iterable[flint.fmpz_mpoly], rows: int, columns: int) -> ImmutableMatrix:
+    def _of_entries(
+        self, flat: Iterable[flint.fmpz_mpoly], rows: int, columns: int
+    ) -> ImmutableMatrix:
         """Return a matrix of some of these entries."""
-        return of_numerators(self.work, list(flat), self.kept.below, (rows, columns))
+        return of_numerators(self.work, list(flat), self.flint_form.below, (rows, columns))
 
     def _eval_transpose(self) -> SymbolicMatrix:
-        flat = [x for column in zip(*self.kept.grid(), strict=True) for x in column]
-        transposed = Numerators(flat, self.kept.below, self._cols, self._rows)
-        return self._kept_as(self.work, transposed)
+        flat = [x for column in zip(*self.flint_form.grid(), strict=True) for x in column]
+        transposed = Numerators(flat, self.flint_form.below, self._cols, self._rows)
+        return self._of_flint_form(self.work, transposed)
 
     def __neg__(self) -> SymbolicMatrix:
-        flat = [-x for x in self.kept.flat]
-        return self._kept_as(self.work, Numerators(flat, self.kept.below, *self.shape))
+        flat = [-x for x in self.flint_form.flat]
+        return self._of_flint_form(self.work, Numerators(flat, self.flint_form.below, *self.shape))
 
     def _eval_extract(self, rows: Sequence[int], columns: Sequence[int]) -> ImmutableMatrix:
-        flat = (self.kept.flat[i * self._cols + j] for i in rows for j in columns)
-        return self._made(flat, len(rows), len(columns))
+        flat = (self.flint_form.flat[i * self._cols + j] for i in rows for j in columns)
+        return self._of_entries(flat, len(rows), len(columns))
 
     def _eval_scalar_mul(self, other: Expr) -> ImmutableMatrix:
-        if (both := kept_with_symbols(self, ImmutableMatrix([[other]]))) is None:
+        if (both := over_common_symbols(self, ImmutableMatrix([[other]]))) is None:
             return super()._eval_scalar_mul(other)
         work, (matrix, factor) = both
         flat = [x * factor.flat[0] for x in matrix.flat]
@@ -144,8 +150,8 @@ class SymbolicMatrix(KeptMatrix):
 
 
 def _together(left: Matrix, right: Matrix, operation: str) -> ImmutableMatrix:
-    """Do what SymPy calls by this name, in python-flint where it can be."""
-    if (read := kept_with_symbols(left, right)) is None:
+    """Do an operation by its name, in python-flint where possible, else in SymPy."""
+    if (read := over_common_symbols(left, right)) is None:
         return OF_SYMPY[operation](left, right)
     work, (one, two) = read
     if operation == "multiply":
@@ -178,7 +184,9 @@ def of_numerators(
         bottom = int(below.leading_coefficient())
         tops = [0 if x.is_zero() else int(x.leading_coefficient()) for x in flat]
         return from_flint(flint.fmpq_mat(*shape, [flint.fmpq(top, bottom) for top in tops]))
-    return SymbolicMatrix._kept_as(work, Numerators(flat, below, int(shape[0]), int(shape[1])))
+    return SymbolicMatrix._of_flint_form(
+        work, Numerators(flat, below, int(shape[0]), int(shape[1]))
+    )
 
 
 def common_factor(
@@ -194,8 +202,8 @@ def common_factor(
 
 
 def symbolic_matrix(matrix: Matrix) -> RationalMatrix | SymbolicMatrix | None:
-    """Read a matrix of rational functions into python-flint; None where it holds something else."""
-    if isinstance(matrix, KeptMatrix):
+    """Read a matrix of rational functions into python-flint; None for other entries."""
+    if isinstance(matrix, FlintBackedMatrix):
         return matrix
     if is_rational_matrix(matrix):
         return from_flint(to_flint(matrix))
@@ -210,28 +218,28 @@ def symbolic_matrix(matrix: Matrix) -> RationalMatrix | SymbolicMatrix | None:
     return of_numerators(work, flat, below, matrix.shape)
 
 
-def kept_with_symbols(*matrices: Matrix) -> tuple[RationalFunctions, list[Numerators]] | None:
-    """Return matrices as python-flint keeps them, with the symbols of all."""
-    kept = []
+def over_common_symbols(*matrices: Matrix) -> tuple[RationalFunctions, list[Numerators]] | None:
+    """Return the numerators of all matrices in one ring with the symbols of all."""
+    symbolic = []
     for matrix in matrices:
         if (read := symbolic_matrix(matrix)) is None:
             return None
-        kept.append(read)
-    works = [part.work for part in kept if isinstance(part, SymbolicMatrix)]
+        symbolic.append(read)
+    works = [part.work for part in symbolic if isinstance(part, SymbolicMatrix)]
     if not works:
         return None
     work = works[0]
     if any(other.symbols != work.symbols for other in works):
         work = in_symbols(frozenset().union(*(other.symbols for other in works)))
-    return work, [_taken_to(work, part) for part in kept]
+    return work, [_in_ring_of(work, part) for part in symbolic]
 
 
-def _taken_to(work: RationalFunctions, matrix: RationalMatrix | SymbolicMatrix) -> Numerators:
+def _in_ring_of(work: RationalFunctions, matrix: RationalMatrix | SymbolicMatrix) -> Numerators:
     if isinstance(matrix, RationalMatrix):
-        above, below = matrix.kept.numer_denom()
+        above, below = matrix.flint_form.numer_denom()
         flat = [work.context.constant(int(x)) for x in above.entries()]
         return Numerators(flat, work.context.constant(int(below)), *map(int, matrix.shape))
-    numerators = matrix.kept
+    numerators = matrix.flint_form
     if matrix.work.symbols == work.symbols:
         return numerators
     moves = {f"x{i}": f"x{work.symbols.index(x)}" for i, x in enumerate(matrix.work.symbols)}
@@ -257,8 +265,8 @@ def over_one(
 
 
 def product_with_symbols(*factors: Matrix) -> ImmutableMatrix | None:
-    """Multiply matrices of rational functions; None where `kept_with_symbols` has none."""
-    if (read := kept_with_symbols(*factors)) is None:
+    """Multiply matrices of rational functions; None where `over_common_symbols` has none."""
+    if (read := over_common_symbols(*factors)) is None:
         return None
     return _product(*read)
 

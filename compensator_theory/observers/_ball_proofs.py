@@ -26,7 +26,7 @@ Chain = list[list[flint.acb]]
 
 @dataclass(frozen=True)
 class BallProof(ExactValue):
-    """How many real splits of the closed-loop spectrum were proved to give a form.
+    """Number of real splits of the closed-loop spectrum that provably give a form.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ def _splits(units: Sequence[Unit], sizes: tuple[int, ...]) -> Iterator[Split]:
 
 
 def _gives_form(chains: Sequence[Chain], split: Split, n: int) -> bool:
-    """Tell whether determinants that certainly are not 0 prove the form of this split."""
+    """Return whether certified nonzero determinants prove the form of this split."""
     inner, outer = [], []
     for (indices, _), share in split:
         for i in indices:

@@ -1,4 +1,4 @@
-"""How many observer-based forms there are, counted without listing them."""
+"""Number of observer-based forms, without their enumeration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The answer to "is it observer-based?", with its reason."""
+"""The decision whether a compensator is observer-based, with its reason."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._certified import Root, certified_roots
 
 NumberOfForms = int | Literal["a continuum"] | None
-"""How many forms there are; None if that is not known."""
+"""Number of forms; None if it is unknown."""
 
 
 @dataclass(frozen=True)

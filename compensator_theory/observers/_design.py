@@ -14,7 +14,11 @@ from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._flint_matrices import identity_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.observers._gains import observer_gain, regulator_gain, wanted_spectrum
+from compensator_theory.observers._gains import (
+    observer_gain,
+    read_target_polynomial,
+    regulator_gain,
+)
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
@@ -79,7 +83,7 @@ class ObserverBasedCompensator(ExactValue):
 
     @property
     def certificate(self) -> Certificate:
-        r"""That the loop is the regulator beside the observer, (7.18), with these polynomials.
+        r"""The certificate of (7.18): the loop has the regulator and the observer polynomial.
 
         :math:`\tilde S\tilde A - \tilde A'\tilde S`, computed anew from the loop of plant and
         compensator, and what is left of both polynomials.
@@ -119,7 +123,7 @@ def observer_based_compensator(
     *,
     variable: str | Symbol | None = None,
 ) -> ObserverBasedCompensator:
-    r"""Design a regulator and an observer with the spectra asked for.
+    r"""Design a regulator and an observer with given spectra.
 
     .. math:: \det(sI - A - BK) = p_R, \qquad \det(sI - A + FC) = p_O
 
@@ -161,7 +165,7 @@ def observer_based_compensator(
     """
     system = realisation(plant, variable)
     s, n = system.variable, system.n
-    p_R, p_O = (wanted_spectrum(poles, n, s) for poles in (regulator_poles, observer_poles))
+    p_R, p_O = (read_target_polynomial(poles, n, s) for poles in (regulator_poles, observer_poles))
     K = regulator_gain(system.A, system.B, p_R, variable=s)
     F = observer_gain(system.A, system.C, p_O, variable=s)
     return ObserverBasedCompensator(system, K, F, p_R, p_O)
@@ -171,7 +175,7 @@ def observer_based_compensator(
 def _generic_compensator(
     plant: RealisationLike, *arguments: Any, **options: Any
 ) -> tuple[ObserverBasedCompensator, list[Expr]]:
-    """It exists where the plant is controllable and observable."""
+    """Return the compensator and its condition: a controllable and observable plant."""
     compensator = observer_based_compensator(plant, *arguments, **options)
     A, B, C, _ = compensator.plant.matrices
     ranks = [determinant(controllability_matrix(*pair)) for pair in ((A, B), (A.T, C.T))]

@@ -103,7 +103,7 @@ def observer_forms(
     Matrix([[-3/4, -2]]) Matrix([[7, 3/2]])
     """
     system = realisation(plant, variable)
-    ask("entries", system.n**3, _SEARCH)  # before the compensator is read, which takes as long
+    ask("entries", system.n**3, _SEARCH)  # before the slow reading of the compensator
     loop_compensator = realisation(compensator, variable)
     ask("entries", (system.n + loop_compensator.n) ** 3, _SEARCH)
     controller = loop_compensator.with_sign(agreed_sign(loop_compensator, feedback))
@@ -120,8 +120,8 @@ def observer_forms(
     if candidates > limit:
         raise InputError(
             f"there are {candidates} regulator polynomials to test, more than limit = {limit}; "
-            "raise the limit, use count_observer_forms, or ask rcac_numeric.observer_forms, which "
-            "has them in float64"
+            "raise the limit, use count_observer_forms, or call rcac_numeric.observer_forms for "
+            "float64"
         )
     forms: list[ObserverForm] = []
     families: list[ObserverForm] = []
@@ -167,7 +167,7 @@ def _of_continuum(
     polynomials: tuple[Poly, Poly],
     dimension: int,
 ) -> ObserverForm | str | None:
-    """Return a family of forms, or one form of it, or why there is none, or None if undecided."""
+    """Return a family of forms, one form, the reason why none exists, or None if undecided."""
     largest = _stacked(loop.rows, chosen)
     if rank(largest[: plant.n, :]) < plant.n:
         return (

@@ -77,13 +77,13 @@ class ObserverForm(Certified, ExactValue):
 
     @property
     def residual(self) -> ImmutableMatrix:
-        """What is left of B_c C + A_c T = T (A + B C_c T), computed anew; zero."""
+        """The residual of B_c C + A_c T = T (A + B C_c T), recomputed; zero."""
         A, B, C = self.plant.A, self.plant.B, self.plant.C
         C_y = C + self.plant.D * self.compensator.C * self.T
         left = self.compensator.B * C_y + self.compensator.A * self.T
         return in_lowest_terms(left - self.T * (A + B * self.K))
 
-    def _left_over(self) -> list[ImmutableMatrix | Poly]:
+    def _residuals(self) -> list[ImmutableMatrix | Poly]:
         A, B, C = self.plant.A, self.plant.B, self.plant.C
         A_c, s, K = self.compensator.A, self.plant.variable, self.K
         inner = A_c + self.compensator.B * self.plant.D * self.compensator.C
@@ -164,7 +164,7 @@ def form_of_subspace(
     spectra: tuple[Poly, Poly],
     parameters: tuple[Symbol, ...] = (),
 ) -> ObserverForm | str:
-    r"""Return the form that an invariant subspace gives, or say in words why it gives none.
+    r"""Return the form of an invariant subspace, or the reason why none exists.
 
     .. math:: T = V_2 V_1^{-1}, \qquad \mathrm{im} \begin{bmatrix} V_1 \\ V_2 \end{bmatrix}
               \text{ invariant under } \tilde A

@@ -27,7 +27,7 @@ from compensator_theory.systems._realisations import Realisation
 
 @dataclass(frozen=True)
 class ObserverForms(Certified, ExactValue):
-    r"""The observer-based forms that :func:`observer_forms` found, and why there are no others.
+    r"""The observer-based forms of :func:`observer_forms`, and the reasons why no others exist.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class ObserverForms(Certified, ExactValue):
     undecided: tuple[Poly, ...] = ()
     continua: tuple[tuple[Poly, int, int], ...] = ()
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         whole, s = closed_loop_matrix(self.plant, self.compensator), self.plant.variable
         minus = self.characteristic_polynomial * -1
         yield total(characteristic_polynomial(whole, s), minus)
         for form in (*self.forms, *self.families):
-            yield from form._left_over()
+            yield from form._residuals()
             yield total(product(form.regulator, form.observer), minus)
 
     @property
@@ -105,7 +105,7 @@ class ObserverForms(Certified, ExactValue):
         return None if candidates is None else len(spectra) == candidates
 
     def continuum(self, regulator: Poly) -> str:
-        """Say in words how large the continuum of subspaces of a regulator polynomial is."""
+        """Return a phrase with the dimension of the subspaces of a regulator polynomial."""
         for polynomial, dimension, components in self.continua:
             if polynomial == regulator:
                 parts = f" in {components} components" if components > 1 else ""
@@ -195,8 +195,8 @@ class ObserverForms(Certified, ExactValue):
         ]
         lines += [f"none for regulator {format_polynomial(p)}: {why}" for p, why in self.rejections]
         lines += [
-            f"undecided for regulator {format_polynomial(p)}: {self.continuum(p)}, and none that "
-            "was tried gives a form"
+            f"undecided for regulator {format_polynomial(p)}: {self.continuum(p)}, and no tested "
+            "subspace gives a form"
             for p in self.undecided
         ]
         if self.is_complete is False:

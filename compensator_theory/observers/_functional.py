@@ -29,7 +29,7 @@ from compensator_theory.systems._realisations import Realisation
 
 @dataclass(frozen=True)
 class FunctionalObserver(ExactValue):
-    r"""An estimate of L x whose error obeys an equation of its own, with the proof of that.
+    r"""An estimate of L x whose error obeys an autonomous equation, with its certificate.
 
     .. math:: \dot\zeta = N\zeta + J(y - Du) + Hu, \qquad \hat v = \zeta + E(y - Du), \qquad
               \frac{d}{dt}(\hat v - Lx) = N(\hat v - Lx)
@@ -122,7 +122,7 @@ class FunctionalObserver(ExactValue):
         plant, gain = self.plant, exact_matrix(K, "K")
         m, n = int(plant.B.cols), plant.n
         if gain.shape != (m, n):
-            raise InputError(f"K is {gain.rows} x {gain.cols}; here it must be {m} x {n}")
+            raise InputError(f"K is {gain.rows} x {gain.cols}; it must be {m} x {n}")
         of_estimate, of_output = self._split(gain)
         direct = of_estimate * self.E + of_output
         try:
@@ -263,8 +263,7 @@ def functional_observer(
     if symbols:
         names = ", ".join(sorted(map(str, symbols)))
         raise InputError(
-            f"an observer of a functional is found for numbers; give values to {names}, as in "
-            "matrix.subs(a, 2)"
+            f"a functional observer needs numbers; give values to {names}, as in matrix.subs(a, 2)"
         )
     if not functional.rows or rank(functional) < functional.rows:
         raise InputError(
@@ -278,7 +277,7 @@ def functional_observer(
 def reduced_order_observer(
     plant: RealisationLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> FunctionalObserver:
-    r"""Estimate what the outputs do not show, by an observer of order n - rank C.
+    r"""Estimate the states that the outputs do not determine, by an observer of order n - rank C.
 
     Parameters
     ----------
@@ -320,7 +319,9 @@ def reduced_order_observer(
     measured_rows = set(echelon(whole.C).pivots)
     rows = [row for row in range(whole.n) if row not in measured_rows]
     if not rows:
-        raise InputError("C has rank n: the outputs show the whole state, nothing is left to find")
+        raise InputError(
+            "C has rank n: the outputs determine the whole state; no observer is needed"
+        )
     return functional_observer(whole, identity_matrix(whole.n)[rows, :], poles)
 
 
@@ -335,7 +336,7 @@ def _designed(
         particular = _solved_from_the_left(left, right)
     except NoSolutionError as error:
         raise NoSolutionError(_why_not(left, right, plant.C * G, L * G)) from error
-    free = kernel(left.T).T  # rows, what may be added to a row of the solution
+    free = kernel(left.T).T  # rows that may be added to a row of the solution
     N, gains, fixed = _placed(particular[:, :r], ImmutableMatrix(free[:, :r]), polynomial)
     whole = ImmutableMatrix(particular - gains * free)
     E = ImmutableMatrix(whole[:, r + p :])
@@ -352,10 +353,10 @@ def _designed(
 def _placed(
     N_0: ImmutableMatrix, N_1: ImmutableMatrix, polynomial: Poly
 ) -> tuple[ImmutableMatrix, ImmutableMatrix, Poly]:
-    """N_0 - Z N_1 with the wanted spectrum where it can be moved, Z, and what cannot be."""
+    """Return N_0 - Z N_1 with the target spectrum, Z, and the polynomial of the fixed modes."""
     s, r = polynomial.gen, int(N_0.rows)
-    shown = ImmutableMatrix(controllability_matrix(N_0.T, N_1.T)) if N_1.rows else N_1.T
-    basis = echelon(shown.T).matrix  # rows span what moves
+    krylov_matrix = ImmutableMatrix(controllability_matrix(N_0.T, N_1.T)) if N_1.rows else N_1.T
+    basis = echelon(krylov_matrix.T).matrix  # rows span the modes that can be moved
     q = int(basis.rows)
     pivots = set(echelon(basis).pivots)
     rest = [row for row in range(r) if row not in pivots]
@@ -367,8 +368,7 @@ def _placed(
         hidden = f"; the root(s) of {format_polynomial(fixed)} cannot be moved" if q < r else ""
         raise InputError(
             f"{format_polynomial(polynomial)} has degree {polynomial.degree()}, but {q} poles "
-            "are to be "
-            f"placed{hidden}"
+            f"are to be placed{hidden}"
         )
     if q == 0:
         return N_0, zero_matrix(r, N_1.rows), fixed
@@ -405,7 +405,8 @@ def _why_not(
     if measured < felt:
         return (
             f"no observer of L x is free of the unknown inputs: rank C G = {measured}, but "
-            f"rank [C; L] G = {felt}; measure what they enter, or estimate less"
+            f"rank [C; L] G = {felt}; measure the states that they enter, or estimate fewer "
+            "functions"
         )
     known, both = rank(left), rank(ImmutableMatrix(left.col_join(right)))
     more = " (and free of the unknown inputs)" if CG.cols else ""

@@ -21,7 +21,7 @@ from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials._generic_answers import generic_answer_of
-from compensator_theory.polynomials._letters import variable_beside
+from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import is_rational, monic
 from compensator_theory.systems._controllability import (
     controllability_matrix,
@@ -34,7 +34,7 @@ from compensator_theory.systems._controllability import (
 def regulator_gain(
     A: MatrixLike, B: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
-    r"""Return the one K that gives A + BK the eigenvalues asked for (Ackermann's formula).
+    r"""Return the unique K that places the eigenvalues of A + BK (Ackermann's formula).
 
     .. math:: K = -\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}\,\mathcal C(A,B)^{-1} p_R(A)
 
@@ -73,16 +73,16 @@ def regulator_gain(
     pair = rational_pair(A, B)
     if pair is None:
         a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
-        size, inputs, symbol = int(a.rows), int(b.cols), variable_beside(variable, a, b)
+        size, inputs, symbol = int(a.rows), int(b.cols), variable_for_matrix(variable, a, b)
     else:
-        symbol = variable_beside(variable)
+        symbol = variable_for_matrix(variable)
         size, inputs = int(pair[0].nrows()), int(pair[1].ncols())
     if inputs != 1:
         raise InputError(
             f"B has {inputs} columns; with several inputs many gains give the same eigenvalues. "
             "Choose a direction v and place the poles of (A, Bv)"
         )
-    goal = wanted_spectrum(poles, size, symbol)
+    goal = read_target_polynomial(poles, size, symbol)
     try:
         if pair is not None and is_rational(goal):
             return _rational_gain(*pair, to_flint_polynomial(goal))
@@ -119,10 +119,10 @@ def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) 
 def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> ImmutableMatrix:
     """Solve K [V_1 .. V_n] = p - p_R for the columns of adj(sI - A) b (Bass and Gura)."""
     if a.rows != a.cols or b.rows != a.rows or not a.rows:
-        controllability_matrix(a, b)  # which says what does not fit
+        controllability_matrix(a, b)  # its error names the mismatch
         return zero_matrix(1, 0)
-    wanted = ImmutableMatrix([goal.all_coeffs()[1:]])
-    A, v, target = domain_matrices(a, b, wanted)
+    target = ImmutableMatrix([goal.all_coeffs()[1:]])
+    A, v, target = domain_matrices(a, b, target)
     p = A.charpoly()
     columns = [v]
     for coefficient in p[1:-1]:
@@ -144,7 +144,7 @@ def _generic_regulator_gain(
 def observer_gain(
     A: MatrixLike, C: MatrixLike, poles: SpectrumLike, *, variable: str | Symbol | None = None
 ) -> ImmutableMatrix:
-    r"""Return the one F that gives A - FC the eigenvalues asked for.
+    r"""Return the unique F that places the eigenvalues of A - FC.
 
     .. math:: F = p_O(A)\,\mathcal O(A,C)^{-1}\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}^T
 
@@ -204,7 +204,7 @@ def _generic_observer_gain(
     return F, [determinant(controllability_matrix(*transposed))]
 
 
-def wanted_spectrum(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:
+def read_target_polynomial(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:
     """Read a monic polynomial of the given degree, from its roots or from itself."""
     goal = monic(polynomial_or_roots(poles, variable))
     if goal.degree() != size:

@@ -1,4 +1,4 @@
-"""What the observer-based structure says about optimality, and what it does not."""
+"""Consequences of the observer-based structure for optimality."""
 
 from __future__ import annotations
 

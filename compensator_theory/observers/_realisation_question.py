@@ -92,8 +92,11 @@ def realisation_is_observer_based(
     uncontrollable and unobservable, and the closed loop has them only once. Forms: 0.
     Closed loop: s**4 + 16*s**3 + 83*s**2 + 140*s
     """
-    system, given = realisation(plant, variable), realisation(compensator, variable)
-    controller = given.with_sign(agreed_sign(given, feedback))
+    system, controller_realisation = (
+        realisation(plant, variable),
+        realisation(compensator, variable),
+    )
+    controller = controller_realisation.with_sign(agreed_sign(controller_realisation, feedback))
     if controller.is_strictly_proper is False:
         return ObserverDecision(
             QUESTION, False,
@@ -156,7 +159,7 @@ def _of_hidden_modes(
     ]
     able = "has" if count else "has no"
     reason = (
-        f"{' and '.join(parts)}; what is left, {format_polynomial(free)}, {able} real "
+        f"{' and '.join(parts)}; the remaining factor, {format_polynomial(free)}, {able} real "
         f"divisor(s) of degree {missing}"
     )
     return ObserverDecision(QUESTION, count > 0, reason, count, Dtilde)
@@ -211,20 +214,20 @@ def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
     if isinstance(proof, ObserverDecision):
         return proof
     reason = (
-        f"{all_ways} real splits into regulator, observer and Youla parameter exist, and none of "
-        f"the rational ones works{proof}"
+        f"{all_ways} real splits into regulator, observer and Youla parameter exist, and no "
+        f"rational split gives a form{proof}"
     )
     return ObserverDecision(QUESTION, None, reason, None, Dtilde)
 
 
 def _by_balls(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> ObserverDecision | str:
-    """Prove "yes" through irrational subspaces, or say what was tried."""
+    """Prove the decision through irrational subspaces, or return a phrase with the attempts."""
     if not is_rational(Dtilde):
         return ""
     proof = prove_forms(closed_loop_matrix(plant, compensator), Dtilde, plant.n)
     attempts = f"{proof.tried} real splits of the spectrum, irrational ones included,"
     if not proof.proved:
-        return f"; of {attempts} none is proved to work in certified balls"
+        return f"; certified balls prove a form for none of the {attempts} tested"
     minimal = derogatory_factor(closed_loop_matrix(plant, compensator), Dtilde) is None
     complete = minimal and proof.is_exhaustive and proof.proved == proof.tried
     number = proof.proved if complete else None

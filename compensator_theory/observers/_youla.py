@@ -87,7 +87,7 @@ class YoulaForm(Certified, ExactValue):
         period = self.plant.sample_time
         return Realisation(A_q, B_q, C_q, None, self.plant.variable, sample_time=period)
 
-    def _left_over(self) -> list[ImmutableMatrix | Poly]:
+    def _residuals(self) -> list[ImmutableMatrix | Poly]:
         plant, Q, K, F, s = self.plant, self.Q, self.K, self.F, self.plant.variable
         C_hat = plant.C + plant.D * K  # the estimate of y is C_hat x_hat + D_0 C_q x_q
         top = (plant.A + plant.B * K - F * C_hat).row_join((plant.B - F * plant.D) * Q.C)
@@ -171,8 +171,11 @@ def youla_forms(
     >>> len(forms), all(form.is_verified for form in forms)
     (6, True)
     """
-    system, given = realisation(plant, variable), realisation(compensator, variable)
-    controller = given.with_sign(agreed_sign(given, feedback))
+    system, controller_realisation = (
+        realisation(plant, variable),
+        realisation(compensator, variable),
+    )
+    controller = controller_realisation.with_sign(agreed_sign(controller_realisation, feedback))
     n, n_c = system.n, controller.n
     if n_c <= n:
         raise InputError(f"the compensator has n_c = {n_c} <= n = {n} states; use observer_forms")

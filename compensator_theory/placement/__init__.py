@@ -1,1 +1,1 @@
-"""Where poles can be put: compensators, gains, factorisations, geometric control."""
+"""Pole placement: compensators, gains, factorisations, geometric control."""

@@ -1,4 +1,4 @@
-"""Controllability indices, and the chains of integrators that feedback makes of a pair (A, B)."""
+"""Controllability indices and Brunovsky's form of a pair (A, B)."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class BrunovskyForm(Certified, ExactValue):
     W: ImmutableMatrix
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         A_c, B_c = chains(self.indices)
         T, F = self.T, self.F
         moved = multiplied(self.A.row_join(self.B), T.col_join(multiplied(F, T)))  # (A + B F) T

@@ -158,7 +158,7 @@ def decouple(
     if sympy.cancel(minor) == 0:
         raise NoSolutionError(
             f"the decoupling matrix {star.tolist()} is singular, so no static state feedback "
-            "decouples the plant; see interactor for what precompensation it needs"
+            "decouples the plant; see interactor for the required precompensation"
         )
     targets = _targets(polynomials, degrees, source.variable)
     below = ImmutableMatrix.vstack(

@@ -70,7 +70,7 @@ class DoublyCoprimeFractions(Certified, ExactValue):
     V_l: TransferMatrix
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         m, p = self.M_r.shape[0], self.M_l.shape[0]
         left = [
             self.V_l @ self.M_r - self.U_l @ self.N_r - identity_matrix(m),
@@ -194,8 +194,7 @@ def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None
     if decide_stability(polynomial, time=time_of(variable, "stability")).is_stable is False:
         raise InputError(
             f"the {name} spectrum {format_polynomial(polynomial)} is not stable; the fractions "
-            "need "
-            "stable denominators"
+            "need stable denominators"
         )
 
 

@@ -19,7 +19,7 @@ from compensator_theory.matrices._exceptional_factors import exceptional_factors
 from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
 from compensator_theory.matrices._linear_algebra import solve, solve_affine
 from compensator_theory.polynomials._algebraic import algebraic
-from compensator_theory.polynomials._budget import listed, shown
+from compensator_theory.polynomials._budget import listed, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._generic_answers import generic_answer_of
@@ -241,7 +241,7 @@ def _eigenvalue(value_like: NumberLike) -> Expr:
 def _chain(chain_like: object, n: int) -> Chain:
     """Read one vector or a chain of them."""
     if isinstance(chain_like, str) or not hasattr(chain_like, "__iter__"):
-        raise InputError(f"{shown(chain_like)} is no eigenvector; write {n} numbers")
+        raise InputError(f"{repr_of(chain_like)} is no eigenvector; write {n} numbers")
     entries = listed(chain_like, "degree", "the eigenvector")
     nested = bool(entries) and all(
         hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in entries
@@ -272,8 +272,8 @@ def _one_of_each_pair(pairs: list[tuple[Expr, Chain]]) -> list[tuple[Expr, Chain
             continue
         if any(value == other for other, _ in representatives):
             raise InputError(
-                f"{_conjugate(value)} and {value} have vectors that are not conjugate; give one of "
-                "them, which stands for both, or conjugate vectors"
+                f"{_conjugate(value)} and {value} have vectors that are not conjugate; give one "
+                "of the two, or conjugate vectors"
             )
         representatives.append((value, chain))
     return representatives
@@ -307,7 +307,7 @@ def _column(entries: list[Expr]) -> ImmutableMatrix:
 
 
 def _input(b: ImmutableMatrix, target: ImmutableMatrix, vector: ImmutableMatrix) -> ImmutableMatrix:
-    """Return w with B w = wanted, which says whether the vector can be reached."""
+    """Return w with B w = target; it exists if the vector is reachable."""
     try:
         return solve_affine(b, ImmutableMatrix(target.applyfunc(sympy.expand))).particular
     except NoSolutionError as error:

@@ -1,4 +1,4 @@
-"""Modes that no decentralised feedback moves, however the channels' gains are chosen."""
+"""Fixed modes of decentralised output feedback."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from compensator_theory.matrices._certificates import Certified
 from compensator_theory.matrices._flint_matrices import to_flint
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials._budget import ask, is_integer, listed, shown
+from compensator_theory.polynomials._budget import ask, is_integer, listed, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._poly import canonical, common_divisor, monic
@@ -52,7 +52,7 @@ class FixedModes(Certified, ExactValue):
     centralised: Poly
     gains: ImmutableMatrix
 
-    def _left_over(self) -> list[Poly]:
+    def _residuals(self) -> list[Poly]:
         A, B, C, s = self.plant.A, self.plant.B, self.plant.C, self.plant.variable
         before, after = (characteristic_polynomial(M, s) for M in (A, A + B * self.gains * C))
         return [common_divisor(before, after) - self.polynomial]
@@ -146,15 +146,15 @@ def _channels(
     try:
         pairs = [(i, o) for i, o in listed(channels, "entries", "the list of channels")]
     except (TypeError, ValueError) as error:
-        raise InputError(f"the channels {shown(channels)} cannot be read; {example}") from error
+        raise InputError(f"the channels {repr_of(channels)} cannot be read; {example}") from error
     read = [(_signals(i, "inputs"), _signals(o, "outputs")) for i, o in pairs]
     for side, size, name in ((0, inputs, "input"), (1, outputs, "output")):
         used = [index for pair in read for index in pair[side]]
         bad = [i for i in used if not (is_integer(i) and 0 <= i < size)]
         if bad or len(set(used)) < len(used):
             raise InputError(
-                f"the channels use the {name}s {shown(used)}; each of the {size} is numbered from "
-                f"0 and belongs to one channel at most; {example}"
+                f"the channels use the {name}s {repr_of(used)}; each of the {size} is numbered "
+                f"from 0 and belongs to one channel at most; {example}"
             )
     if not read:
         raise InputError(f"there is no channel; {example}")

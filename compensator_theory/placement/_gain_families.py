@@ -1,4 +1,4 @@
-"""Every state feedback that places given poles, by the parameters that it leaves."""
+"""Every state feedback that places given poles, by its free parameters."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from compensator_theory.placement._brunovsky import BrunovskyForm, brunovsky_for
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials._letters import fresh, names_in_all, variable_beside
+from compensator_theory.polynomials._letters import fresh, names_in_all, variable_for_matrix
 from compensator_theory.polynomials._poly import canonical, monic, total
 from compensator_theory.polynomials._values import ExactValue
 
@@ -80,7 +80,7 @@ class StateFeedbackFamily(Certified, ExactValue):
         """Where the form of (A, B) does not hold, as polynomials in its symbols."""
         return self.form.exceptional
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         A, B, s = self.form.A, self.form.B, self.polynomial.gen
         yield total(characteristic_polynomial(self.Lambda, s), self.polynomial * -1)
         for X, G in self._columns():
@@ -129,7 +129,7 @@ class StateFeedbackFamily(Certified, ExactValue):
         gain = exact_matrix(K, "K")
         m, n = self.shape
         if gain.shape != (m, n):
-            raise InputError(f"K is {gain.rows} x {gain.cols}; here it must be {m} x {n}")
+            raise InputError(f"K is {gain.rows} x {gain.cols}; it must be {m} x {n}")
         if not are_similar(in_lowest_terms(self.form.A + self.form.B * gain), self.Lambda):
             return ()
         images = [(G - gain * X).reshape(m * n, 1) for X, G in self._columns()]
@@ -159,7 +159,7 @@ class StateFeedbackFamily(Certified, ExactValue):
         raise NoSolutionError(
             f"no gain makes A + BK similar to {self.Lambda.tolist()}: its invariant polynomials "
             f"would need larger controllability indices than {self.form.indices} (Rosenbrock's "
-            "inequalities); ask for larger Jordan blocks"
+            "inequalities); request larger Jordan blocks"
         )
 
     def _stacked(self, phi: ImmutableMatrix) -> tuple[ImmutableMatrix, ImmutableMatrix]:
@@ -177,13 +177,13 @@ class StateFeedbackFamily(Certified, ExactValue):
         phi = exact_matrix(parameters, "the parameters")
         if phi.shape != self.shape:
             raise InputError(
-                f"the parameters are {phi.rows} x {phi.cols}; here they must be "
+                f"the parameters are {phi.rows} x {phi.cols}; they must be "
                 f"{self.shape[0]} x {self.shape[1]}"
             )
         return phi
 
     def _require(self, K: ImmutableMatrix) -> None:
-        """Refuse to hand out a gain whose characteristic polynomial is not the one asked for."""
+        """Refuse a gain whose characteristic polynomial is not the target."""
         closed = in_lowest_terms(self.form.A + self.form.B * K)
         if characteristic_polynomial(closed, self.polynomial.gen) != self.polynomial:
             raise NoSolutionError(f"K = {K.tolist()} is wrong, please report it")
@@ -198,7 +198,7 @@ class StateFeedbackFamily(Certified, ExactValue):
 
     @property
     def structure(self) -> str:
-        """What A + B K is beyond its characteristic polynomial, in words; empty if nothing."""
+        """The block structure of A + B K in words; empty if the polynomial determines it."""
         if len(self.form.indices) == 1 or self.polynomial.is_sqf:
             return ""  # every matrix with this characteristic polynomial is similar to Lambda
         if frobenius_form(self.Lambda).is_cyclic:
@@ -224,7 +224,7 @@ def state_feedback_family(
     Lambda: MatrixLike | None = None,
     variable: str | Symbol | None = None,
 ) -> StateFeedbackFamily:
-    r"""Find every K that gives A + B K the eigenvalues asked for.
+    r"""Find every K that places the eigenvalues of A + B K.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def state_feedback_family(
     form = brunovsky_form(A, B)
     n = form.A.rows
     spectrum = None if Lambda is None else exact_matrix(Lambda, "Lambda")
-    symbol = variable_beside(variable, form.A, form.B, spectrum)
+    symbol = variable_for_matrix(variable, form.A, form.B, spectrum)
     if spectrum is not None:
         if spectrum.shape != (n, n):
             raise InputError(

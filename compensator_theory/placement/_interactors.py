@@ -28,7 +28,7 @@ IDENTITY = "the coefficients of xi N above deg D are zero, those at it are the l
 
 @dataclass(frozen=True)
 class Interactor(ExactValue):
-    r"""The least polynomial matrix that leaves a transfer matrix with an invertible limit.
+    r"""The least polynomial matrix whose product with a transfer matrix has an invertible limit.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Interactor(ExactValue):
 
 @carrying()
 def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Interactor:
-    r"""Find the interactor of a proper transfer matrix: how late each combination of outputs comes.
+    r"""Find the interactor of a proper transfer matrix: the delay of each combination of outputs.
 
     It is diagonal if and only if static state feedback decouples a square plant: :func:`decouple`.
 

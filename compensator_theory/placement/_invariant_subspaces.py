@@ -23,7 +23,7 @@ IDENTITY = "(A + B F) V = V M, (C + D F) V = 0"
 
 @dataclass(frozen=True)
 class ControlledInvariantSubspaces(ExactValue):
-    r"""The largest subspace in which feedback can keep the state with zero output, and its parts.
+    r"""The subspaces V*, R* and S* of a plant: zero output under feedback.
 
     .. math:: (A + BF)\,\mathcal{{V}}^* \subset \mathcal V^*, \qquad (C + DF)\,\mathcal V^* = 0
 
@@ -164,8 +164,8 @@ def _least(
     n = A.rows
     S = zero_matrix(n, 0)
     while True:
-        silent = work.kernel((C * S).row_join(D))  # (t, u) with C S t + D u = 0
-        after = work.span(ImmutableMatrix((A * S).row_join(B) * silent))
+        zero_output = work.kernel((C * S).row_join(D))  # (t, u) with C S t + D u = 0
+        after = work.span(ImmutableMatrix((A * S).row_join(B) * zero_output))
         if after.cols == S.cols:
             return after
         S = after

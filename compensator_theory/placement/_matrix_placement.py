@@ -37,7 +37,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 
 @dataclass(frozen=True)
 class MatrixPlacement(Certified, ExactValue):
-    r"""Every compensator that :func:`place_matrix_poles` found, :math:`G_c = N_c D_c^{-1}`.
+    r"""The compensators of :func:`place_matrix_poles`, :math:`G_c = N_c D_c^{-1}`.
 
     .. math:: D_l \Big(D_c + \sum_i \alpha_i\,\delta D_i\Big)
               - f N_l \Big(N_c + \sum_i \alpha_i\,\delta N_i\Big) = \mathrm{diag}(t_1, \ldots, t_p)
@@ -75,7 +75,7 @@ class MatrixPlacement(Certified, ExactValue):
     homogeneous: tuple[tuple[PolynomialMatrix, PolynomialMatrix], ...]
     exceptional: tuple[Expr, ...]
 
-    def _left_over(self) -> Residuals:
+    def _residuals(self) -> Residuals:
         loop = (self.D_l @ self.D_c).as_matrix() - self.feedback * (self.N_l @ self.N_c).as_matrix()
         return [loop - sympy.diag(*(target.as_expr() for target in self.targets))]
 

@@ -17,7 +17,7 @@ from compensator_theory.placement._gain_families import (
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
-from compensator_theory.polynomials._letters import variable_beside
+from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._controllability import uncontrollable_polynomial
 
@@ -40,8 +40,8 @@ class ObserverGainFamily(Certified, ExactValue):
 
     dual: StateFeedbackFamily
 
-    def _left_over(self) -> Residuals:
-        return self.dual._left_over()
+    def _residuals(self) -> Residuals:
+        return self.dual._residuals()
 
     def gain(self, parameters: MatrixLike | None = None) -> ImmutableMatrix:
         """Return F, n x p, for the parameters of the dual; see :class:`StateFeedbackFamily`."""
@@ -73,7 +73,7 @@ def observer_gain_family(
     Lambda: MatrixLike | None = None,
     variable: str | Symbol | None = None,
 ) -> ObserverGainFamily:
-    r"""Find every F that gives A - F C the eigenvalues asked for.
+    r"""Find every F that places the eigenvalues of A - F C.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def observer_gain_family(
             state_feedback_family(a.T, c.T, poles, variable=variable, Lambda=Lambda)
         )
     except NotControllableError as error:
-        symbol = variable_beside(variable, a, c)
+        symbol = variable_for_matrix(variable, a, c)
         fixed = format_polynomial(uncontrollable_polynomial(a.T, c.T, variable=symbol))
         raise NotObservableError(
             f"(A, C) is not observable: every A - FC keeps the roots of {fixed}. Remove these "

@@ -27,7 +27,7 @@ from compensator_theory.matrices._echelon import contradictions
 from compensator_theory.matrices._flint_matrices import zero_matrix
 from compensator_theory.matrices._linear_algebra import solve_affine
 from compensator_theory.placement._solutions import PolePlacement
-from compensator_theory.polynomials._budget import integer, shown
+from compensator_theory.polynomials._budget import integer, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import (
@@ -138,7 +138,7 @@ def place_poles(
     if isinstance(n_c, str):
         if n_c != "least" or polynomial is not None or numerator_degree is not None:
             raise InputError(
-                f'n_c = {shown(n_c)} must be an integer or "least", which takes a list of roots '
+                f'n_c = {repr_of(n_c)} must be an integer or "least", which takes a list of roots '
                 "and chooses the degrees itself"
             )
         return _of_least_order(G, target, feedback, properness)
@@ -214,7 +214,7 @@ def _numerator_degree(n: int, n_c: int, degree: int | None, properness: str | No
     known = ("strictly proper", "exactly proper")
     if properness is not None and not is_one_of(properness, known):
         raise InputError(
-            f"properness = {shown(properness)} must be 'strictly proper' or 'exactly proper'"
+            f"properness = {repr_of(properness)} must be 'strictly proper' or 'exactly proper'"
         )
     if properness == "exactly proper":
         if degree not in (None, n_c):

@@ -1,4 +1,4 @@
-"""What rounding the coefficients of a compensator to float64 does to the closed-loop poles."""
+"""Effect of rounding a compensator to float64 on the closed-loop poles."""
 
 from __future__ import annotations
 

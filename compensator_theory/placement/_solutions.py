@@ -1,4 +1,4 @@
-"""The answer to a pole placement problem, with its evidence."""
+"""The solution of a pole placement problem, with its certificate."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class PolePlacement(Certified, ExactValue):
-    r"""Every compensator that :func:`place_poles` found.
+    r"""The compensators of :func:`place_poles`.
 
     .. math:: D (D_c + \textstyle\sum_i \alpha_i\,\delta D_i)
               - f N (N_c + \sum_i \alpha_i\,\delta N_i) = \lambda\tilde D
@@ -83,7 +83,7 @@ class PolePlacement(Certified, ExactValue):
 
     @property
     def is_unique(self) -> bool:
-        """Whether there is no other compensator within the degrees asked for."""
+        """Whether no other compensator of these degrees exists."""
         return not self.homogeneous
 
     @property
@@ -118,10 +118,10 @@ class PolePlacement(Certified, ExactValue):
 
     @property
     def residual(self) -> Poly:
-        r"""What is left of :math:`D D_c - f N N_c - \lambda\tilde D`; zero, as computed anew."""
+        r"""The residual :math:`D D_c - f N N_c - \lambda\tilde D`, recomputed; zero."""
         return self.residual_of(self.compensator)
 
-    def _left_over(self) -> list[Poly]:
+    def _residuals(self) -> list[Poly]:
         residuals = [self.residual]
         for pair in self.homogeneous:
             sides = self.plant.denominator, self.plant.numerator, *pair

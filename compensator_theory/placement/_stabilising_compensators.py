@@ -1,4 +1,4 @@
-"""Every compensator that stabilises a plant, by a stable parameter, and the loops they make."""
+"""Every stabilising compensator of a plant, by a stable parameter, and the closed-loop maps."""
 
 from __future__ import annotations
 
@@ -174,8 +174,8 @@ class StabilisingCompensators(ExactValue):
         """
         f = self.fractions
         p, m = f.N_r.shape
-        beside = tuple(x + y for x, y in zip(f.M_l.numerators, f.N_l.numerators, strict=True))
-        from_signals = replace(f.M_l, numerators=beside)
+        joined_rows = tuple(x + y for x, y in zip(f.M_l.numerators, f.N_l.numerators, strict=True))
+        from_signals = replace(f.M_l, numerators=joined_rows)
         central = replace(f.V_r, numerators=f.V_r.numerators + f.U_r.numerators)
         to_signals = replace(f.N_r, numerators=f.N_r.numerators + f.M_r.numerators)
         constant = sympy.diag(sympy.zeros(p, p), identity_matrix(m))

@@ -1,1 +1,1 @@
-"""Numbers, text and polynomials: the one way into the exact half."""
+"""Exact numbers and polynomials from text, numbers and expressions."""

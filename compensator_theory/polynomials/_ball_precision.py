@@ -11,7 +11,7 @@ from typing import TypeVar
 import flint
 
 from compensator_theory.errors import BudgetError, InputError, PrecisionError
-from compensator_theory.polynomials._budget import is_integer, shown
+from compensator_theory.polynomials._budget import is_integer, repr_of
 
 
 class _Turn:
@@ -23,7 +23,7 @@ class _Turn:
         self.outside = flint.ctx.prec
 
     def start_anew(self) -> None:
-        """In a child of `fork`, where a thread whose turn it was does not go on to end it."""
+        """Reset the lock in a child of `fork`, where the thread that held it does not exist."""
         if self.holder not in (None, threading.get_ident()):
             flint.ctx.prec = self.outside
             self.lock, self.holder = threading.RLock(), None
@@ -36,7 +36,7 @@ if hasattr(os, "register_at_fork"):
 
 @contextmanager
 def ball_precision(bits: int) -> Iterator[None]:
-    """Compute with python-flint's balls at a precision that no other thread here changes.
+    """Compute with python-flint's balls at a precision that no other thread changes.
 
     python-flint has one precision, ``flint.ctx.prec``, for all threads, and no function that takes
     another. So everything in this project that computes with balls does it inside such a block,
@@ -66,7 +66,7 @@ def ball_precision(bits: int) -> Iterator[None]:
     True
     """
     if not is_integer(bits) or bits < 2:
-        raise InputError(f"a precision of {shown(bits)} bits; give an integer of at least 2")
+        raise InputError(f"a precision of {repr_of(bits)} bits; give an integer of at least 2")
     with _turn.lock:
         before, holder = flint.ctx.prec, _turn.holder
         if holder is None:
@@ -95,15 +95,15 @@ def _require_unchanged(bits: int) -> None:
         )
 
 
-Found = TypeVar("Found")
+Answer = TypeVar("Answer")
 MOST_BITS = 2**18
-"""Of a ball that is to decide a question, or 64 times as many as it begins with."""
+"""Largest precision of a decision in balls, or 64 times its initial one."""
 
 
 def at_growing_precision(
-    attempt: Callable[[int], Found | None], bits: int, what: str, most: int | None = None
-) -> Found:
-    """Ask a question of balls at twice the precision again and again, until they answer it.
+    attempt: Callable[[int], Answer | None], bits: int, subject: str, most: int | None = None
+) -> Answer:
+    """Repeat a decision in balls at twice the precision until it succeeds.
 
     The only loop of this project that doubles a precision. Who calls it has a proof that small
     enough balls answer: the number whose sign is asked is not zero, as it is the value of a
@@ -118,6 +118,6 @@ def at_growing_precision(
             return answer
         bits *= 2
     raise BudgetError(
-        f"{what} takes balls of more than {most} bits: two numbers lie closer together than that; "
+        f"{subject} needs balls of more than {most} bits: two numbers lie too close together; "
         "give numbers of fewer digits"
     )

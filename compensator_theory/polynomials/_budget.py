@@ -1,4 +1,4 @@
-"""How large a request may be: one budget, asked before the work begins."""
+"""The budget: the largest request, checked before the work begins."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def budget(**limits: int) -> Iterator[Budget]:
     names = [field.name for field in fields(Budget)]
     for name, limit in limits.items():
         if name not in names:
-            raise InputError(f"there is no limit {shown(name)}; choose among {', '.join(names)}")
+            raise InputError(f"there is no limit {repr_of(name)}; choose among {', '.join(names)}")
         integer(limit, f"the limit {name}", at_least=1)
     changed = replace(_current.get(), **limits)
     token = _current.set(changed)
@@ -114,7 +114,7 @@ def budget(**limits: int) -> Iterator[Budget]:
 
 @contextmanager
 def unlimited() -> Iterator[None]:
-    """Ask nothing: for what was computed here and is only put into another form."""
+    """Lift all limits: for conversions of computed results."""
     token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
     try:
         yield
@@ -123,8 +123,8 @@ def unlimited() -> Iterator[None]:
 
 
 def quoted(obj: object) -> str:
-    """Write what an error speaks of, whatever the length of its numbers, on at most two lines."""
-    return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
+    """Return the text of an object for an error message, at most two lines."""
+    return _truncated(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
 
 
 def is_integer(value: object) -> TypeGuard[int]:
@@ -145,16 +145,16 @@ def integer(
         kind = f"an integer from {at_least} to {at_most}"
     elif at_least is not None:
         kind = "a positive integer" if at_least == 1 else f"an integer of at least {at_least}"
-    raise InputError(f"{name} = {shown(value)} must be {kind}")
+    raise InputError(f"{name} = {repr_of(value)} must be {kind}")
 
 
-def shown(value: object, most: int = 60) -> str:
-    """Write anything that was given for an error message, however large or broken it is."""
-    return _shortened(value, repr, most)
+def repr_of(value: object, most: int = 60) -> str:
+    """Return the repr of an input for an error message, cut to `most` characters."""
+    return _truncated(value, repr, most)
 
 
-def _shortened(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
-    """Write a value and keep the beginning of the text, and its last characters."""
+def _truncated(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
+    """Return the text of a value, cut in the middle."""
     try:
         written = _written(value, write)
     except Exception:  # of a foreign object, or a number that fits nowhere
@@ -172,32 +172,32 @@ def _written(value: object, write: Callable[[object], str]) -> str:
 
 
 def limit_of(name: str) -> int:
-    """Return a limit that holds now."""
+    """Return a limit of the current budget."""
     return int(getattr(_current.get(), name))
 
 
-def ask(name: str, amount: int, what: str) -> None:
+def ask(name: str, amount: int, subject: str) -> None:
     """Refuse a request above a limit, before any work is done for it."""
     limit = limit_of(name)
     if amount > limit:
         size = str(amount) if amount < 10**15 else _order_of(amount)
         raise BudgetError(
-            f"{what} needs {size} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
+            f"{subject} needs {size} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
             "raise it: with ",
             Advice("compensator_theory.budget", ((name, "..."),), f"{{function}}({name}=...)"),
         )
 
 
-def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[Item]:
-    """Return what an iterable holds, or refuse it as soon as it exceeds a limit by more."""
+def listed(values: Iterable[Item], name: str, subject: str, more: int = 0) -> list[Item]:
+    """Return the items of an iterable; refuse it as soon as it exceeds a limit by more."""
     if hasattr(values, "toarray"):
-        raise InputError(f"{what} is a sparse array; write it out with .toarray()")
+        raise InputError(f"{subject} is a sparse array; write it out with .toarray()")
     if not is_collection(values):
-        raise InputError(f"{what} must be a list, not {shown(values)}")
+        raise InputError(f"{subject} must be a list, not {repr_of(values)}")
     if isinstance(values, Sized):
-        ask(name, len(values) - more, what)
+        ask(name, len(values) - more, subject)
     items = list(islice(values, limit_of(name) + more + 1))
-    ask(name, len(items) - more, what)
+    ask(name, len(items) - more, subject)
     return items
 
 
@@ -206,7 +206,7 @@ _OF_ARRAYS = ("numpy", "pandas", "xarray")
 
 
 def is_collection(values: object) -> bool:
-    """Tell whether something holds values one by one, which not all does that can be iterated.
+    """Return whether an object is a collection of values; not every iterable is.
 
     A polynomial can be, from either end; a text, bytes and a mapping hold letters and keys.
     """
@@ -219,13 +219,13 @@ def is_array(values: object, dimensions: int | None = None) -> bool:
     """Tell whether something is an array of NumPy, pandas or xarray, of so many dimensions."""
     if (type(values).__module__ or "").split(".")[0] not in _OF_ARRAYS:
         return False
-    found = len(getattr(values, "shape", ()))
-    return found > 0 if dimensions is None else found == dimensions
+    rank = len(getattr(values, "shape", ()))
+    return rank > 0 if dimensions is None else rank == dimensions
 
 
-def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:
+def ask_for_number(numerator: int, denominator: int, subject: str = "a number") -> None:
     """Refuse a rational number with too many digits."""
-    ask("digits", decimal_digits(max(numerator.bit_length(), denominator.bit_length())), what)
+    ask("digits", decimal_digits(max(numerator.bit_length(), denominator.bit_length())), subject)
 
 
 def decimal_digits(bits: int) -> int:

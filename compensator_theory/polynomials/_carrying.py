@@ -22,7 +22,7 @@ from compensator_theory.polynomials._poly import from_coefficients
 from compensator_theory.polynomials._quotients import Tree
 
 P = ParamSpec("P")
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 
 _CALL = re.compile(
     r"(?<![^\W\d])(?:exp|sqrt|sin|cos|tan|sinh|cosh|tanh)\s*\(|(?:\*\*|\^)\s*(?:\(|\d*\.)"
@@ -33,30 +33,30 @@ _BINARY = ("add", "sub", "mul", "truediv", "matmul", "pow")
 _OPERATORS = {f"__{side}{name}__" for name in _BINARY for side in ("", "r")}
 _OPERATORS |= {"__neg__", "__pos__", "__call__", "__getitem__", "_sympy_"}
 MARK = "_carried"
-"""Where a result that shows functions keeps itself in unknowns; None where it was pickled."""
+"""Attribute of a result with functions: its form in unknowns; None after pickling."""
 
 _SIMPLE = {int, float, bool, type(None), Fraction, Symbol, type(sympy.S.One), type(sympy.S.Half)}
 _SIMPLE |= {type(sympy.S.Zero), type(sympy.S.NegativeOne), sympy.Integer, sympy.Rational}
 
 
-def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P, Found]]:
-    """Let a function take functions of symbols: each is an unknown in it, and written back.
+def carrying(*, real: bool = False) -> Callable[[Callable[P, Result]], Callable[P, Result]]:
+    """Decorate a function to take functions of symbols, each as an unknown in it.
 
     For a function that takes symbols as unknowns over the rationals, and whose answer is made of
     them by arithmetic. Where not all functions are carried, it is called with them as they stand,
     and the domains of coefficients refuse them.
     """
 
-    def decorate(function: Callable[P, Found]) -> Callable[P, Found]:
+    def decorate(function: Callable[P, Result]) -> Callable[P, Result]:
         @wraps(function)
-        def carried(*arguments: P.args, **options: P.kwargs) -> Found:
+        def carried(*arguments: P.args, **options: P.kwargs) -> Result:
             if not has_functions((arguments, options)):
                 return function(*arguments, **options)
             call_arguments: Any = arguments, options
             answer = _through(
                 call_arguments, lambda at: function(*at[0], **at[1]), real, _bare(call_arguments)
             )
-            return answer.shown()  # type: ignore[no-any-return]
+            return answer.with_functions()  # type: ignore[no-any-return]
 
         carried.carries = "reals" if real else "all"  # type: ignore[attr-defined]
         return carried
@@ -65,7 +65,7 @@ def carrying(*, real: bool = False) -> Callable[[Callable[P, Found]], Callable[P
 
 
 def carry_methods(cls: type, result: type) -> None:
-    """Let what a class of results says of itself take functions of symbols, and answer with them.
+    """Let the methods of a result class take and return functions of symbols.
 
     Its own methods and attributes, and those of its bases that are no results.
     """
@@ -87,8 +87,8 @@ def carry_methods(cls: type, result: type) -> None:
             setattr(cls, name, _method(name, member))
 
 
-def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
-    """Let a function refuse functions of symbols at its door, in the words of the domains.
+def refusing(function: Callable[P, Result]) -> Callable[P, Result]:
+    """Decorate a function to refuse functions of symbols, with the message of the domains.
 
     A `step` may be a logarithm, and is read by the function itself.
     """
@@ -96,7 +96,7 @@ def refusing(function: Callable[P, Found]) -> Callable[P, Found]:
     place = names.index("step") if "step" in names else len(names)
 
     @wraps(function)
-    def refused(*arguments: P.args, **options: P.kwargs) -> Found:
+    def refused(*arguments: P.args, **options: P.kwargs) -> Result:
         others = {name: value for name, value in options.items() if name != "step"}
         require_no_functions((arguments[:place], arguments[place + 1 :], others))
         return function(*arguments, **options)
@@ -112,12 +112,12 @@ def require_no_functions(value: Any) -> None:
 
 
 def has_functions(value: Any) -> bool:
-    """Tell whether there are functions of symbols in it, or numbers that are carried as such."""
+    """Return whether a value has functions of symbols, or numbers that are treated as such."""
     return not _is_simple(value) and any(True for _ in functions_in(_expressions(value)))
 
 
 def _is_simple(value: Any) -> bool:
-    """Whether a look at the types is enough: nearly all that is passed is such, and is not read."""
+    """Whether the types show that a value has no functions: the fast path of nearly all calls."""
     kind = type(value)
     if kind in _SIMPLE:
         return True
@@ -133,12 +133,12 @@ def _is_simple(value: Any) -> bool:
     if kind.__module__ == "numpy":
         return getattr(getattr(value, "dtype", None), "kind", "O") in "biufc"
     return isinstance(value, MatrixBase) and (
-        hasattr(value, "kept") or _is_of_symbols(value._rep.domain)
+        hasattr(value, "flint_form") or _is_of_symbols(value._rep.domain)
     )
 
 
-def shown_polynomial(descending: list[Expr], variable: Symbol) -> Poly:
-    """Return a polynomial with functions in its coefficients, as results show it."""
+def polynomial_with_functions(descending: list[Expr], variable: Symbol) -> Poly:
+    """Return a polynomial with functions of symbols in its coefficients."""
     if any(True for _ in functions_in(descending)):
         return Poly(descending, variable, domain=EX)
     return from_coefficients(descending, variable)
@@ -146,13 +146,13 @@ def shown_polynomial(descending: list[Expr], variable: Symbol) -> Poly:
 
 @dataclass
 class _Carried:
-    """What a function answered in unknowns."""
+    """The answer of a function in unknowns."""
 
     raw: Any
     unknowns: Unknowns | None
 
-    def shown(self) -> Any:
-        return self.raw if self.unknowns is None else _shown(self.raw, self.unknowns)
+    def with_functions(self) -> Any:
+        return self.raw if self.unknowns is None else _with_functions(self.raw, self.unknowns)
 
 
 def _through(
@@ -161,17 +161,19 @@ def _through(
     real: bool = False,
     bare: set[str] = frozenset(),  # type: ignore[assignment]
 ) -> _Carried:
-    """Call with unknowns in the place of functions, or with what was given where not all are."""
+    """Call a function with unknowns in place of functions of symbols."""
     try:
         unknowns, plain = _in_unknowns(value, real, bare)
-        raw = _asked(unknowns, plain, call)
+        raw = _call_in_unknowns(unknowns, plain, call)
         if isinstance(raw, int) and unknowns.angles:
             unknowns, plain = _in_unknowns(value, real, bare, shifted=True)
-            again = _asked(unknowns, plain, call)
+            again = _call_in_unknowns(unknowns, plain, call)
             raw = raw if raw == again else None
     except NotCarriedError as error:
         require_decidable([error.part] if error.part is not None else ())
-        raise InputError(f"{error.part} is no unknown here; write a symbol in its place") from None
+        raise InputError(
+            f"{error.part} is not supported as an unknown; write a symbol in its place"
+        ) from None
     return _Carried(raw, unknowns)
 
 
@@ -201,8 +203,8 @@ def _variables(value: Any) -> Iterator[str]:
             yield from _variables(part)
 
 
-def _asked(unknowns: Unknowns, plain: Any, call: Callable[[Any], Any]) -> Any:
-    """Call a function in unknowns; its errors speak of the functions."""
+def _call_in_unknowns(unknowns: Unknowns, plain: Any, call: Callable[[Any], Any]) -> Any:
+    """Call a function in unknowns; its errors name the functions."""
     hidden = {symbol.name for symbol in unknowns.inner}
     try:
         with reserved(hidden):
@@ -211,15 +213,15 @@ def _asked(unknowns: Unknowns, plain: Any, call: Callable[[Any], Any]) -> Any:
         error.args = tuple(unknowns.words(x) if isinstance(x, str) else x for x in error.args)
         if error.unless is not None:
             error.holding(
-                (_shown(x, unknowns) for x in error.unless),
+                (_with_functions(x, unknowns) for x in error.unless),
                 unknowns.conditions(x for x in error.exceptional if isinstance(x, Expr)),
             )
         raise
     new = {s.name for s in _symbols(raw, texts=False)} - {s.name for s in _symbols(plain)}
     if clash := sorted(new & hidden):
         raise InputError(
-            f"the answer has a letter {clash[0]} of its own, and so has a function that was given; "
-            "name the symbol in the function otherwise"
+            f"the answer introduces the symbol {clash[0]}, which an input function has too; "
+            "rename the symbol in the function"
         )
     return raw
 
@@ -232,7 +234,7 @@ def _constructor(name: str, function: Any) -> Any:
         if not has_functions(inputs):
             return function(self, *arguments, **options)  # type: ignore[no-any-return]
 
-        def made(at: Any) -> Any:
+        def construct(at: Any) -> Any:
             attributes.clear()
             if name == "__post_init__":
                 attributes.update(at)
@@ -244,16 +246,16 @@ def _constructor(name: str, function: Any) -> Any:
             return raw
 
         bare = set() if name == "__post_init__" else _bare(inputs)
-        shown = _through(inputs, made, bare=bare).shown()
+        result = _through(inputs, construct, bare=bare).with_functions()
         attributes.clear()
-        attributes.update(vars(shown))
+        attributes.update(vars(result))
         return None
 
     return carried
 
 
 def _printed(function: Any) -> Any:
-    """Print with the functions; where that asks the domains, in unknowns, and then by words."""
+    """Print with the functions; where the domains refuse them, print in unknowns and substitute."""
 
     @wraps(function)
     def carried(self: Any) -> Any:
@@ -263,7 +265,7 @@ def _printed(function: Any) -> Any:
         try:
             return function(self)
         except InputError:
-            written = _asked(mark.unknowns, mark.raw, function)
+            written = _call_in_unknowns(mark.unknowns, mark.raw, function)
             return mark.unknowns.words(written, as_latex=function.__name__ == "_repr_latex_")
 
     return carried
@@ -284,7 +286,9 @@ def _method(name: str, function: Any) -> Any:
             known = {symbol.name for symbol in _symbols((arguments, options))}
             if not known & {symbol.name for symbol in mark.unknowns.inner}:
                 inputs = mark.raw, arguments, options
-                raw = _asked(mark.unknowns, inputs, lambda at: function(at[0], *at[1], **at[2]))
+                raw = _call_in_unknowns(
+                    mark.unknowns, inputs, lambda at: function(at[0], *at[1], **at[2])
+                )
                 if not (isinstance(raw, int) and mark.unknowns.angles):
                     answer = _Carried(raw, mark.unknowns)
         if answer is None:
@@ -294,14 +298,14 @@ def _method(name: str, function: Any) -> Any:
             answer = _through(inputs, lambda at: function(at[0], *at[1], **at[2]), real, bare)
         if name == "exceptional" and answer.unknowns:
             return tuple(answer.unknowns.conditions(answer.raw))
-        shown = answer.shown()
-        return shown.evalf() if name == "evalf" and answer.unknowns else shown
+        result = answer.with_functions()
+        return result.evalf() if name == "evalf" and answer.unknowns else result
 
     return carried
 
 
 def _bare(value: Any) -> set[str]:
-    """The arguments that are a name: of a variable, it may be."""
+    """Return the string arguments that may be the name of a variable."""
     arguments, options = value
     names = {str(value) for value in (*arguments, *options.values()) if isinstance(value, Symbol)}
     texts = [value for value in (*arguments, *options.values()) if isinstance(value, str)]
@@ -309,7 +313,7 @@ def _bare(value: Any) -> set[str]:
 
 
 def _parts(value: Any) -> Iterator[Any]:
-    """What a value holds, of which each is changed for itself."""
+    """Yield the parts of a value."""
     if isinstance(value, dict):
         yield from value.values()
     elif isinstance(value, list | tuple | set | frozenset | sympy.Tuple):
@@ -355,7 +359,7 @@ def _symbols(value: Any, *, texts: bool = True) -> Iterator[Symbol]:
 
 
 def _plain(value: Any, unknowns: Unknowns) -> Any:
-    """Write it with the unknowns in the place of functions."""
+    """Replace functions by unknowns."""
     if not _is_concerned(value, unknowns):
         return value
     if isinstance(value, str):
@@ -382,20 +386,22 @@ def _has_powers_of_e(value: Any) -> bool:
     return any(x.has(sympy.E, sympy.exp) for x in _expressions(value))
 
 
-def _shown(value: Any, unknowns: Unknowns) -> Any:
-    """Write it with the functions in the place of unknowns."""
+def _with_functions(value: Any, unknowns: Unknowns) -> Any:
+    """Replace unknowns by functions."""
     if isinstance(value, str):
         return unknowns.words(value)
     concerned = any(symbol in unknowns.functions for symbol in _symbols(value))
     if not (concerned or (unknowns.angles and _holds_result(value))):
         return value
     if isinstance(value, Poly):
-        return shown_polynomial([*map(unknowns.shown, value.all_coeffs())], value.gen)
+        return polynomial_with_functions(
+            [*map(unknowns.with_functions, value.all_coeffs())], value.gen
+        )
     if isinstance(value, MatrixBase):
-        return ImmutableMatrix(*value.shape, [*map(unknowns.shown, value.flat())])
+        return ImmutableMatrix(*value.shape, [*map(unknowns.with_functions, value.flat())])
     if isinstance(value, Basic) and not isinstance(value, sympy.Tuple):
-        return unknowns.shown(value)
-    rebuilt = _rebuilt(value, lambda part: _shown(part, unknowns))
+        return unknowns.with_functions(value)
+    rebuilt = _rebuilt(value, lambda part: _with_functions(part, unknowns))
     if _is_result(rebuilt):
         if "exceptional" in vars(rebuilt):
             vars(rebuilt)["exceptional"] = tuple(unknowns.conditions(value.exceptional))
@@ -430,7 +436,7 @@ def _rebuilt(value: Any, change: Callable[[Any], Any]) -> Any:
 
 
 def _trees(text: str) -> list[Tree | str]:
-    """Read what stands between commas; what is no expression is for its reader to refuse."""
+    """Yield the expressions between commas, and other text unchanged."""
     parts = _BETWEEN.split(text)
     try:
         return [part if k % 2 else read_tree(part) for k, part in enumerate(parts)]

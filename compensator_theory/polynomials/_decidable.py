@@ -1,4 +1,4 @@
-"""What the domains of coefficients decide; the rest is refused where it enters them."""
+"""Expressions whose zero test the coefficient domains decide; others are refused."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sympy
 from sympy import Expr
 
 from compensator_theory.errors import Advice, InputError
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 
 _FACTORED = 2**30  # SymPy writes roots of smaller numbers in one form: its trial division ends
 _PAIRS = (sympy.sin, sympy.cos, sympy.tan)
@@ -16,14 +16,14 @@ _TRIGONOMETRIC = sympy.functions.elementary.trigonometric.TrigonometricFunction
 DEAD_TIME = Advice(
     "design",
     (("dead_time", ""),),
-    "a dead time is given apart: as dead_time= to {function}, sampled as 1/q**d, or as a list of "
+    "pass a dead time separately: as dead_time= to {function}, sampled as 1/q**d, or as a list of "
     "polynomials to stability_delays",
 )
 _ALGEBRAIC_NAMES = (sympy.GoldenRatio, sympy.TribonacciConstant)
 
 
 def require_decidable(coefficients: Iterable[Expr]) -> None:
-    r"""Refuse coefficients of which the domains here cannot tell whether they are zero.
+    r"""Refuse coefficients for which no domain decides whether they are zero.
 
     Decided are rational functions of symbols; algebraic numbers; pi, E and SymPy's other named
     constants, of which no relation is known; and these with symbols or roots of rational numbers,
@@ -60,9 +60,9 @@ def require_decidable(coefficients: Iterable[Expr]) -> None:
     if nested and unknowns:
         first, other = (min(parts, key=str) for parts in (nested, unknowns))
         raise InputError(
-            f"{shown(first)} stands beside the unknown {other}, and whether an expression of both "
-            f"is zero is not decided here; write a symbol for {shown(first)}, or a rational number "
-            "close to it"
+            f"{repr_of(first)} occurs with the unknown {other}, and no test decides whether an "
+            f"expression of both is zero; write a symbol for {repr_of(first)}, or a rational "
+            "number close to it"
         )
 
 
@@ -72,7 +72,7 @@ def require_rational_functions(entries: Iterable[Expr], name: str) -> None:
         if part.free_symbols:
             raise InputError(f"in {name}, ", *_of_symbols(part))
         raise InputError(
-            f"{name} contains the irrational number {shown(part)}; write a rational number close "
+            f"{name} contains the irrational number {repr_of(part)}; write a rational number close "
             "to it, or, where the function takes symbols, a symbol in its place"
         )
 
@@ -119,17 +119,17 @@ def is_algebraic(part: Expr) -> bool:
 
 
 def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
-    """Why a function of symbols is refused, in parts of a message."""
-    subject = f"{shown(part)} is no rational function of its symbols, and"
+    """Return the reason why a function of symbols is refused, in parts of a message."""
+    subject = f"{repr_of(part)} is no rational function of its symbols, and"
     if isinstance(part, _TRIGONOMETRIC):
-        angle = shown(part.args[0])
+        angle = repr_of(part.args[0])
         return (
             f"{subject} relations between sines and cosines are not decided; write two symbols for "
             f"cos({angle}) and sin({angle}), whose squares add to 1, or one for tan({angle}/2), of "
             "which both are rational functions",
         )
     if isinstance(part, sympy.Pow) and part.exp.is_Rational:
-        base, index = shown(part.base), int(part.exp.q)
+        base, index = repr_of(part.base), int(part.exp.q)
         root = f"sqrt({base})" if index == 2 else f"({base})**(1/{index})"
         power = "square" if index == 2 else f"power {index}"
         rest = f", and its {power} for {base}" if part.base.is_Symbol else ""
@@ -137,7 +137,7 @@ def _of_symbols(part: Expr) -> tuple[str | Advice, ...]:
             f"{subject} relations between roots are not decided; write a symbol for {root}{rest}",
         )
     if _holds_a_dead_time(part):
-        return f"{shown(part)} is no rational function of its symbols; ", DEAD_TIME
+        return f"{repr_of(part)} is no rational function of its symbols; ", DEAD_TIME
     return (
         f"{subject} relations between such functions are not decided; write a symbol in its place",
     )
@@ -152,9 +152,9 @@ def _holds_a_dead_time(expression: Expr) -> bool:
 
 def _of_numbers(part: Expr) -> str:
     if isinstance(part, _TRIGONOMETRIC) and (part.args[0] / sympy.pi).is_Rational:
-        angle = shown(part.args[0])
-        return f"{shown(part)} is not read here; write it through sin({angle}) and cos({angle})"
+        angle = repr_of(part.args[0])
+        return f"{repr_of(part)} is not supported; write it with sin({angle}) and cos({angle})"
     return (
-        f"whether expressions with the number {shown(part)} are zero is not decided here; write a "
+        f"no test decides whether expressions with the number {repr_of(part)} are zero; write a "
         "symbol in its place, or a rational number close to it"
     )

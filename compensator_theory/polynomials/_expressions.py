@@ -16,7 +16,7 @@ from sympy.printing.str import StrPrinter
 from compensator_theory._printing import SHORT, fraction_of
 from compensator_theory.errors import Advice, InputError
 from compensator_theory.libraries import roots_in_sympy
-from compensator_theory.polynomials._budget import ask, ask_for_number, limit_of, shown
+from compensator_theory.polynomials._budget import ask, ask_for_number, limit_of, repr_of
 from compensator_theory.polynomials._decidable import DEAD_TIME
 from compensator_theory.polynomials._quotients import (
     Addition,
@@ -34,9 +34,9 @@ from compensator_theory.polynomials._sympy_trees import (
     tree_of,
 )
 
-_SMALL = "²³¹¼-¾⁰-₎⅐-↋①-⓿"  # not in names: s² is a square to who writes it
+_SMALL = "²³¹¼-¾⁰-₎⅐-↋①-⓿"  # not in names: s² means the square of s
 _RAISED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
-_PASTED = str.maketrans("−·⋅×", "-***")  # as they come out of a printed page
+_PASTED = str.maketrans("−·⋅×", "-***")  # characters copied from a printed page
 _TOKEN = re.compile(
     r"(?P<space>\s*)(?:"
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<imaginary>[iIjJ](?!\w))?"
@@ -49,7 +49,7 @@ _TRANSCENDENTAL = {
     function.__name__: function
     for function in (sympy.exp, sympy.sin, sympy.cos, sympy.tan, sympy.sinh, sympy.cosh, sympy.tanh)
 }
-"""Functions where a parenthesis follows; else their names are those of symbols."""
+"""Names of functions if a parenthesis follows, else of symbols."""
 _NOT_NUMBERS = frozenset({"nan", "inf", "infinity", "oo", "zoo"})
 _GRAMMAR = "numbers, names, + - * / ** ^, parentheses, sqrt(...) and exp(...)"
 WORDS = frozenset({*_CONSTANTS, *_FUNCTIONS, *_TRANSCENDENTAL})
@@ -116,7 +116,7 @@ def leaves_of(tree: Tree) -> Iterator[Expr]:
 
 
 def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
-    """Write a text with something else in the place of its leaves, and structured as it was."""
+    """Return a text with replaced leaves and the same structure."""
     if isinstance(tree, Leaf):
         return f"({_Readable({'order': None}).doprint(image(tree.value))})"
     if isinstance(tree, Power):
@@ -128,7 +128,7 @@ def written_tree(tree: Tree, image: Callable[[Expr], Expr]) -> str:
 
 
 class _Readable(StrPrinter):  # type: ignore[misc]
-    """SymPy's printer, in the words of the grammar."""
+    """SymPy's printer in the syntax of the parser."""
 
     def _print_Exp1(self, number: Expr) -> str:
         return "exp(1)"
@@ -142,7 +142,9 @@ def read_text(text: str) -> Quotient:
     denominators, so that an expression means the connection of blocks that it shows.
     """
     if not isinstance(text, str):
-        raise InputError(f"{shown(text)} is not a string; write for instance 's**2 + 0.1*s + 1/3'")
+        raise InputError(
+            f"{repr_of(text)} is not a string; write for instance 's**2 + 0.1*s + 1/3'"
+        )
     ask("characters", len(text), "the expression")
     if not text.strip():
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")
@@ -299,7 +301,7 @@ class _Reader:
             ask("nesting", self.depth, f"the expression {_short(self.text)}")
 
     def require_clear_sign(self) -> None:
-        """Refuse -1 -2: in a list of numbers it would be two, in a sum it is one."""
+        """Refuse -1 -2, which is ambiguous: two numbers in a list, one number in a sum."""
         sign, following = self.tokens[self.place - 1], self.next
         if not self.has_symbols and sign.is_spaced and not following.is_spaced:
             raise InputError(
@@ -318,7 +320,7 @@ class _Reader:
         elif before and before.text == "exp" and token.text == "(":
             hint = DEAD_TIME
         elif before and before.kind == "name" and token.text == "(":
-            hint = f"{before.text} is no function that is known here; {hint}"
+            hint = f"{before.text} is not a known function; {hint}"
         raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; ", hint)
 
 
@@ -339,7 +341,7 @@ def _named(name: str) -> Expr:
     if name.lower() in _NOT_NUMBERS:
         raise InputError(f"{name!r} is not a finite number; exact data must be finite")
     if name == "i":
-        raise InputError("'i' is ambiguous here; write the imaginary unit as j or I, or as in 2i")
+        raise InputError("'i' is ambiguous; write the imaginary unit as j or I, or as in 2i")
     if keyword.iskeyword(name):
         raise InputError(
             f"{name!r} is a word of Python, and no name for a symbol; write it otherwise, as in "

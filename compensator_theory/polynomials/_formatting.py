@@ -1,4 +1,4 @@
-"""The canonical form of a polynomial: the least domain that holds it, and text that reads back."""
+"""Canonical form of a polynomial: the least coefficient domain, and text that reads back."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials._algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials._budget import ask, is_collection, listed, quoted, shown
+from compensator_theory.polynomials._budget import ask, is_collection, listed, quoted, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._expressions import WORDS
 from compensator_theory.polynomials._functions import functions_in
@@ -59,7 +59,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
         if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif not is_collection(roots):
-        raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
+        raise InputError(f"the roots {repr_of(roots)} must be a list, for instance ['-1', '-2+1j']")
     root_list = listed(roots, "degree", "the list of roots")
     return tuple(map(sympy.expand, exact_numbers(root_list)))
 
@@ -230,7 +230,7 @@ def _product(factors: list[Poly]) -> Poly:
 
 
 def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
-    """Read what is to be placed: a polynomial, or its roots in any collection.
+    """Read a target: a polynomial, or its roots in any collection.
 
     A list, tuple, array, set or generator holds *roots*, and so does a text with commas, or with
     one number, which are no polynomials to be placed; coefficients are written as a polynomial,
@@ -248,8 +248,8 @@ def _require_no_doubt(value: object) -> None:
     entries = list(cast(Iterable[Any], value))
     if len(entries) > 1 and isinstance(entries[0], Real) and entries[0] == 1:
         raise InputError(
-            f"{shown(value)} may be roots, one of them 1, or the coefficients of a monic "
-            "polynomial, such as numpy.poly makes; give a list of the roots, or the coefficients "
+            f"{repr_of(value)} may be roots, one of them 1, or the coefficients of a monic "
+            "polynomial, such as numpy.poly returns; give a list of the roots, or the coefficients "
             "as numpy.poly1d(...)"
         )
 

@@ -23,7 +23,7 @@ Terms = list[tuple[Expr, Rational]]
 
 
 class NotCarriedError(Exception):
-    """It is for the domains of coefficients to refuse: the part that is not carried, or None."""
+    """A function of symbols that cannot be an unknown; the coefficient domains refuse it."""
 
     def __init__(self, part: Expr | None = None) -> None:
         super().__init__(part)
@@ -31,7 +31,7 @@ class NotCarriedError(Exception):
 
 
 class Unknowns:
-    r"""The functions in what was given, each an unknown, with the relations between them.
+    r"""The functions of symbols in the input as unknowns, with the relations between them.
 
     Carried are :math:`e^{cM}` for rational c and monomials M of symbols, or M = 1; sines and
     cosines of cM, rational in one tangent; and rational powers of a symbol. Exponentials of
@@ -45,14 +45,14 @@ class Unknowns:
     def __init__(
         self,
         expressions: Iterable[Expr],
-        taken: Set[str] = frozenset(),
+        used_names: Set[str] = frozenset(),
         *,
         real: bool = False,
         shifted: bool = False,
     ) -> None:
         self.shifted = shifted
         self.texts: dict[str, str] = {}
-        """Texts in unknowns, and as they were given."""
+        """Texts in unknowns, and the original texts."""
         self.inner: set[Symbol] = set()
         self._exponents: dict[Expr, Rational] = {}
         self._angles: dict[Expr, Rational] = {}
@@ -68,7 +68,7 @@ class Unknowns:
         barred = {x for x in self.inner if x.name in OPERATORS or x.is_real is False}
         if (function := self.function_of(barred)) is not None:
             raise NotCarriedError(function)
-        self._taken = set(taken)
+        self._used_names = set(used_names)
         self.functions: dict[Symbol, Expr] = {}
         self._exponential = {
             m: self._unknown(sympy.exp(m * c), positive=True) for m, c in self._exponents.items()
@@ -87,7 +87,7 @@ class Unknowns:
         return tuple(self._tangents.values())
 
     def conditions(self, nonzero: Iterable[Expr]) -> Iterator[Expr]:
-        """Write what must not vanish: a root does where its radicand does.
+        """Write exceptional polynomials: a root vanishes where its radicand does.
 
         No exponential does, nor does 1 + tan^2, which is 1/cos^2.
         """
@@ -95,7 +95,7 @@ class Unknowns:
         never = {*self._exponential.values(), *(t**2 + 1 for t in self._tangents)}
         for factor in nonzero:
             if factor not in never:
-                yield radicands[factor] if factor in radicands else self.shown(factor)
+                yield radicands[factor] if factor in radicands else self.with_functions(factor)
         for angle in self.angles:
             yield 1 + sympy.cos(angle)
 
@@ -108,10 +108,10 @@ class Unknowns:
         stem = re.sub(r"\W+", "_", str(function)).strip("_")
         last = POSITIVE if positive else UNKNOWN
         name, count = stem + last, 1
-        while name in self._taken:
+        while name in self._used_names:
             count += 1
             name = f"{stem}_{count}{last}"
-        self._taken.add(name)
+        self._used_names.add(name)
         symbol = Symbol(name, positive=True) if positive else Symbol(name)
         self.functions[symbol] = function
         return symbol
@@ -182,7 +182,7 @@ class Unknowns:
         return next((sympy.sqrt(k) for k in self._roots if k in names), None)
 
     def image(self, expression: Expr) -> Expr:
-        """Write an expression with the unknowns in the place of the functions."""
+        """Replace functions by unknowns in an expression."""
         expression = rational_floats(expression, binary=False)
         parts: dict[Expr, Expr] = {k: r ** self._roots[k] for k, r in self._root.items()}
         for part in irrational_constants([expression]):
@@ -232,15 +232,15 @@ class Unknowns:
             cosine, sine = cosine * c - sine * s, cosine * s + sine * c
         return cosine, sine
 
-    def shown(self, expression: Expr) -> Expr:
-        """Write an expression with the functions in the place of the unknowns."""
+    def with_functions(self, expression: Expr) -> Expr:
+        """Replace unknowns by functions in an expression."""
         for t, angle in self._tangents.items():
             if isinstance(expression, Expr) and t in expression.free_symbols:
                 expression = _in_sine_and_cosine(expression, t, angle)
         return expression.xreplace(self.functions)
 
     def words(self, text: str, *, as_latex: bool = False) -> str:
-        """Write a sentence with the functions in the place of the unknowns."""
+        """Replace unknowns by functions in a sentence."""
         for written, meaning in self.texts.items():
             text = text.replace(written, meaning)
         if not self.functions:
@@ -248,11 +248,11 @@ class Unknowns:
         write = formula if as_latex else str
         names = {write(symbol): write(function) for symbol, function in self.functions.items()}
         pattern = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
-        return re.sub(rf"(?<!\w)(?:{pattern})(?!\w)", lambda found: names[found[0]], text)
+        return re.sub(rf"(?<!\w)(?:{pattern})(?!\w)", lambda match: names[match[0]], text)
 
 
 def _kind(part: Expr) -> str:
-    """Which kind of function or number it is; "decided" are the numbers that are none."""
+    """Return the kind of a function or number; "decided" for algebraic numbers."""
     if isinstance(part, sympy.NumberSymbol):
         return "named"
     if isinstance(part, sympy.log) and part.args[0].is_Rational:

@@ -1,4 +1,4 @@
-"""Answers that are plain values: where those for generic values of the symbols fail to hold."""
+"""Exceptional conditions of functions that return plain values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from compensator_theory.polynomials._poly import monic
 from compensator_theory.polynomials._substitution import denominators_in
 
 Generic: TypeAlias = Callable[..., tuple[Any, Iterable[Expr]]]
-"""Takes what a function takes; returns its generic answer, and expressions that must not vanish."""
+"""A function with the same arguments that returns the generic answer and its divisors."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -32,7 +32,7 @@ def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Gener
 
 
 def holds_where_defined(function: Function) -> Function:
-    """Mark a function whose answer is rational in the symbols, and holds where it is defined."""
+    """Mark a function whose answer is rational in the symbols and holds wherever it is defined."""
 
     def companion(*arguments: Any, **options: Any) -> tuple[Any, list[Expr]]:
         answer = function(*arguments, **options)

@@ -1,4 +1,4 @@
-"""The letters that a function introduces beside those of its input, chosen in one place."""
+"""Symbols that a function introduces, distinct from those of its input."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _RESERVED: ContextVar[frozenset[str]] = ContextVar("reserved", default=frozenset
 
 @contextmanager
 def reserved(names: Iterable[str]) -> Iterator[None]:
-    """Choose no letter among these names either, in this context: those of a larger answer."""
+    """Reserve names in this context: no function introduces a symbol with one of them."""
     token = _RESERVED.set(_RESERVED.get().union(names))
     try:
         yield
@@ -27,7 +27,7 @@ def reserved(names: Iterable[str]) -> Iterator[None]:
 
 
 def names_in_all(*values: Any) -> set[str]:
-    """The names of all symbols in what was read or is shown, those of variables included."""
+    """The names of all symbols in some objects, variables included."""
     names: set[str] = set()
     for value in values:
         if isinstance(value, Basic | MatrixBase):
@@ -39,18 +39,18 @@ def names_in_all(*values: Any) -> set[str]:
     return names
 
 
-def fresh(taken: Iterable[str], *names: str) -> Symbol:
-    """Return the symbol of the first name that is free, or of the last one with underscores."""
-    used = _RESERVED.get().union(taken)
+def fresh(used_names: Iterable[str], *names: str) -> Symbol:
+    """Return the symbol of the first unused name, or of the last one with underscores."""
+    used = _RESERVED.get().union(used_names)
     name = next((name for name in names if name not in used), names[-1])
     while name in used:
         name += "_"
     return Symbol(name)
 
 
-def numbered(taken: Iterable[str], name: str, last: int, first: int = 1) -> tuple[Symbol, ...]:
-    """Return the symbols name_1, name_2, ... of a family, the name longer where one is taken."""
-    used = _RESERVED.get().union(taken)
+def numbered(used_names: Iterable[str], name: str, last: int, first: int = 1) -> tuple[Symbol, ...]:
+    """Return the symbols name_1, name_2, ...; the name gets underscores where one is used."""
+    used = _RESERVED.get().union(used_names)
     numbers = range(first, last + 1)
     while any(f"{name}_{k}" in used for k in numbers):
         name += "_"
@@ -58,13 +58,13 @@ def numbered(taken: Iterable[str], name: str, last: int, first: int = 1) -> tupl
 
 
 def introduced(
-    given: str | Symbol | None, taken: Iterable[str], *names: str, meaning: str, owner: str
+    requested: str | Symbol | None, used_names: Iterable[str], *names: str, meaning: str, owner: str
 ) -> Symbol:
     """Return the symbol that a function introduces: as named, and else chosen fresh."""
-    if given is None:
-        return fresh(taken, *names)
-    symbol = as_symbol(given)
-    if symbol.name in (used := set(taken)):
+    if requested is None:
+        return fresh(used_names, *names)
+    symbol = as_symbol(requested)
+    if symbol.name in (used := set(used_names)):
         another = fresh(used, *names)
         raise InputError(
             f"{symbol} would be {meaning} and is {owner}; name one of the two otherwise, for "
@@ -73,7 +73,7 @@ def introduced(
     return symbol
 
 
-def variable_beside(variable: str | Symbol | None, *inputs: Any) -> Symbol:
+def variable_for_matrix(variable: str | Symbol | None, *inputs: Any) -> Symbol:
     """Return the variable of polynomials that belong to matrices with symbols: s, or lambda."""
     return introduced(
         variable, names_in_all(*inputs), "s", "lambda",

@@ -30,11 +30,11 @@ def to_flint(domain: Domain, *polys: Poly) -> list[flint.fmpq_mpoly]:
     ]  # fmt: skip
 
 
-def coefficients_of(domain: Domain, found: flint.fmpq_mpoly) -> dict[int, object]:
+def coefficients_of(domain: Domain, polynomial: flint.fmpq_mpoly) -> dict[int, object]:
     """The coefficients of each power of x0, as elements of the domain."""
     ring = domain.ring
     terms: dict[int, dict[tuple[int, ...], object]] = {}
-    for (power, *others), c in found.to_dict().items():
+    for (power, *others), c in polynomial.to_dict().items():
         number = ring.domain(int(c.p), int(c.q))
         terms.setdefault(int(power), {})[tuple(map(int, others))] = number
     return {power: ring.from_dict(part) for power, part in terms.items()}

@@ -22,17 +22,17 @@ from compensator_theory.polynomials._budget import (
     decimal_digits,
     limit_of,
     listed,
-    shown,
+    repr_of,
 )
 from compensator_theory.polynomials._decidable import require_decidable
 from compensator_theory.polynomials._expressions import parse_expression
 from compensator_theory.polynomials._sympy_trees import rational_floats, require_readable
 
 NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
-"""What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
+"""Input types of :func:`exact_number`; NumPy scalars and numbers of python-flint too."""
 
 PLAIN = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{1,18}|/[1-9][0-9]{0,17})?")
-"""Texts that need no parser; a matrix may hold 500 000 of them."""
+"""Strings that need no parser; a matrix may have 500 000 of them."""
 
 WHOLE_AS_PRINTED = 10**16
 """Below this a float without a fraction is the integer of its shortest decimal."""
@@ -81,7 +81,7 @@ def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     if isinstance(value, str):
         return _from_plain(value) if PLAIN.fullmatch(value) else parse_expression(value)
     if isinstance(value, bool) or value is None:
-        raise InputError(f"{shown(value)} is not a number")
+        raise InputError(f"{repr_of(value)} is not a number")
     if isinstance(value, Expr):
         require_readable(value)
         return rational_floats(value, binary)
@@ -99,7 +99,7 @@ def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
 def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     """Read a list of coefficients in descending powers, no more of them than the budget allows."""
     if getattr(values, "shape", None) == ():
-        raise InputError(f"{shown(values)} is one number and no list; give the number itself")
+        raise InputError(f"{repr_of(values)} is one number, not a list; give the number itself")
     value_list = listed(values, "degree", "the list of coefficients", more=1)
     if not value_list:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
@@ -123,17 +123,17 @@ def plain_rationals(values: Sequence[Any]) -> list[flint.fmpq] | None:
     """
     if not all(_is_plain(kind) for kind in set(map(type, values))):
         return None
-    found = []
-    for given in values:
-        value = given
-        if isinstance(given, float):
-            if not math.isfinite(given):
+    numbers = []
+    for number in values:
+        value = number
+        if isinstance(number, float):
+            if not math.isfinite(number):
                 return None
-            whole = given.is_integer() and abs(given) < WHOLE_AS_PRINTED
-            value = int(given) if whole else Fraction(float.__repr__(given))
-        found.append(flint.fmpq(int(value.numerator), int(value.denominator)))
-    longest = max(map(flint.fmpq.height_bits, found), default=0)
-    return found if decimal_digits(longest) <= limit_of("digits") else None
+            whole = number.is_integer() and abs(number) < WHOLE_AS_PRINTED
+            value = int(number) if whole else Fraction(float.__repr__(number))
+        numbers.append(flint.fmpq(int(value.numerator), int(value.denominator)))
+    longest = max(map(flint.fmpq.height_bits, numbers), default=0)
+    return numbers if decimal_digits(longest) <= limit_of("digits") else None
 
 
 def _is_plain(kind: type) -> bool:
@@ -179,9 +179,9 @@ def _from_wrapped(value: Any, binary: bool) -> Expr:
         raise InputError("an entry of the array is masked, and so is no number; fill it in first")
     if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
         if hasattr(value, "filled") and value.mask:
-            raise InputError("an entry is masked, and what is not known is no number; leave it out")
+            raise InputError("an entry is masked and has no value; leave it out")
         return exact_number(value.item(), binary=binary)
     raise InputError(
-        f"{shown(value)} of type {type(value).__name__} is not a "
+        f"{repr_of(value)} of type {type(value).__name__} is not a "
         "number; give an int, Fraction, float, decimal string or SymPy expression"
     )

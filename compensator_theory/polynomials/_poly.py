@@ -12,7 +12,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 
 from compensator_theory.errors import Advice, InputError
 from compensator_theory.polynomials._algebraic import rationalised
-from compensator_theory.polynomials._budget import ask, quoted, shown, unlimited
+from compensator_theory.polynomials._budget import ask, quoted, repr_of, unlimited
 from compensator_theory.polynomials._decidable import DEAD_TIME, require_decidable
 from compensator_theory.polynomials._formatting import in_least_domain, require_real
 from compensator_theory.polynomials._multivariate import common_divisor_by_flint
@@ -31,7 +31,7 @@ from compensator_theory.polynomials._variables import (
 
 
 def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
-    """Return the polynomial with exact coefficients that were computed here."""
+    """Return the polynomial with computed exact coefficients."""
     return _from_powers(dict(enumerate(map(sympy.sympify, reversed(descending)))), variable)
 
 
@@ -111,7 +111,7 @@ def product(a: Poly, b: Poly) -> Poly:
 
 
 def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
-    """Divide by a polynomial that is known to divide, over the field of both."""
+    """Divide exactly by a factor, over the field of both."""
     top, bottom = over_one_field(poly, divisor)
     top, bottom = top.unify(bottom)
     field = top.domain.get_field()
@@ -165,7 +165,7 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
 def require_poly(poly: Poly) -> Poly:
     """Return a polynomial over the rationals or over symbols in canonical form."""
     if not isinstance(poly, Poly):
-        raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial(..., 's')")
+        raise InputError(f"{repr_of(poly)} is not a sympy.Poly; make one with polynomial(..., 's')")
     if not poly.domain.is_Exact:
         raise InputError(f"{quoted(poly)} is not exact; read it with polynomial(...) first")
     return canonical(poly)
@@ -179,7 +179,7 @@ def is_rational(poly: Poly) -> bool:
 
 
 def way_to_rational(*parts: Poly) -> str:
-    """The advice where coefficients are not rational: they have symbols, or are irrational."""
+    """Return the advice for coefficients that have symbols or are irrational."""
     names = sorted({symbol.name for part in parts for symbol in part.free_symbols_in_domain})
     if names:
         return f"substitute numbers for {', '.join(names)}"
@@ -201,7 +201,7 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
 
 
 def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
-    """Return a quotient that is a polynomial; what divides it is cancelled first."""
+    """Return a quotient as a polynomial after cancellation; refuse a proper fraction."""
     reduced = quotient.reduced()
     sides = reduced.polynomials(variable)
     if sides is not None and sides[1].degree() == 0:
@@ -222,7 +222,7 @@ def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
 
 
 def _dead_time_in(value: Expr, variable: Symbol) -> tuple[str | Advice, ...]:
-    """The way on where an exponential of the variable stands for a dead time; else nothing."""
+    """Return the advice for a dead time written as an exponential of the variable."""
     delays = [one for one in value.atoms(sympy.exp) if variable in one.free_symbols]
     return ("; ", DEAD_TIME) if delays else ()
 
@@ -240,7 +240,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     except (PolynomialError, GeneratorsError, CoercionFailed, NotImplementedError) as error:
         whole = sum(c * variable**k for k, c in powers.items())
         raise InputError(
-            f"the coefficients of {quoted(whole)} span no field that is known here; write symbols "
+            f"the coefficients of {quoted(whole)} span no supported number field; write symbols "
             "in their place"
         ) from error
     if not result.domain.is_EX:
@@ -251,7 +251,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
 
 
 def in_lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
-    """Return numerator and denominator without what they share, both monic."""
+    """Return monic numerator and denominator without common factors."""
     top, bottom = top.unify(bottom)
     field = top.domain.get_field()
     top, bottom = top.set_domain(field), bottom.set_domain(field)

@@ -187,19 +187,19 @@ class _Ring:
             raise InputError("the expression divides by zero")
 
 
-def _collect(tree: Tree, found: set[Expr]) -> None:
+def _collect(tree: Tree, leaves: set[Expr]) -> None:
     match tree:
         case Leaf(value):
             if not value.is_Rational:
-                found.add(value)
+                leaves.add(value)
         case Power(base, _):
-            _collect(base, found)
+            _collect(base, leaves)
         case Addition(terms):
             for term in terms:
-                _collect(term, found)
+                _collect(term, leaves)
         case Product(factors, divisors):
             for factor in (*factors, *divisors):
-                _collect(factor, found)
+                _collect(factor, leaves)
 
 
 def _in_pairs(items: list[_Sides], join: Callable[[_Sides, _Sides], _Sides]) -> _Sides:

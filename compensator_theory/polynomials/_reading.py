@@ -36,7 +36,7 @@ from compensator_theory.polynomials._variables import (
 )
 
 PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
-"""What :func:`polynomial` reads."""
+"""Input types of :func:`polynomial`."""
 
 
 @holds_where_defined
@@ -80,7 +80,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
         return _from_poly(read, variable)
     if isinstance(read, Quotient):
         reduced = read.reduced()
-        return from_quotient(reduced, shared_variable([_shown(reduced)], variable))
+        return from_quotient(reduced, shared_variable([_as_readable(reduced)], variable))
     if isinstance(read, Expr):
         symbol = shared_variable([read], variable)
         return from_quotient(multiplied_out(tree_of(read), least_denominators=True), symbol)
@@ -102,7 +102,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
 
 
 def read_once(obj: Any) -> Any:
-    """Read a text or an expression, whose variable is not asked yet.
+    """Read a text or an expression, before its variable is known.
 
     Return a Poly, the Quotient of a text, an Expr, or what lists coefficients, as it is.
     """
@@ -126,7 +126,7 @@ def read_quotient(obj: Any) -> Quotient:
 
 
 def read_plain_text(obj: Any) -> Any:
-    """Read a text of symbols and rational numbers, to be handed on; all else as it was given.
+    """Read a text of symbols and rational numbers; return other input unchanged.
 
     What else a text holds, functions of symbols for instance, is carried by whoever reads it.
     """
@@ -159,8 +159,8 @@ def polynomial_in_time(
         obj = poles
     elif hasattr(obj, "poles") or hasattr(obj, "to_control"):
         raise InputError(
-            f"a {type(obj).__name__} is a system and no polynomial; give transfer_function(system) "
-            "or realisation(system), whose poles are asked for"
+            f"a {type(obj).__name__} is a system, not a polynomial; give transfer_function(system) "
+            "or realisation(system), for its poles"
         )
     elif _holds_matrices(obj):
         raise InputError(
@@ -183,7 +183,7 @@ def in_one_variable(
         return tuple(polynomial(obj, symbol) for obj in objects)
     read = tuple(obj for obj in objects if isinstance(obj, Poly) and _shows_variable(obj))
     if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
-        return tuple(map(canonical, read))  # what is read already costs next to nothing
+        return tuple(map(canonical, read))  # objects that are read already cost next to nothing
     readings = [*map(_reading, objects)]
     parts = [part for part, _ in readings]
     shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
@@ -210,17 +210,19 @@ def _shows_variable(poly: Poly) -> bool:
 
 
 def _reading(obj: PolynomialLike) -> tuple[Readable, Any]:
-    """What an argument shows of the variable, and it, read where :func:`polynomial` need not."""
+    """Return the part of an argument with the variable, and the argument, read if possible."""
     read = read_once(obj)
     if isinstance(read, Poly):
         return (canonical(read) if len(read.gens) == 1 else read.as_expr()), obj
     if isinstance(read, Quotient):
         reduced = read.reduced()
-        return _shown(reduced), reduced if reduced.is_plain else obj  # the rest it may carry
+        return _as_readable(
+            reduced
+        ), reduced if reduced.is_plain else obj  # other input may have functions of symbols
     return (read if isinstance(read, Expr) else None), obj
 
 
-def _shown(reduced: Quotient) -> Readable:
+def _as_readable(reduced: Quotient) -> Readable:
     return reduced if reduced.is_plain else reduced.value()
 
 
@@ -236,6 +238,6 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
 
 
 def is_one_of(setting: object, allowed: Container[object]) -> bool:
-    """Tell whether a setting is among a few words or numbers; a list or an array never is."""
+    """Return whether a setting is one of a few words or numbers; a list or array never is."""
     is_plain = isinstance(setting, str | Number) and not isinstance(setting, bool)
     return is_plain and setting in allowed

@@ -1,4 +1,4 @@
-"""Values for symbols, put into a system or into whatever a construction takes as an argument."""
+"""Substitution of values for symbols in systems and in arguments of constructions."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import sympy
 from sympy import Basic, Expr, MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import shown
-from compensator_theory.polynomials._carrying import shown_polynomial
+from compensator_theory.polynomials._budget import repr_of
+from compensator_theory.polynomials._carrying import polynomial_with_functions
 from compensator_theory.polynomials._expressions import WORDS, read_text
 from compensator_theory.polynomials._functions import functions_in
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
@@ -33,29 +33,31 @@ Substitutions: TypeAlias = (
 
 
 def read_values(values: Substitutions, value: NumberLike | None = None) -> dict[Symbol, Expr]:
-    """Read values for symbols, all of which are put in at once.
+    """Read values for symbols, to be substituted simultaneously.
 
     A list of pairs means what SymPy means by it, one after the other.
     """
     if isinstance(values, str | Symbol):
         if value is None:
-            raise InputError(f"{shown(values)} is given no value; write subs({str(values)!r}, 2)")
+            raise InputError(f"{repr_of(values)} has no value; write subs({str(values)!r}, 2)")
         pairs: list[Any] = [(values, value)]
     elif value is not None:
-        raise InputError(f"{shown(values)} is no symbol that has one value; write subs('a', 2)")
+        raise InputError(f"{repr_of(values)} is no symbol that has one value; write subs('a', 2)")
     elif isinstance(values, Mapping | sympy.Dict):
         return {as_symbol(name): exact_number(number) for name, number in values.items()}
     elif isinstance(values, list | tuple | sympy.Tuple):
         pairs = list(values)
     else:
         raise InputError(
-            f"{shown(values)} is no mapping such as {{'a': 2}}, nor a list of pairs, as in "
+            f"{repr_of(values)} is no mapping such as {{'a': 2}}, nor a list of pairs, as in "
             "[('a', 2), ('b', 1)]"
         )
     numbers: dict[Symbol, Expr] = {}
     for pair in pairs:
         if not isinstance(pair, list | tuple | sympy.Tuple) or len(pair) != 2:
-            raise InputError(f"{shown(pair)} is no pair of a symbol and its value, as in ('a', 2)")
+            raise InputError(
+                f"{repr_of(pair)} is no pair of a symbol and its value, as in ('a', 2)"
+            )
         symbol, number = as_symbol(pair[0]), exact_number(pair[1])
         numbers = {old: _at(new, {symbol.name: number}) for old, new in numbers.items()}
         numbers.setdefault(symbol, number)
@@ -91,7 +93,7 @@ def require_names(names: Set[str], known: Set[str], whole: object) -> None:
 
 
 def substituted(argument: Any, values: Mapping[Symbol, Expr]) -> Any:
-    """Put expressions in the place of symbols in texts, polynomials, matrices, systems or lists."""
+    """Substitute expressions for symbols in texts, polynomials, matrices, systems or lists."""
     by_name = {symbol.name: value for symbol, value in values.items()}
     return _replaced(argument, by_name) if by_name else argument
 
@@ -102,7 +104,7 @@ def _replaced(value: Any, values: Mapping[str, Expr]) -> Any:
     if isinstance(value, Poly):
         coefficients = [_at(coefficient, values) for coefficient in value.all_coeffs()]
         if any(True for _ in functions_in(coefficients)):
-            return shown_polynomial(coefficients, value.gen)
+            return polynomial_with_functions(coefficients, value.gen)
         return from_expression(_at(value.as_expr(), values), value.gen)
     if isinstance(value, MatrixBase):
         return value.applyfunc(lambda entry: _at(entry, values))
@@ -184,24 +186,24 @@ def _coefficients(value: Any) -> Iterator[Expr]:
 
 
 def require_variable(before: Any, after: Any, parameters: Set[str] = frozenset()) -> None:
-    """Refuse an argument whose variable dropped out with what was put in; it would be misread.
+    """Refuse an argument whose variable dropped out by a substitution; it would be misread.
 
     Symbols that are known to be parameters are no variable, whatever they are called.
     """
     had = {name for name in names_in(before) - parameters if is_operator(Symbol(name))}
-    if had and not had & _names_left(after):
+    if had and not had & _remaining_names(after):
         raise InputError(
-            f"{', '.join(sorted(had))} drops out of {shown(before)}, so that the variable is not "
+            f"{', '.join(sorted(had))} drops out of {repr_of(before)}, so that the variable is not "
             "evident; name it, or give a polynomial or transfer function that knows it"
         )
 
 
-def _names_left(argument: Any) -> set[str]:
+def _remaining_names(argument: Any) -> set[str]:
     if isinstance(argument, str):
         try:
             return {s.name for side in read_text(argument).sides() for s in side.free_symbols}
         except InputError:  # a list of roots, or what its reader refuses
             return names_in(argument)
     if type(argument) in (list, tuple):
-        return set().union(*map(_names_left, argument))
+        return set().union(*map(_remaining_names, argument))
     return names_in(argument)

@@ -51,8 +51,8 @@ def require_readable(expression: Expr) -> None:
             waiting += [(argument, depth + 1) for argument in part.args]
         elif not (part.is_Symbol or isinstance(part, (Float, *_IRRATIONAL))):
             raise InputError(
-                f"a {type(part).__name__} in the expression has no exact value here; give numbers, "
-                "symbols, + - * / ** and roots"
+                f"a {type(part).__name__} in the expression has no supported exact value; give "
+                "numbers, symbols, + - * / ** and roots"
             )
         if part.is_Symbol:
             require_scalar_symbol(part)
@@ -65,14 +65,14 @@ def require_scalar_symbol(symbol: Symbol) -> None:
     if symbol.is_real is False:
         kind = "imaginary" if symbol.is_imaginary else "not real"
         raise InputError(
-            f"the symbol {symbol} is declared {kind}, and symbols stand for real numbers here; "
+            f"the symbol {symbol} is declared {kind}, but symbols stand for real numbers; "
             f"write I times a real symbol for it where conjugate pairs remain, or declare {symbol} "
             "without"
         )
 
 
 def tree_of(expression: Expr) -> Tree:
-    """Take an expression without floats apart; what is no polynomial operation is kept whole."""
+    """Decompose an expression without floats; other than polynomial operations are leaves."""
     if isinstance(expression, sympy.Add):
         return Addition([tree_of(term) for term in expression.args])
     if isinstance(expression, sympy.Mul):
@@ -154,7 +154,7 @@ def indexed_root(polynomial: Expr, index: Expr) -> Expr:
 
 
 def settled(expression: Expr) -> Expr:
-    """The form of an expression that reads back to itself; SymPy has several for one value."""
+    """Return the form of an expression that reads back to itself."""
     for _ in range(5):
         again = multiplied_out(tree_of(expression), least_denominators=True).value()
         if again == expression:
@@ -178,7 +178,7 @@ def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
 
 
 def require_small_field(numbers: list[Expr]) -> None:
-    """Ask for the field that irrational numbers span, by bounds of its degree and discriminant.
+    """Check the budget for the number field of irrational numbers: degree and discriminant.
 
     The discriminant of a polynomial of degree n has about n (n - 1) times the digits of its
     coefficients, and to find the field is to factor polynomials of that size.

@@ -1,4 +1,4 @@
-"""What every public data class of the exact half does alike: pickles, and words of any length."""
+"""Base of the public data classes: pickling and printing."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from compensator_theory.polynomials._carrying import (
     MARK,
     carry_methods,
     has_functions,
-    shown_polynomial,
+    polynomial_with_functions,
 )
 from compensator_theory.polynomials._poly import canonical
 
 
 class ExactValue(Truth):
-    """Base of the frozen data classes: a pickle holds the fields and nothing that was cached.
+    """Base of the frozen data classes: a pickle has the fields, without caches.
 
     SymPy rebuilds the domain of a pickled polynomial from its coefficients, ZZ[a] for QQ[a], so
     that it equals the original no more; it is put into canonical form again. What a result says of
@@ -30,7 +30,7 @@ class ExactValue(Truth):
     _CARRIES: ClassVar[bool | str] = False
     """Whether its methods take functions of symbols; "reals": those of real values only."""
     _REST: ClassVar[str] = ""
-    """The attributes that have what a printed result omits."""
+    """The attributes that have the omitted lines of a printed result."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -56,6 +56,6 @@ class ExactValue(Truth):
 def _restored(value: Any) -> Any:
     if isinstance(value, Poly):
         if has_functions(value):
-            return shown_polynomial(value.all_coeffs(), value.gen)
+            return polynomial_with_functions(value.all_coeffs(), value.gen)
         return canonical(value)
     return tuple(map(_restored, value)) if isinstance(value, tuple) else value

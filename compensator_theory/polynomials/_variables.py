@@ -1,4 +1,4 @@
-"""Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
+"""The variable of an input: one rule for every function, and the time domains of s, z and q."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Literal, TypeAlias, cast
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import Advice, InputError
-from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._expressions import POSITIVE, UNKNOWN, parse_expression
 from compensator_theory.polynomials._quotients import Quotient
 
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
 OPERATORS = (*CONTINUOUS, *DISCRETE)
-"""Names that are taken for the variable when none is given."""
+"""Default names of the variable."""
 
 NAME_THE_VARIABLE = (
     Advice("polynomial", (("variable", "s"),), "name it, as in {function}(..., '{variable}')"),
@@ -34,21 +34,21 @@ def as_symbol(variable: str | Symbol) -> Symbol:
     """Return the symbol of that name, as every function here names its variable."""
     if isinstance(variable, Symbol):
         if not variable.is_commutative:
-            raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
+            raise InputError(f"{repr_of(variable)} does not commute and cannot be a variable")
         return variable
     named = _named(variable) if isinstance(variable, str) else None
     if not isinstance(named, Symbol):
         pair = "; names go one by one, coefficients as one pair, as in ([1], [1, 2])"
         hint = pair if isinstance(variable, list | tuple) else ""
         raise InputError(
-            f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
+            f"{repr_of(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
         )
     return named
 
 
 @lru_cache(maxsize=64)
 def _named(text: str) -> Expr:
-    """What a text means; names are asked for again and again."""
+    """Read the text of a symbol, cached."""
     return parse_expression(text)
 
 
@@ -57,41 +57,40 @@ def is_operator(variable: Symbol) -> bool:
     return variable.name in OPERATORS
 
 
-def is_discrete(variable: Symbol, what: str) -> bool:
+def is_discrete(variable: Symbol, subject: str) -> bool:
     """Tell whether a variable means discrete time: s is continuous, z and q are discrete."""
     if not is_operator(variable):
         raise InputError(
-            f"{what} depends on what {variable} means; write s for continuous time, z or q for "
-            "discrete time"
+            f"{subject} depends on the time domain of {variable}; write s for continuous time, z "
+            "or q for discrete time"
         )
     return variable.name in DISCRETE
 
 
-def time_of(variable: Symbol, what: str) -> Time:
+def time_of(variable: Symbol, subject: str) -> Time:
     """Return the time domain that a variable stands for, as :func:`is_discrete` reads it."""
-    return "discrete" if is_discrete(variable, what) else "continuous"
+    return "discrete" if is_discrete(variable, subject) else "continuous"
 
 
 def require_time(time: object) -> Time:
     """Return the time domain that was named."""
     if not (isinstance(time, str) and time in ("continuous", "discrete")):
         raise InputError(
-            f"time = {shown(time)} is no time domain; write time='continuous' or time='discrete'"
+            f"time = {repr_of(time)} is no time domain; write time='continuous' or time='discrete'"
         )
     return cast(Time, time)
 
 
-def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
+def variable_in(time: object, variable: str | Symbol | None, subject: str) -> Symbol:
     """Return the variable of polynomials in a time domain: s or q where none is named."""
     time_of_request = require_time(time)
     if variable is None:
         return Symbol("s" if time_of_request == "continuous" else "q")
     symbol = as_symbol(variable)
-    if time_of(symbol, what) != time_of_request:
+    if time_of(symbol, subject) != time_of_request:
         raise InputError(
-            f"{symbol} means {time_of(symbol, what)} time, and {what} is to be in "
-            f"{time_of_request} time; "
-            "change one of them"
+            f"{symbol} means {time_of(symbol, subject)} time, and {subject} is to be in "
+            f"{time_of_request} time; change one of them"
         )
     return symbol
 
@@ -101,7 +100,7 @@ def agreed_time(time: object, variable: Symbol) -> Time:
     if time is None:
         if not is_operator(variable):
             raise InputError(
-                f"{variable} does not show the time domain, and what is stable depends on it; "
+                f"{variable} does not show the time domain, and stability depends on it; "
                 "write time='continuous' or time='discrete', or use s, z or q"
             )
         return time_of(variable, "stability")
@@ -111,12 +110,12 @@ def agreed_time(time: object, variable: Symbol) -> Time:
     return time_of_request
 
 
-def require_discrete(variable: Symbol, what: str) -> None:
+def require_discrete(variable: Symbol, subject: str) -> None:
     """Refuse a variable other than z and q."""
     if variable.name not in DISCRETE:
         meaning = " and means continuous time" if variable.name in CONTINUOUS else ""
         raise InputError(
-            f"{what} is for discrete time, and the variable here is {variable}{meaning}; write the "
+            f"{subject} is for discrete time, but the variable is {variable}{meaning}; write the "
             "plant in z or q (discretise a continuous one first)"
         )
 
@@ -152,7 +151,7 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
 
 
 def evident_variable(
-    occurring: Set[Symbol], what: object, fixed: Set[Symbol] = frozenset()
+    occurring: Set[Symbol], subject: object, fixed: Set[Symbol] = frozenset()
 ) -> Symbol:
     """Return the only one of s, z, q that occurs, else the only symbol."""
     operators = fixed | {symbol for symbol in occurring if is_operator(symbol)}
@@ -160,17 +159,19 @@ def evident_variable(
     if len(candidates) != 1:
         names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
         raise InputError(
-            f"the variable of {what} is not evident (symbols: {names}); ",
+            f"the variable of {subject} is not evident (symbols: {names}); ",
             *NAME_THE_VARIABLE,
         )
     (symbol,) = candidates
     if symbol.name.endswith((UNKNOWN, POSITIVE)):
-        raise InputError(f"{what} is a polynomial in {symbol}, and that is no variable; name one")
+        raise InputError(
+            f"{subject} is a polynomial in {symbol}, which is not a variable; name one"
+        )
     return symbol
 
 
 def require_no_other_operator(*polys: Poly) -> None:
-    """Refuse what was read in one of s, z, q, does not contain it, and contains another of them.
+    """Refuse an input that was read in one of s, z, q but contains another of them.
 
     1/s is no constant of a system in z; in (s + z)/(s + p), read in s, z is a parameter as p is.
     """
@@ -182,16 +183,15 @@ def require_no_other_operator(*polys: Poly) -> None:
         if others - {variable}:
             raise InputError(
                 f"{quoted(poly)} is to be read in the variable {variable}, does not contain it, "
-                "and "
-                f"contains {', '.join(sorted(map(str, others)))}; use one variable"
+                f"and contains {', '.join(sorted(map(str, others)))}; use one variable"
             )
 
 
 def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
     """Refuse two symbols with one name, which differ in their assumptions only."""
-    seen: dict[str, Symbol] = {}
+    by_name: dict[str, Symbol] = {}
     for symbol in symbols:
-        if seen.setdefault(symbol.name, symbol) != symbol:
+        if by_name.setdefault(symbol.name, symbol) != symbol:
             raise InputError(
                 f"two different symbols are called {symbol.name}: they were declared with "
                 "different assumptions, and a name in a text has none. Use one symbol in all places"
@@ -206,10 +206,10 @@ class _Names:
 
     def __str__(self) -> str:
         named_parts = [part for part in self.parts if part is not None]
-        shown = [part for part in named_parts if isinstance(part, Poly) or part.free_symbols]
+        with_symbols = [part for part in named_parts if isinstance(part, Poly) or part.free_symbols]
         if None in self.parts:  # numbers beside it may be defaults, or denominators of 1
-            return " and ".join([*map(_written, shown), "a list of coefficients"])
-        return " and ".join(map(_written, shown or named_parts)) or "a list of coefficients"
+            return " and ".join([*map(_written, with_symbols), "a list of coefficients"])
+        return " and ".join(map(_written, with_symbols or named_parts)) or "a list of coefficients"
 
 
 def _written(part: Poly | Expr | Quotient) -> str:

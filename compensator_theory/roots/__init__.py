@@ -1,4 +1,4 @@
-"""Where roots are, with certificates: counts, enclosures, stability, spectral factors."""
+"""Certified roots: counts, enclosures, stability, spectral factors."""
 
 import lazy_loader
 

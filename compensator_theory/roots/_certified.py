@@ -25,7 +25,7 @@ from compensator_theory.polynomials._values import ExactValue
 Decision = TypeVar("Decision")
 
 EASY = 20
-"""Degree from which rational roots are split off first: close ones cost flint seconds together."""
+"""Degree from which rational roots are split off first: close roots take python-flint seconds."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from compensator_theory.polynomials._variables import Time
 from compensator_theory.roots._descartes import distinct_real_roots
 
 PRECISIONS = (256, 1024, 4096, 16384)
-"""Bits for Routh's array; where none of them suffices a row is singular, or all but so."""
+"""Precisions in bits for Routh's array; if none suffices, a row is nearly singular."""
 
 ONE_PLUS, ONE_MINUS = flint.fmpq_poly([1, 1]), flint.fmpq_poly([1, -1])
 
@@ -115,7 +115,7 @@ def has_real_root(poly: Poly) -> bool | None:
     real = {
         symbol: sympy.Dummy(symbol.name, real=True)
         for symbol in poly.free_symbols_in_domain
-        if symbol.is_real is None  # else it keeps what is known of it, its sign for instance
+        if symbol.is_real is None  # otherwise it keeps assumptions such as its sign
     }
     signs = [
         _is_nonnegative(sympy.sympify(f.discriminant()).xreplace(real)) if f.degree() == 2 else None
@@ -256,7 +256,7 @@ def _count_in_balls(poly: flint.fmpz_poly) -> RootCount | None:
 
 
 def _unstable_in_balls(poly: flint.fmpz_poly) -> int | None:
-    """Count changes of sign in the first column of Routh's array; None where balls cannot tell."""
+    """Count sign changes in the first column of Routh's array; None if balls do not decide."""
     descending = poly.coeffs()[::-1]
     for precision in PRECISIONS:
         with ball_precision(precision):

@@ -7,7 +7,7 @@ from itertools import pairwise
 import flint
 
 STEPS = 4
-"""Bisections for each degree before two roots are taken to be closer than bisection should find."""
+"""Bisections per degree after which roots count as too close for bisection."""
 
 _ONE_MORE = flint.fmpz_poly([1, 1])
 

@@ -13,7 +13,7 @@ from sympy import Expr, Poly, Rational, Symbol
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._values import ExactValue
@@ -127,7 +127,7 @@ class PolynomialEnclosure(ExactValue):
 
     def __contains__(self, poly: object) -> bool:
         if not isinstance(poly, Poly):
-            raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial()")
+            raise InputError(f"{repr_of(poly)} is not a sympy.Poly; make one with polynomial()")
         same_shape = poly.degree() == self.degree and poly.gen == self.variable
         return same_shape and all(
             value in ball for value, ball in zip(poly.all_coeffs(), self.coefficients, strict=True)
@@ -167,7 +167,7 @@ def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
 
 
 def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
-    """Write the same for a notebook."""
+    """Return the LaTeX of a polynomial or of its enclosure."""
     return latex(enclosure if polynomial is None else polynomial)
 
 

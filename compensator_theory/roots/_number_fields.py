@@ -258,13 +258,13 @@ class Arithmetic:
         places = [r for r, _ in whole.complex_roots()]
         rows = []
         for y in places:
-            left, given = (
+            left, right_side = (
                 flint.acb_mat([[flint.acb_poly(e)(y) * scale for e in row] for row in grid])
                 for grid in (matrix, right)
             )
             determinant = left.det()
             try:
-                solved = left.solve(given)
+                solved = left.solve(right_side)
             except ZeroDivisionError:
                 return None if determinant.contains(0) and flint.ctx.prec < 1 << 16 else (
                     flint.fmpq_poly(), right)  # fmt: skip
@@ -273,13 +273,13 @@ class Arithmetic:
             [_divided(whole, y) for y in places]
         )
         slope = inverse(self.minimal.derivative(), self.minimal)
-        found = []
+        coefficients = []
         for k in range(n * m + 1):
             integers = [product[k, j].unique_fmpz() for j in range(len(places))]
             if any(c is None for c in integers):
                 return None
-            found.append(flint.fmpq_poly(integers) * slope % self.minimal)
-        return found[0], [found[1 + i * m : 1 + (i + 1) * m] for i in range(n)]
+            coefficients.append(flint.fmpq_poly(integers) * slope % self.minimal)
+        return coefficients[0], [coefficients[1 + i * m : 1 + (i + 1) * m] for i in range(n)]
 
 
 def plus(*grids: Grid) -> Grid:
@@ -391,7 +391,7 @@ def _parts(p: flint.fmpq_poly) -> tuple[flint.fmpq_poly, Pairs]:
     for factor, power in p.numer().factor()[1]:
         mirrored = flint.fmpz_poly([-c if k % 2 else c for k, c in enumerate(factor.coeffs())])
         is_even = mirrored in (factor, -factor)
-        left = 0 if is_even else _number_left(factor)
+        left = 0 if is_even else _number_left_of_axis(factor)
         if left == factor.degree():
             monic = flint.fmpq_poly(factor)
             rest *= (monic / monic.coeffs()[-1]) ** int(power)
@@ -404,7 +404,7 @@ def _parts(p: flint.fmpq_poly) -> tuple[flint.fmpq_poly, Pairs]:
     return rest, pairs
 
 
-def _number_left(factor: flint.fmpz_poly) -> int:
+def _number_left_of_axis(factor: flint.fmpz_poly) -> int:
     def attempt(_: int) -> int | None:
         sides = [(r.real < 0, r.real > 0) for r, _ in factor.complex_roots()]
         return sum(bool(left) for left, _ in sides) if all(map(any, sides)) else None
@@ -522,10 +522,10 @@ def _require_factor(
 ) -> None:
     """Multiply the factor by its mirror image, in the field."""
     mirrored = [-c if k % 2 else c for k, c in enumerate(factor)]
-    found = [flint.fmpq_poly() for _ in range(2 * len(factor) - 1)]
+    coefficients = [flint.fmpq_poly() for _ in range(2 * len(factor) - 1)]
     for i, a in enumerate(factor):
         for j, b in enumerate(mirrored):
-            found[i + j] += a * b
+            coefficients[i + j] += a * b
     leading = p.coeffs()[-1] * (-1) ** (len(factor) - 1)
-    product = [c * leading % minimal for c in found]
+    product = [c * leading % minimal for c in coefficients]
     assert [c.coeffs() or [0] for c in product] == [[c] for c in p.coeffs()], "please report it"

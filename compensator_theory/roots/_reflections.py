@@ -95,7 +95,7 @@ def spectrum_of(poly: Poly, size: int, time: Time) -> Poly:
 def weighted_pair(
     N: PolynomialLike, D: PolynomialLike | None, r: object, variable: str | Symbol | None
 ) -> tuple[Poly, Poly, Expr]:
-    """Read what N N* + r D D* is made of; without D it is zero."""
+    """Read N and D of N N* + r D D*; without D it is zero."""
     weight = exact_number(r)
     if not (weight.is_Rational and weight >= 0):
         raise InputError(f"r = {weight} must be a rational number of at least 0")

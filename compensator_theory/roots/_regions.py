@@ -1,4 +1,4 @@
-"""Where certified roots lie: in the stable region of the plane, on its boundary, or outside."""
+"""Location of certified roots: stable, on the boundary, or unstable."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def locate_roots(
     s, discrete = poly.gen, time == "discrete"
     mirrored = reciprocal_polynomial(poly) if discrete else poly.compose(Poly(-s, s, domain=QQ))
     paired = poly.gcd(mirrored)
-    others = decided_balls(poly.exquo(paired), is_inside if discrete else is_left)
+    others = decided_balls(poly.exquo(paired), is_inside if discrete else is_left_of_axis)
     stable = sum(m for _, m, is_stable in others if is_stable)
     boundary = 0
     for orientation in (1, -1) if discrete else (0,):
@@ -81,8 +81,8 @@ def locate_roots(
     return RootCount(stable, boundary, int(poly.degree()) - stable - boundary)
 
 
-def is_left(ball: flint.acb) -> bool | None:
-    """Tell whether a complex ball lies left of the imaginary axis; None if it meets the axis."""
+def is_left_of_axis(ball: flint.acb) -> bool | None:
+    """Return whether a complex ball lies left of the imaginary axis; None if it meets the axis."""
     return _less(ball.real, 0)
 
 

@@ -111,7 +111,7 @@ def _is_schur(poly: flint.fmpz_poly) -> bool:
 
 
 def _schur_in_balls(row: list[flint.arb]) -> bool | None:
-    """As `reflection_coefficients`; None where a ball cannot tell."""
+    """As `reflection_coefficients`, in balls; None if a ball does not decide."""
     while len(row) > 1:
         k = row[-1] / row[0]
         if not abs(k) < 1:

@@ -32,7 +32,7 @@ from compensator_theory.roots._enclosures import (
     text_of,
 )
 from compensator_theory.roots._reflections import reciprocal_polynomial, spectrum_of, weighted_pair
-from compensator_theory.roots._regions import is_left
+from compensator_theory.roots._regions import is_left_of_axis
 from compensator_theory.roots._unit_circle import split_at_unit_circle
 from compensator_theory.roots._unit_circle_enclosures import (
     enclose_split_at_unit_circle,
@@ -232,7 +232,7 @@ def _factor_even(spectrum: Poly, digits: int, bits: int) -> SpectralFactor:
         return SpectralFactor(spectrum, half, "continuous", chi, exact_enclosure(chi), constant)
 
     def attempt(bits: int) -> PolynomialEnclosure | None:
-        balls = decided_balls(spectrum, is_left, bits)  # none is on the axis
+        balls = decided_balls(spectrum, is_left_of_axis, bits)  # none is on the axis
         left = product_of_roots(((b, m) for b, m, inside in balls if inside), spectrum.gen)
         return left if left.radius <= Rational(1, 10**digits) else None
 

@@ -1,4 +1,4 @@
-"""Is every root stable: decided twice, from the coefficients and from certified roots."""
+"""Stability of all roots, decided twice: from the coefficients and from certified roots."""
 
 from __future__ import annotations
 

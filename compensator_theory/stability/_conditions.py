@@ -13,7 +13,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._fraction_free import SymbolicRows
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.matrices._rational_functions import RationalFunctions
-from compensator_theory.matrices._symbolic_matrices import Numerators, kept_with_symbols
+from compensator_theory.matrices._symbolic_matrices import Numerators, over_common_symbols
 from compensator_theory.polynomials._budget import ask, limit_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of
@@ -28,14 +28,14 @@ PRODUCTS = 150_000
 
 
 class _Conditions(tuple[Expr, ...]):
-    """Expressions that are to be positive; an empty one is no "no", so it has no truth value."""
+    """Expressions that must be positive; the list has no truth value, since empty means stable."""
 
     __slots__ = ()
 
     def __bool__(self) -> bool:
         raise InputError(
-            "the conditions are expressions that have to be positive, and answer no yes-or-no "
-            "question: ask decide_stability(p), or len(...) for how many are left"
+            "a list of conditions has no truth value: call decide_stability(p), or len(...) for "
+            "the number of conditions"
         )
 
 
@@ -115,18 +115,18 @@ def stability_conditions(
     first = range(1, n, 2) if n % 2 == 0 else range(2, n, 2)
     chosen = [0, *first] if n else []
     sizes = sorted(range(n - 1, 1, -2))
-    if (read := kept_with_symbols(sympy.Matrix([[*leading, *a]]))) is not None:
-        work, (given,) = read
-        return _Conditions(_HurwitzArray(work, given, len(leading)).conditions(chosen, sizes))
+    if (read := over_common_symbols(sympy.Matrix([[*leading, *a]]))) is not None:
+        work, (numerators,) = read
+        return _Conditions(_HurwitzArray(work, numerators, len(leading)).conditions(chosen, sizes))
     minors = [_hurwitz_minor(a, k) for k in sizes]
-    return _Conditions(_shortened([*leading, *(a[k] for k in chosen), *minors]))
+    return _Conditions(_simplified([*leading, *(a[k] for k in chosen), *minors]))
 
 
 @generic_answer_of(stability_conditions)
 def _generic_conditions(
     poly: PolynomialLike, variable: str | Symbol | None = None
 ) -> tuple[tuple[Expr, ...], list[Expr]]:
-    """They speak of one degree, and of a positive leading coefficient where it is symbolic."""
+    """Return the conditions for a fixed degree and a positive symbolic leading coefficient."""
     leading = sympy.sympify(polynomial(poly, variable).LC())
     return stability_conditions(poly, variable), [leading]
 
@@ -134,15 +134,15 @@ def _generic_conditions(
 class _HurwitzArray:
     """Coefficients as numerators over one denominator, and the conditions on them in their ring."""
 
-    def __init__(self, work: RationalFunctions, given: Numerators, before: int) -> None:
-        """Take what stands before the coefficients, how much that is, and these, ascending."""
-        self.work, self.below = work, given.below
-        self.before, self.tops = list(given.flat[:before]), list(given.flat[before:])
-        content, self.factors = given.below.factor()
+    def __init__(self, work: RationalFunctions, numerators: Numerators, before: int) -> None:
+        """Read extra conditions, their number, and the ascending coefficients."""
+        self.work, self.below = work, numerators.below
+        self.before, self.tops = list(numerators.flat[:before]), list(numerators.flat[before:])
+        content, self.factors = numerators.below.factor()
         self.sign = 1 if content > 0 else -1
 
     def conditions(self, chosen: Sequence[int], sizes: Sequence[int]) -> list[Expr]:
-        """Return those that do not hold for all values, each once."""
+        """Return the conditions that do not always hold, without repetition."""
         requests: list[tuple[flint.fmpz_mpoly | None, int, int | None]]
         requests = [(top, 1, None) for top in self.before]
         requests += [(self.tops[k], 1, None) for k in chosen]
@@ -165,7 +165,7 @@ class _HurwitzArray:
         return rows.last * rows.sign if len(rows.reduce(size)) == size else self.work.zero
 
     def _condition(self, top: flint.fmpz_mpoly | None, power: int, size: int | None) -> Expr:
-        r"""Return what has the sign of a numerator over a power of the denominator, and its zeros.
+        r"""Return a polynomial with the sign of a numerator over a power of the denominator.
 
         It is multiplied out as far as the budget of terms goes, else left as a product, and a
         determinant as the polynomial that it is in the coefficients.
@@ -257,15 +257,15 @@ def _entry(ascending: Sequence[Coefficient], i: int, j: int, zero: Coefficient) 
     return ascending[k] if 0 <= k < len(ascending) else zero
 
 
-def _shortened(conditions: list[Expr]) -> list[Expr]:
-    """Leave out denominators, positive numbers and factors, and what stands there twice."""
-    kept: list[Expr] = []
+def _simplified(conditions: list[Expr]) -> list[Expr]:
+    """Return the conditions without denominators, positive factors and repetitions."""
+    simplified: list[Expr] = []
     for condition in conditions:
         top, bottom = sympy.fraction(sympy.cancel(condition))
         shorter = sympy.expand(top * bottom)
         symbols = sorted(shorter.free_symbols, key=str)
         if symbols:
             shorter = Poly(shorter, *symbols).primitive()[1].as_expr()
-        if not shorter.is_positive and shorter not in kept:
-            kept.append(shorter)
-    return kept
+        if not shorter.is_positive and shorter not in simplified:
+            simplified.append(shorter)
+    return simplified

@@ -1,4 +1,4 @@
-"""The real values of a parameter at which a root may lie on the boundary of stability."""
+"""Critical values of a parameter: a root may lie on the boundary of stability."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def resultant_in_parameter(
     for point in map(flint.fmpq, (k // 2 if k % 2 else -(k // 2) for k in count(1))):
         rows = [[c(point) for c in side] for side in sides]
         if rows[0][-1] == 0 or rows[1][-1] == 0:
-            continue  # a degree drops, and the resultant is another
+            continue  # a degree drops, so that the resultant differs
         points.append(point)
         values.append(flint.fmpq_poly(rows[0]).resultant(flint.fmpq_poly(rows[1])))
         if len(points) > degree:

@@ -1,4 +1,4 @@
-"""All windows of a delay in which a loop is stable, exact."""
+"""The exact intervals of a delay in which a loop is stable."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def stability_delays(
     whole = sum(polys[1:], polys[0])
     ask("degree", int(polys[0].degree()) * 2 * (len(polys) - 1), "the resultant")
     if whole.eval(0) == 0:
-        raise NoSolutionError("s = 0 is a root for every delay, so that none makes it stable")
+        raise NoSolutionError("s = 0 is a root for every delay, so no delay makes the loop stable")
     if polys[-1].is_zero:  # of two: nothing is delayed
         counted = count_roots(polys[0], time="continuous")
         if counted.boundary:
@@ -255,7 +255,7 @@ def stability_delays(
 
 
 def _later(crossing: DelayCrossing) -> DelayCrossing:
-    """Return the crossing without that at 0, which `unstable_without` has counted."""
+    """Return the crossing without its delay 0, which `unstable_without` counts."""
     return DelayCrossing(
         crossing.square, crossing.frequency, crossing.tendency, crossing.period, crossing.period
     )
@@ -295,7 +295,7 @@ def _crossing(
     if not one and multiplicity > 1:
         raise NoSolutionError(
             f"several roots meet at the frequency sqrt({value}); with several multiples of the "
-            "delay this is not decided here"
+            "delay this case is not decided"
         )
     if one and vanishes_at(polys[1], factor):
         raise NoSolutionError("a_0 and a_1 share roots on the imaginary axis; divide them out")
@@ -333,12 +333,12 @@ def _crossing(
             if all(x.radius <= Rational(1, 10**30) for x in enclosures):
                 if at_zero and first == 0 and tendency == 0:
                     raise NoSolutionError(
-                        "a root on the imaginary axis without delay only touches it; where it goes "
-                        "is not decided here"
+                        "a root on the imaginary axis without delay only touches it; its "
+                        "direction is not decided"
                     )
                 return DelayCrossing(value, enclosures[0], tendency, enclosures[1], enclosures[2])
     raise BudgetError(
-        f"what happens at the frequency sqrt({value}) takes more than {BITS[-1]} bits"
+        f"the tendency at the frequency sqrt({value}) needs more than {BITS[-1]} bits"
     )
 
 
@@ -380,9 +380,7 @@ def _number_before(crossing: DelayCrossing, delay: Rational) -> int:
              (delay - crossing.first.lower) / (crossing.period.lower)]  # fmt: skip
     counts = {max(0, int(sympy.floor(x)) + 1) for x in lower}
     if len(counts) > 1:
-        raise BudgetError(
-            f"the delay {delay} is closer to one at which roots cross than 30 digits tell"
-        )
+        raise BudgetError(f"the delay {delay} is within 30 digits of a delay at which roots cross")
     return counts.pop()
 
 

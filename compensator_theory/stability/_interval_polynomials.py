@@ -10,7 +10,7 @@ from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._budget import ask, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
@@ -106,7 +106,7 @@ def decide_interval_stability(
     if is_discrete(s, "the stability of intervals"):
         raise InputError(
             f"{s} means discrete time, for which four polynomials do not decide; write the "
-            "variable as s, or ask stability_conditions with symbols"
+            "variable as s, or call stability_conditions with symbols"
         )
     if isinstance(intervals, str) or not isinstance(intervals, Sequence) or not intervals:
         raise InputError("give a list of numbers and pairs in descending powers, as [1, (2, 3)]")
@@ -115,8 +115,8 @@ def decide_interval_stability(
     lower, upper = read[0]
     if lower <= 0 <= upper:
         raise InputError(
-            f"the leading coefficient lies in [{shown(lower)}, {shown(upper)}], which contains "
-            "0: the degree would drop; give it one sign, or ask for each degree"
+            f"the leading coefficient lies in [{repr_of(lower)}, {repr_of(upper)}], which contains "
+            "0: the degree would drop; give it one sign, or decide each degree separately"
         )
     signed = read if lower > 0 else tuple((-high, -low) for low, high in read)
     ascending = list(reversed(signed))
@@ -138,14 +138,15 @@ def _interval(item: NumberLike | Sequence[NumberLike]) -> tuple[Rational, Ration
     ends: list[Expr]
     if isinstance(item, tuple | list):
         if len(item) != 2:
-            raise InputError(f"{shown(item)} is no interval; write (lower, upper)")
+            raise InputError(f"{repr_of(item)} is no interval; write (lower, upper)")
         ends = [sympy.sympify(exact_number(end)) for end in item]
     else:
         ends = [sympy.sympify(exact_number(item))] * 2
     if not all(end.is_Rational for end in ends):
-        raise InputError(f"the ends {shown(ends)} of an interval must be rational numbers")
+        raise InputError(f"the ends {repr_of(ends)} of an interval must be rational numbers")
     if ends[0] > ends[1]:
         raise InputError(
-            f"the interval ({shown(ends[0])}, {shown(ends[1])}) is empty: its ends are exchanged"
+            f"the interval ({repr_of(ends[0])}, {repr_of(ends[1])}) is empty: its ends are "
+            "exchanged"
         )
     return ends[0], ends[1]

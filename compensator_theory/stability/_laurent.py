@@ -57,14 +57,14 @@ class LaurentExpansion(ExactValue):
     certificate: Certificate
 
     def __getitem__(self, power: int) -> ImmutableMatrix:
-        """Return the coefficient of (s - p)**power; InputError beyond what was asked for."""
+        """Return the coefficient of (s - p)**power; InputError beyond the computed terms."""
         index = power + self.order
         if index < 0:
             return zero_matrix(*self.coefficients[0].shape)
         if index >= len(self.coefficients):
             raise InputError(
                 f"the expansion ends with the power {len(self.coefficients) - 1 - self.order}; "
-                "ask for more terms"
+                "request more terms"
             )
         return self.coefficients[index]
 
@@ -192,7 +192,7 @@ def _series(
 
 
 def _ask(G: TransferMatrix, point: Expr, terms: int) -> None:
-    """Ask for the shift to the point and, with symbols, for what they multiply out to."""
+    """Check the budget for the shift to the point and for the terms with symbols."""
     size = int(G.denominator.degree())
     polys = [G.denominator, *(entry for row in G.numerators for entry in row)]
     if not (point.is_Rational and all(map(is_rational, polys))):
@@ -205,7 +205,7 @@ def _ask(G: TransferMatrix, point: Expr, terms: int) -> None:
 
 
 def _ask_for_recursion(bottom: list[Expr], entries: int, terms: int) -> None:
-    """Ask for the products, each as long as the power of D(p) in it."""
+    """Check the budget for the products with powers of D(p)."""
     first = bottom[0]
     bits = max(int(first.p).bit_length(), int(first.q).bit_length()) if first.is_Rational else 1
     products = entries * terms * min(len(bottom), terms)

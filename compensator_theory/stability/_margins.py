@@ -332,8 +332,8 @@ class StabilityMargins(ExactValue):
             lines.append(f"L is the constant {self.numerator.LC() / self.denominator.LC()}")
         elif self.is_real:
             pairs = "a pole s comes with -s" if self.time == "continuous" else "a pole z with 1/z"
-            shown = " that is not hidden" if self.hidden.degree() > 0 else ""
-            pairs = pairs.replace("a pole", f"a pole{shown},", 1) if shown else pairs
+            visible = " that is not hidden" if self.hidden.degree() > 0 else ""
+            pairs = pairs.replace("a pole", f"a pole{visible},", 1) if visible else pairs
             lines.append(f"L is real at all frequencies, and {pairs}")
         if self.gains is not None:
             lines.append(f"stable for gain factors in {self.gains}")
@@ -449,7 +449,7 @@ def stability_margins(
 
 
 def _frequencies_of_gain_1(top: Poly, bottom: Poly) -> list[tuple[Poly, int, Expr]]:
-    """The positive roots of |N|^2 - |D|^2; none by itself where all frequencies are."""
+    """Return the positive roots of |N|^2 - |D|^2; empty if it vanishes identically."""
     return [] if top == bottom else positive_roots(top - bottom)
 
 

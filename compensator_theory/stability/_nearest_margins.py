@@ -163,21 +163,21 @@ def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margi
     near = float(end)
     distances = [(abs(float(gain) - near), frequency) for gain, frequency in crossings]
     # An L that is constant has no crossover of its own.
-    found = min(distances, key=lambda pair: pair[0], default=(0.0, NOTHING))[1]
-    return Margin(end, found)
+    changes = min(distances, key=lambda pair: pair[0], default=(0.0, NOTHING))[1]
+    return Margin(end, changes)
 
 
 def nearest_phase(
     crossings: Sequence[Crossing], ends: Sequence[Frequency], *, lead: bool
 ) -> Margin:
     """The least turn, in degrees, of crossovers with their arg(-L), and of ends where L is 1."""
-    found: list[Crossing] = [(Enclosure(Rational(180), Rational(0)), end) for end in ends]
+    changes: list[Crossing] = [(Enclosure(Rational(180), Rational(0)), end) for end in ends]
     with ball_precision(BITS):
         for margin, frequency in crossings:
             degrees = ball_of_enclosure(margin) * 180 / flint.arb.pi()
             lag = degrees if margin.centre > 0 else degrees + 360
-            found.append((enclosure_of_ball(360 - lag if lead else lag), frequency))
-    return nearest(found)
+            changes.append((enclosure_of_ball(360 - lag if lead else lag), frequency))
+    return nearest(changes)
 
 
 def nearest(crossings: Sequence[Crossing]) -> Margin:
@@ -206,7 +206,7 @@ def nearest_delay_in_steps(
         roots = count_roots(delayed, time="discrete")
         if roots.stable < roots.total:
             break
-    found = []
+    changes = []
     with ball_precision(BITS):
         for (delay, frequency), leaves in zip(crossings, outward, strict=True):
             if not leaves or not isinstance(frequency, Enclosure):
@@ -215,11 +215,11 @@ def nearest_delay_in_steps(
             for turns in range(steps + 1):
                 total = enclosure_of_ball(ball_of_enclosure(delay) + turn * turns)
                 if steps - 1 < total.upper and total.lower <= steps:
-                    found.append((total, frequency))
-        if not found:
+                    changes.append((total, frequency))
+        if not changes:
             largest = max(
                 (ball for ball, _ in root_balls(delayed, BITS) if ball.imag.mid() >= 0),
                 key=lambda ball: abs(ball).mid(),
             )
-            found = [(Enclosure(Rational(steps), Rational(0)), enclosure_of_ball(largest.arg()))]
-    return nearest(found)
+            changes = [(Enclosure(Rational(steps), Rational(0)), enclosure_of_ball(largest.arg()))]
+    return nearest(changes)

@@ -1,4 +1,4 @@
-"""Pade approximants: rational functions that agree with a series as far as they can."""
+"""Pade approximants of power series."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ IDENTITY = "the coefficients of N - c D up to s^(m + n)"
 
 @dataclass(frozen=True)
 class PadeApproximant(ExactValue):
-    """A rational function and how far it agrees with a series.
+    """A rational function and its order of agreement with a series.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ def pade_approximant(
     if bottom.eval(0) == 0 or any(left):  # a power of s was cancelled, and the agreement with it
         raise NoSolutionError(
             f"the series has no Pade approximant [{m}/{n}]: N - c D vanishes so far only with "
-            f"D = 0 at {s} = 0; ask for other degrees"
+            f"D = 0 at {s} = 0; request other degrees"
         )
     coefficients_of = ImmutableMatrix(1, 0, [])
     for poly in (top, bottom):

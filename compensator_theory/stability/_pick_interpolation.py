@@ -1,4 +1,4 @@
-"""Nevanlinna-Pick interpolation: how large a stable function with given values must be."""
+"""Nevanlinna-Pick interpolation: stable functions with given values and H-infinity bound."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from compensator_theory.matrices._flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
-from compensator_theory.polynomials._budget import ask, listed, quoted, shown
+from compensator_theory.polynomials._budget import ask, listed, quoted, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials._values import ExactValue
@@ -140,7 +140,7 @@ class PickInterpolation(ExactValue):
         scaled = [(point, [w / level for w in series]) for point, series in data]
         f = solve_pick(scaled, s, g, discrete=discrete)
         whole = TransferFunction(f.numerator * self.bound, f.denominator)
-        return replace(whole, certificate=_taken(whole, data))
+        return replace(whole, certificate=_interpolation_certificate(whole, data))
 
     def __str__(self) -> str:
         verdict = "feasible" if self.is_feasible else "not feasible"
@@ -213,7 +213,7 @@ def nevanlinna_pick(
     discrete = is_discrete(symbol, "interpolation")
     where = _numbers(points, "points")
     if isinstance(values, str) or getattr(values, "shape", None) == ():
-        raise InputError(f"the values {shown(values)} are to be given in a list")
+        raise InputError(f"the values {repr_of(values)} must be a list")
     value_list = listed(values, "degree", "the list of values", more=1)
     if len(value_list) != len(where):
         raise InputError(
@@ -259,7 +259,7 @@ def nevanlinna_pick(
 
 def _numbers(numbers: Sequence[NumberLike], name: str) -> list[Expr]:
     if isinstance(numbers, str):
-        raise InputError(f"the {name} {shown(numbers)} are to be given in a list")
+        raise InputError(f"the {name} {repr_of(numbers)} must be a list")
     expanded = [sympy.expand(number) for number in read_coefficients(numbers)]
     for number in expanded:
         # with symbols the real part alone would be multiplied out, whatever the degree
@@ -304,7 +304,7 @@ def solve_pick(
     inner = [_in_continuous_time(*datum) for datum in data] if discrete else data
     size, P = _leading_pick_matrix(inner)
     theta = _theta(_first(inner, size), P, variable)
-    left = _first_left_over(inner, size)
+    left = _next_datum(inner, size)
     if left is None:
         top, bottom = parameter.numerator, parameter.denominator
         if discrete:
@@ -319,11 +319,13 @@ def solve_pick(
     bounded = decide_bounded_real(f)
     if not bounded.holds:
         raise NoSolutionError(f"f = {f} is {bounded}; it is wrong, please report it")
-    return TransferFunction(f.numerator, f.denominator, certificate=_taken(f, data))
+    return TransferFunction(
+        f.numerator, f.denominator, certificate=_interpolation_certificate(f, data)
+    )
 
 
-def _taken(f: TransferFunction, data: Data) -> Certificate:
-    """Return the certificate that a function takes given values, evaluated anew."""
+def _interpolation_certificate(f: TransferFunction, data: Data) -> Certificate:
+    """Return the certificate that a function interpolates the data, recomputed."""
     left, identity = [], IDENTITY
     for point, series in data:
         top, bottom = (_series_at(p, point, len(series)) for p in (f.numerator, f.denominator))
@@ -336,7 +338,7 @@ def _taken(f: TransferFunction, data: Data) -> Certificate:
 
 
 def _require_closed(data: Data) -> None:
-    """Refuse data that no real function takes."""
+    """Refuse data that no real function interpolates."""
     known = {point: list(series) for point, series in data}
     for point, series in known.items():
         partner = known.get(_conjugate(point), [])
@@ -450,7 +452,7 @@ def _first(data: Data, size: int) -> Data:
     return [(point, series) for point, series in coefficients if series]
 
 
-def _first_left_over(
+def _next_datum(
     data: Data, size: int
 ) -> tuple[GaussianRational, Sequence[GaussianRational]] | None:
     """The point of the first datum beyond so many, with its series up to there."""

@@ -181,7 +181,7 @@ class RootLocus(Certified, ExactValue):
     departures: tuple[LocusAngles, ...]
     arrivals: tuple[LocusAngles, ...]
 
-    def _left_over(self) -> list[Poly]:
+    def _residuals(self) -> list[Poly]:
         N, D = self.numerator, self.denominator
         slope = N * D.diff() - N.diff() * D
         rational = [point for point in self.breaks if point.gain.is_Rational]
@@ -273,7 +273,7 @@ def root_locus(
     feedback: int,
     variable: str | Symbol | None = None,
 ) -> RootLocus:
-    r"""Find what characterises a root locus, exactly.
+    r"""Find breaks, crossings, asymptotes and angles of a root locus, exactly.
 
     .. math:: D + kN = 0, \qquad \text{breaks: } N D' - N' D = 0, \; k = -D/N \in \mathbb{R}
 

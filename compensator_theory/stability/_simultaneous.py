@@ -1,4 +1,4 @@
-"""One compensator for two plants: strong stabilisability of an auxiliary plant decides."""
+"""Simultaneous stabilisation of two plants, by strong stabilisability of an auxiliary plant."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import time_of
 from compensator_theory.stability._stable_compensators import (
     LOOP,
-    loop_left_over,
+    loop_residuals,
     search_by_order,
 )
 from compensator_theory.stability._strong_stabilisability import (
@@ -30,7 +30,7 @@ from compensator_theory.systems._transfer_functions import TransferFunction
 
 @dataclass(frozen=True)
 class SimultaneousStabilisability(ExactValue):
-    """Whether one compensator stabilises both of two plants, and one that does.
+    """Whether one compensator stabilises both of two plants, with such a compensator.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class SimultaneousStabilisability(ExactValue):
         if self.compensator is None:
             return None
         loops = zip(self.plants, self.characteristic_polynomials, strict=True)
-        left = [loop_left_over(plant, self.compensator, loop) for plant, loop in loops]
+        left = [loop_residuals(plant, self.compensator, loop) for plant, loop in loops]
         return evaluated(f"{LOOP}, for both plants", [part for parts in left for part in parts])
 
     def __str__(self) -> str:
@@ -180,7 +180,7 @@ def _reduced(plant: TransferFunction) -> TransferFunction:
         raise InputError(f"the plant {plant} must be strictly proper and not zero")
     decision = decide_strong_stabilisability(plant)
     if not decision.is_stabilisable:
-        raise InputError(f"{decision}; nothing stabilises it")
+        raise InputError(f"{decision}; no compensator stabilises it")
     return plant.reduced()
 
 

@@ -1,4 +1,4 @@
-"""For which values of one symbol a polynomial is stable: intervals with exact end points."""
+"""Stability intervals of one parameter, with exact end points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
@@ -196,8 +196,9 @@ def stability_intervals(
         )
     if irrational := irrational_constants(p.all_coeffs()):
         raise InputError(
-            f"{format_polynomial(p)} has the irrational number {shown(min(irrational, key=str))}, "
-            "and intervals are found over rational numbers; give a rational number close to it"
+            f"{format_polynomial(p)} has the irrational number "
+            f"{repr_of(min(irrational, key=str))}, "
+            "but stability intervals need rational coefficients; give a rational number close to it"
         )
     k = symbols.get(k.name, k)
     divided, cleared = p.clear_denoms()
@@ -211,7 +212,7 @@ def stability_intervals(
 
 
 def _stable_drops(poly: Poly, parameter: Symbol, divisor: Poly) -> Iterator[StabilityCell]:
-    """Yield where the leading coefficient vanishes and what is left is stable, in no order."""
+    """Yield the values where the degree drops and the remaining polynomial is stable."""
     coefficients = [Poly(c, parameter, domain=QQ) for c in poly.all_coeffs()]
     for factor, _ in coefficients[0].factor_list()[1]:
         if divisor.rem(factor).is_zero:
@@ -220,7 +221,7 @@ def _stable_drops(poly: Poly, parameter: Symbol, divisor: Poly) -> Iterator[Stab
         while left and left[0].is_zero:
             left = left[1:]
         if not left:
-            continue  # every number is a root of what is left
+            continue  # every number is a root of the remaining polynomial
         lower = from_coefficients([c.as_expr() for c in left], poly.gen)
         degree = RootCount(len(left) - 1, 0, 0)
         leading = signs_at_real_roots(left[0], factor)

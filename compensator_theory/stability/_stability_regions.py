@@ -1,4 +1,4 @@
-"""For which values of several symbols a polynomial is stable: exact cells, each with a sample."""
+"""Stability regions of several parameters: exact cells, each with a sample."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sympy import QQ, Expr, Poly, Rational, Symbol
 from compensator_theory._latex import displayed, latex, words
 from compensator_theory._printing import text
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import ask, shown
+from compensator_theory.polynomials._budget import ask, repr_of
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._decidable import irrational_constants
 from compensator_theory.polynomials._formatting import format_polynomial
@@ -64,7 +64,7 @@ class StabilitySlab(ExactValue):
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing in it is stable."""
+        """Whether the slab has no stable values."""
         if isinstance(self.section, StabilityRegion):
             return self.section.is_empty
         return not self.section.intervals
@@ -128,7 +128,7 @@ class StabilityRegion(ExactValue):
         none = f"stable for no real {_listed(self.parameters)}"
         lines = _lines(self, _knows_formulas(self))
         if set(sympy.sympify(self.polynomial.LC()).free_symbols) and not self.of_a_loop:
-            drop = f"where {text(self.polynomial.LC())} = 0 what is left is judged, see section()"
+            drop = f"where {text(self.polynomial.LC())} = 0 the degree drops; see section()"
             none = f"stable for no open set of {_listed(self.parameters)}"
             return "\n".join([*(lines or [none]), drop])
         return "\n".join(lines) or none
@@ -224,8 +224,9 @@ def _region(p: Poly, parameters: tuple[Symbol, ...], *, of_a_loop: bool = False)
         raise InputError("a coefficient is a fraction; multiply by its denominator first")
     if irrational := irrational_constants(p.all_coeffs()):
         raise InputError(
-            f"{format_polynomial(p)} has the irrational number {shown(min(irrational, key=str))}, "
-            "and cells are found over rational numbers; give a rational number close to it"
+            f"{format_polynomial(p)} has the irrational number "
+            f"{repr_of(min(irrational, key=str))}, "
+            "but stability regions need rational coefficients; give a rational number close to it"
         )
     ask("degree", int(p.degree()) ** len(parameters), "the region of stability")
     boundaries = _boundaries(p, parameters)
@@ -240,7 +241,7 @@ def _decomposed(
     before: dict[Symbol, Rational],
     of_a_loop: bool,
 ) -> StabilityRegion:
-    """The cells of the parameters that are left, those `before` at their samples."""
+    """Return the cells of the remaining parameters, with those `before` at their samples."""
     first, *rest = parameters
     curves = levels[len(before)]
     slabs = []
@@ -292,7 +293,7 @@ def _boundaries(p: Poly, parameters: tuple[Symbol, ...]) -> list[Poly]:
 
 
 def _levels(boundaries: list[Poly], parameters: tuple[Symbol, ...]) -> Levels:
-    """For each parameter what is critical in it and those before it; the last: the boundaries."""
+    """Return for each parameter the critical curves in it and the earlier ones."""
     levels = [tuple(boundaries)]
     for last in range(len(parameters) - 1, 0, -1):
         ask("degree", sum(int(c.total_degree()) for c in levels[0]), "the region of stability")
@@ -301,7 +302,7 @@ def _levels(boundaries: list[Poly], parameters: tuple[Symbol, ...]) -> Levels:
 
 
 def _projected(curves: tuple[Poly, ...], parameters: tuple[Symbol, ...]) -> list[Poly]:
-    """Where curves meet, turn, or go to infinity in the last parameter."""
+    """Project curves: where they meet, turn, or go to infinity in the last parameter."""
     *rest, last = parameters
     conditions = []
     in_last = []
@@ -365,7 +366,7 @@ def _listed(parameters: tuple[Symbol, ...]) -> str:
 
 
 def _knows_formulas(region: StabilityRegion) -> bool:
-    """Whether all ends of what is stable are functions of the parameters before them."""
+    """Whether all ends of stable cells are functions of the earlier parameters."""
     for slab in region.slabs:
         if slab.is_empty:
             continue
@@ -377,7 +378,7 @@ def _knows_formulas(region: StabilityRegion) -> bool:
 
 
 def _lines(region: StabilityRegion, formulas: bool) -> list[str]:
-    """What is stable, a line for each cell of all but the last parameter.
+    """Return the stable cells, one line for each cell of all but the last parameter.
 
     Where not all ends have formulas, they are those at the samples, which are named.
     """

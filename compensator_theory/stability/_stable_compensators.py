@@ -38,7 +38,7 @@ DISCRETE_GRID = tuple(Rational(k, 10) for k in (0, 3, -3, 5, -5, 7, -7, 8, -8, 9
 
 @dataclass(frozen=True)
 class StableCompensator(ExactValue):
-    """A stable compensator that stabilises a plant, or how far it was looked for.
+    """A stable compensator that stabilises a plant, or the orders that were searched.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class StableCompensator(ExactValue):
         """The loop and the counts of roots, evaluated anew; None without a compensator."""
         if self.compensator is None or self.characteristic_polynomial is None:
             return None
-        left = loop_left_over(self.plant, self.compensator, self.characteristic_polynomial)
+        left = loop_residuals(self.plant, self.compensator, self.characteristic_polynomial)
         counts = count_roots(self.compensator.denominator)
         left.append([Integer(counts.total - counts.stable)])
         return evaluated(f"{LOOP}; no root of D_c is", left)
@@ -89,10 +89,10 @@ class StableCompensator(ExactValue):
 LOOP = "D D_c - f N N_c = D~; no root of D~ is unstable or on the boundary of stability"
 
 
-def loop_left_over(
+def loop_residuals(
     plant: TransferFunction, compensator: TransferFunction, loop: Poly
 ) -> list[Poly | list[Expr]]:
-    """Return what `LOOP` says is zero, for a compensator that knows its sign."""
+    """Return the residuals of `LOOP` for a compensator with a sign of feedback."""
     f, roots = compensator.feedback or 1, count_roots(loop)
     difference = canonical(closed_loop_of_pair(plant, compensator, f) - loop)
     return [difference, [Integer(roots.total - roots.stable)]]
@@ -162,7 +162,7 @@ def stable_compensator(
 def search_by_order(
     plant: TransferFunctionLike, max_order: int | None, *, feedback: int, between: bool
 ) -> StableCompensator:
-    """Search as :func:`stable_compensator` does, at the orders 1 to n - 2 where that is wanted."""
+    """Search as :func:`stable_compensator`, at the orders 1 to n - 2 if requested."""
     require_sign(feedback)
     G = transfer_function(plant)
     time = time_of(G.variable, "strong stabilisability")
@@ -179,7 +179,9 @@ def search_by_order(
     if gains.intervals:
         gain = min((cell.sample for cell in gains.intervals), key=lambda k: (abs(k), k))
         one = Poly(1, G.variable, domain=QQ)
-        return _found(G, Poly(gain, G.variable, domain=QQ), one, feedback, decision, 0)
+        return _verified_compensator(
+            G, Poly(gain, G.variable, domain=QQ), one, feedback, decision, 0
+        )
     reduced = G.reduced()
     N, D = reduced.numerator, reduced.denominator
     ring = RationalRing(G.variable)
@@ -189,7 +191,7 @@ def search_by_order(
             loop = canonical(D * bottom + N * top)
             counts = [count_roots(poly, time=time) for poly in (loop, bottom)]
             if all(c.stable == c.total for c in counts):
-                return _found(G, top * -feedback, bottom, feedback, decision, order)
+                return _verified_compensator(G, top * -feedback, bottom, feedback, decision, order)
     n, d = ring.read(N), ring.read(D)
     inverse = ring.read(N.invert(D)) if D.degree() else n
     grid = DISCRETE_GRID if discrete else tuple(-x for x in CONTINUOUS_GRID)
@@ -203,7 +205,7 @@ def search_by_order(
             location = count_roots(candidate, time=time)
             if location.stable == location.total:
                 top = ring.write(top * (-feedback))
-                return _found(G, top, candidate, feedback, decision, order)
+                return _verified_compensator(G, top, candidate, feedback, decision, order)
     return StableCompensator(
         G,
         None,
@@ -232,14 +234,14 @@ def _targets(
 
 
 def _may_be_stable(poly: flint.fmpq_poly, discrete: bool) -> bool:
-    """A necessary condition that costs nothing: signs, or the product of the roots."""
+    """A necessary condition for stability: signs, or the product of the roots."""
     coefficients = poly.coeffs()
     if discrete:
         return bool(abs(coefficients[0]) < abs(coefficients[-1]))
     return all(c * coefficients[-1] > 0 for c in coefficients)
 
 
-def _found(
+def _verified_compensator(
     G: TransferFunction,
     top: Poly,
     bottom: Poly,
@@ -261,7 +263,7 @@ def _found(
     return StableCompensator(G, compensator, canonical(whole), decision, order, "")
 
 
-# Candidates for stable compensators of low order: found in floats, handed over as rationals.
+# Candidates for stable compensators of low order: computed in floats, returned as rationals.
 
 STARTS = 12
 EVALUATIONS = 500
@@ -297,7 +299,7 @@ def low_order_candidates(
             gain = max(map(abs, n))
             n = [c / gain for c in n]
             candidate = _descent(n, d, order, discrete, share, random.Random(start))
-        except (OverflowError, ZeroDivisionError):  # the numbers are none for floats
+        except (OverflowError, ZeroDivisionError):  # the numbers leave the range of floats
             continue
         if candidate is None:
             continue

@@ -195,7 +195,7 @@ def _zeros(N: Poly, D: Poly, edge: int, discrete: bool) -> list[UnstableRealZero
     return [UnstableRealZero(place, sign) for place, sign in zeros]
 
 
-# What parity interlacing asks of a plant with any number of signals: blocking zeros and poles.
+# Data of parity interlacing for any number of signals: blocking zeros and poles.
 
 
 class Interlacing(NamedTuple):

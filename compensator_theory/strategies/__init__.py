@@ -48,7 +48,7 @@ except ModuleNotFoundError as error:
         raise
 
     def __getattr__(name: str) -> object:
-        """Where Hypothesis is missing, whoever takes a strategy is told what brings it."""
+        """Return a strategy; without Hypothesis, raise an error that names the extra."""
         if name in __all__:
             require_library("hypothesis")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,1 +1,1 @@
-"""What plants and compensators are: transfer functions, realisations, standard problems."""
+"""Plants and compensators: transfer functions, realisations, standard problems."""

@@ -1,4 +1,4 @@
-"""Everything that describes a plant or a compensator, to an exact realisation."""
+"""Exact realisations from any description of a plant or compensator."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._exact_matrices import MatrixLike
 from compensator_theory.matrices._flint_matrices import of_rows
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
@@ -32,7 +32,7 @@ from compensator_theory.systems._state_space import controllable_canonical_form
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 RealisationLike: TypeAlias = Realisation | TransferFunctionLike
-"""What :func:`realisation` reads."""
+"""Input types of :func:`realisation`."""
 
 
 @holds_where_defined
@@ -85,7 +85,7 @@ def realisation(
     [1, -4]])
     """
     if not is_one_of(form, ("controllable", "observable")):
-        raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
+        raise InputError(f"form is 'controllable' or 'observable', not {repr_of(form)}")
     system = _read(obj, variable, form)
     return system if sample_time is None else sampled_every(system, sample_time)
 
@@ -104,27 +104,27 @@ def _read(obj: RealisationLike, variable: str | Symbol | None, form: str) -> Rea
 
 
 def timed_realisation(
-    obj: RealisationLike, variable: str | Symbol | None, what: str
+    obj: RealisationLike, variable: str | Symbol | None, subject: str
 ) -> Realisation:
     """Read a realisation for a question whose answer depends on time, which is never guessed."""
     description = described(obj, variable)
     if variable is None and isinstance(description, States) and description.sample_time is None:
         raise InputError(
-            f"{what} depends on the time domain, which matrices do not show; write variable='s' "
+            f"{subject} depends on the time domain, which matrices do not show; write variable='s' "
             "for continuous time, 'z' or 'q' for discrete time"
         )
     read = realisation(obj, variable)
-    time_of(read.variable, what)
+    time_of(read.variable, subject)
     return read
 
 
-def _canonical(found: Description, variable: str | Symbol | None, form: str) -> Realisation:
-    if (shape := shape_of(found, variable)) != (1, 1):
+def _canonical(source: Description, variable: str | Symbol | None, form: str) -> Realisation:
+    if (shape := shape_of(source, variable)) != (1, 1):
         raise InputError(
-            f"a transfer matrix of {shape[0]} outputs and {shape[1]} inputs has no canonical form "
-            "here; give minimal_realisation(G).realisation"
+            f"a transfer matrix of {shape[0]} outputs and {shape[1]} inputs has no scalar "
+            "canonical form; give minimal_realisation(G).realisation"
         )
-    G = scalar_of(found, variable)
+    G = scalar_of(source, variable)
     A, B, C, D = controllable_canonical_form(G)
     if form == "observable":
         A, B, C = A.T, C.T, B.T

@@ -1,4 +1,4 @@
-"""What was read, echoed: text that reads back to the same number, polynomial or system."""
+"""Canonical text of an input, which reads back to the same number, polynomial or system."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from compensator_theory.systems._foreign import is_foreign
 
 @roots_in_sympy()
 def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -> str:
-    """Write a number, a polynomial or a transfer function as it was understood.
+    """Return the canonical text of a number, polynomial or transfer function.
 
     Parameters
     ----------
@@ -67,11 +67,11 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
         written = again
     if (whole := _with_whole_coefficients(obj, variable)) is not None:
         return whole
-    raise InputError(f"{first[:60]} has no form here that reads back to itself; write symbols")
+    raise InputError(f"{first[:60]} has no text that reads back to it; write symbols")
 
 
 def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
-    """Write it once; and whether as it stands, since it is no system, or too large a one."""
+    """Return the text of one pass, and whether it is final."""
     obj = in_our_order(obj)
     is_nested = isinstance(obj, list) and isinstance(next(iter(obj), None), list | tuple)
     if isinstance(obj, ExactValue | tuple) or is_nested or is_foreign(obj):
@@ -84,13 +84,15 @@ def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[
 def _form(
     obj: TransferFunctionLike, quotient: Quotient, variable: str | Symbol | None
 ) -> tuple[str, bool]:
-    """Write what was read as a quotient."""
+    """Write a quotient that was read."""
     top, bottom = quotient.sides()
     if top.is_number and bottom.is_number:
         return _number(quotient.value()), False
     try:
         if not bottom.is_number:
-            read = quotient if quotient.is_plain else obj  # the rest it may carry
+            read = (
+                quotient if quotient.is_plain else obj
+            )  # other input may have functions of symbols
             return str(transfer_function(read, variable)), False
         return format_polynomial(polynomial(quotient.value(), variable)), False
     except InputError:
@@ -102,7 +104,7 @@ def _form(
 def _with_whole_coefficients(
     obj: TransferFunctionLike, variable: str | Symbol | None
 ) -> str | None:
-    """Write a system whose monic form is never the last, or too long, without inner fractions.
+    """Write a system without inner fractions, for a monic form that is too long.
 
     Its coefficients are divided by sums with roots of symbols, or by powers of symbols: here they
     are multiplied by what they are divided by, and what all of them share is taken out.
@@ -112,7 +114,7 @@ def _with_whole_coefficients(
         with unlimited():
             try:
                 system = transfer_function(known, variable)
-            except InputError:  # a number, whose forms were not settled either
+            except InputError:  # a number, which has several forms in SymPy
                 return None
             if isinstance(known, str):
                 quotient = read_text(known)
@@ -122,7 +124,7 @@ def _with_whole_coefficients(
                     (tree_of(system.denominator.as_expr()),),
                 )
                 quotient = multiplied_out(tree, least_denominators=True)
-            top, bottom = _shared_taken_out(quotient, system.variable).sides()
+            top, bottom = _without_shared_content(quotient, system.variable).sides()
         written, before = f"({text(top)})/({text(bottom)})", written
         if written == before:
             return written
@@ -130,7 +132,7 @@ def _with_whole_coefficients(
     return None
 
 
-def _shared_taken_out(quotient: Quotient, variable: Symbol) -> Quotient:
+def _without_shared_content(quotient: Quotient, variable: Symbol) -> Quotient:
     """Divide both sides by the gcd of their coefficients as polynomials in the variable."""
     if variable not in quotient.generators:
         return quotient
@@ -158,9 +160,7 @@ def _number(value: Expr) -> str:
         if number is not None:
             value = _in_parts(number)
         elif value.atoms(sympy.exp, sympy.cos, sympy.sin):
-            raise InputError(
-                f"the number {text(value)[:60]} has no exact text here; write a symbol"
-            )
+            raise InputError(f"the number {text(value)[:60]} has no exact text; write a symbol")
     if value.atoms(sympy.NumberSymbol) - {sympy.pi}:
         raise InputError(f"{text(value)[:60]} would read back as a symbol; write one in its place")
     written = text(value)

@@ -1,4 +1,4 @@
-"""Kalman's controllability and observability, exact, and the modes that they miss."""
+"""Exact controllability and observability, with the hidden modes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from compensator_theory.matrices._linear_algebra import (
 )
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import generic_answer_of, holds_where_defined
-from compensator_theory.polynomials._letters import variable_beside
+from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical, exact_quotient
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
@@ -97,7 +97,7 @@ def _require_pair(first: tuple[int, int], second: tuple[int, int]) -> None:
 
 @carrying()
 def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
-    r"""Tell whether every mode of A feels the input, :math:`\mathrm{rank}\,\mathcal C(A,B) = n`.
+    r"""Return whether (A, B) is controllable, :math:`\mathrm{rank}\,\mathcal C(A,B) = n`.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def uncontrollable_polynomial(
     Poly(s + 1, s, domain='QQ')
     """
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
-    s = variable_beside(variable, A, B)
+    s = variable_for_matrix(variable, A, B)
     reduced = echelon(controllability_matrix(A, B).T)
     whole, size = characteristic_polynomial(A, s), len(reduced.pivots)
     if size in (0, A.rows):

@@ -1,4 +1,4 @@
-"""Everything that describes a SISO transfer function, to an exact one."""
+"""Exact SISO transfer functions from any description."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ TransferFunctionLike: TypeAlias = (
     | Mapping[str, object]
     | ForeignSystem
 )
-"""What :func:`transfer_function` reads."""
+"""Input types of :func:`transfer_function`."""
 
 
 @holds_where_defined
@@ -121,31 +121,31 @@ def transfer_function(
     return contents if sample_time is None else sampled_every(contents, sample_time)
 
 
-def scalar_of(found: Description, variable: str | Symbol | None) -> TransferFunction:
+def scalar_of(source: Description, variable: str | Symbol | None) -> TransferFunction:
     """Make the transfer function of what was read."""
-    match found:
+    match source:
         case TransferFunction():
-            return _in_variable(found, variable)
+            return _in_variable(source, variable)
         case TransferMatrix():
-            return _in_variable(found.scalar(), variable)
+            return _in_variable(source.scalar(), variable)
         case Realisation() | DescriptorSystem():
-            G = found.transfer_function() if found.is_siso else found.transfer_matrix().scalar()
+            G = source.transfer_function() if source.is_siso else source.transfer_matrix().scalar()
             return _in_variable(G, variable)
         case States():
-            return scalar_of(realised(found, variable), None)
+            return scalar_of(realised(source, variable), None)
         case Quotient():
-            return _from_quotient(found, variable)
+            return _from_quotient(source, variable)
         case Poly():
-            return TransferFunction(polynomial(found, variable), polynomial(1, found.gen))
+            return TransferFunction(polynomial(source, variable), polynomial(1, source.gen))
         case Pair(numerator, denominator, own, period):
             symbol = variable if own is None else own
             top, bottom = in_one_variable(numerator, denominator, variable=symbol)
             return TransferFunction(top, bottom, sample_time=period)
         case Roots():
-            return _from_roots(found, variable)
+            return _from_roots(source, variable)
         case Rows():
-            return scalar_of(read_system(_only_entry(found), variable), variable)
-    raise AssertionError(found)
+            return scalar_of(read_system(_only_entry(source), variable), variable)
+    raise AssertionError(source)
 
 
 def _only_entry(rows: Rows) -> Any:
@@ -163,19 +163,19 @@ def _only_entry(rows: Rows) -> Any:
     return rows.entries[0][0]
 
 
-def _from_roots(found: Roots, variable: str | Symbol | None) -> TransferFunction:
-    if found.poles is None:
+def _from_roots(source: Roots, variable: str | Symbol | None) -> TransferFunction:
+    if source.poles is None:
         raise InputError("give a transfer function, or at least its poles")
-    if (variable := variable if found.variable is None else found.variable) is None:
+    if (variable := variable if source.variable is None else source.variable) is None:
         raise InputError(
             "zeros and poles do not show the variable; name it, as in transfer_function(zeros=z, "
             "poles=p, gain=k, variable='s')"
         )
     symbol = as_symbol(variable)
-    numerator = polynomial_from_roots(() if found.zeros is None else found.zeros, symbol)
-    numerator = scaled(numerator, exact_number(1 if found.gain is None else found.gain))
-    denominator = polynomial_from_roots(found.poles, symbol)
-    return TransferFunction(numerator, denominator, sample_time=found.sample_time)
+    numerator = polynomial_from_roots(() if source.zeros is None else source.zeros, symbol)
+    numerator = scaled(numerator, exact_number(1 if source.gain is None else source.gain))
+    denominator = polynomial_from_roots(source.poles, symbol)
+    return TransferFunction(numerator, denominator, sample_time=source.sample_time)
 
 
 def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> TransferFunction:

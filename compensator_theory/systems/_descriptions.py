@@ -1,4 +1,4 @@
-"""The door of every function that takes a system: what was given, asked here and nowhere else.
+"""Reading of systems in any form, for every function that takes one.
 
 It comes down to a :data:`Description`, which `_conversions` makes a transfer function of,
 `_matrix_conversions` a transfer matrix, and `_canonical_forms` a realisation.
@@ -13,7 +13,7 @@ from typing import Any, NoReturn, TypeAlias
 from sympy import Expr, MatrixBase, Poly, Rational, Symbol, Tuple
 
 from compensator_theory.errors import Advice, CompensatorError, InputError
-from compensator_theory.polynomials._budget import ask, is_array, shown
+from compensator_theory.polynomials._budget import ask, is_array, repr_of
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._polynomial_objects import in_our_order
 from compensator_theory.polynomials._quotients import Quotient
@@ -37,7 +37,7 @@ FORMS = Advice(
 
 
 def described(obj: Any, variable: str | Symbol | None = None) -> Any:
-    """Return what an object of several parts describes; anything else, or its system, as it is.
+    """Return the description of an object of several parts; other objects unchanged.
 
     There is one reading, whichever function asks. A tuple of two is (num, den); a list of lists of
     equal length is a matrix by rows, in which a tuple is the fraction of an entry; two nested lists
@@ -67,34 +67,36 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
 
 
 def read_system(obj: Any, variable: str | Symbol | None = None) -> Description:
-    """Return what a system is written as; a text or an expression is read in the same pass."""
+    """Return the description of a system; a text or an expression is read in the same pass."""
     if obj is None:
         return Roots()
-    found = opened(described(obj, variable), variable)
-    return found if isinstance(found, Description) else read_quotient(found)
+    source = opened(described(obj, variable), variable)
+    return source if isinstance(source, Description) else read_quotient(source)
 
 
 def opened(obj: Any, variable: str | Symbol | None = None) -> Any:
-    """Return a text as it was read, a foreign system as what it holds, and all else as it is."""
+    """Read a text or a foreign system; return other objects unchanged."""
     if isinstance(obj, str):
         return read_quotient(obj)
     return contents_of(obj, variable) if is_foreign(obj) else obj
 
 
-def realised(found: States, variable: str | Symbol | None) -> Realisation:
+def realised(source: States, variable: str | Symbol | None) -> Realisation:
     """The realisation of matrices, whose time domain has to be known."""
-    symbol = variable if found.variable is None else found.variable
-    if symbol is None and found.sample_time is None:
+    symbol = variable if source.variable is None else source.variable
+    if symbol is None and source.sample_time is None:
         raise InputError(
             "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, "
             "'s') for continuous time, with 'z' or 'q' for discrete time"
         )
     symbol = "z" if symbol is None else symbol
-    return Realisation(found.A, found.B, found.C, found.D, symbol, sample_time=found.sample_time)
+    return Realisation(
+        source.A, source.B, source.C, source.D, symbol, sample_time=source.sample_time
+    )
 
 
 def is_description(obj: object) -> bool:
-    """Whether something is of a kind that describes systems; its reader says whether it does."""
+    """Return whether the type of an object can describe a system; its reader decides."""
     kinds = (str, list, tuple, Tuple, Mapping, Expr, Poly, MatrixBase, ExactValue)
     if isinstance(obj, kinds) or is_foreign(obj) or is_array(obj):
         return True
@@ -102,7 +104,7 @@ def is_description(obj: object) -> bool:
 
 
 def has_states(obj: Any, variable: str | Symbol | None = None) -> bool:
-    """Tell whether something is in state space, with states of its own."""
+    """Return whether an object is in state space."""
     description = described(obj, variable)
     if not is_foreign(description):
         return isinstance(description, States | Realisation)
@@ -155,7 +157,7 @@ def _of_parts(parts: Sequence[Any], variable: str | Symbol | None) -> Pair | Row
     if len(parts) in (3, 4) and 0 not in levels[:2] and not any(levels[2:]):
         if max(levels) == 1:
             raise InputError(
-                f"{shown(parts)} may be zeros, poles and a gain, or numerator, denominator and a "
+                f"{repr_of(parts)} may be zeros, poles and a gain, or numerator, denominator and a "
                 "sample time; write transfer_function(zeros=z, poles=p, gain=k, variable='s'), or "
                 "transfer_function((num, den), 'z', sample_time=dt)"
             )
@@ -163,7 +165,7 @@ def _of_parts(parts: Sequence[Any], variable: str | Symbol | None) -> Pair | Row
             _refuse_rows_of_numerators()
         if levels[0] == 3:
             raise InputError(
-                f"{shown(parts)} ends in a number; give (num, den), and the sample time as "
+                f"{repr_of(parts)} ends in a number; give (num, den), and the sample time as "
                 "transfer_matrix((num, den), 'z', sample_time=dt)"
             )
     if not parts or not all(is_list(row) for row in parts):
@@ -183,8 +185,8 @@ def _rows(rows: list[list[Any]]) -> Rows:
     for entry in (entry for row in rows for entry in row):
         if isinstance(entry, list) or is_array(entry):
             raise InputError(
-                f"the entry {shown(entry)} of a matrix by rows is a list, and it is not evident "
-                "what it lists; write the fraction of an entry as a tuple, as in [[([1], [1, 2])]]"
+                f"the entry {repr_of(entry)} of a matrix by rows is an ambiguous list; write the "
+                "fraction of an entry as a tuple, as in [[([1], [1, 2])]]"
             )
     return Rows(rows)
 
@@ -224,8 +226,8 @@ def _of_nested_lists(numerators: Any, denominators: Any) -> Rows:
     sizes = [[len(row) for row in rows] for rows in (tops, bottoms)]
     if sizes[0] != sizes[1]:
         raise InputError(
-            f"the numerators stand in rows of {shown(sizes[0])} lists and the denominators in rows "
-            f"of {shown(sizes[1])}; each entry needs both"
+            f"the numerators stand in rows of {repr_of(sizes[0])} lists and the denominators in "
+            f"rows of {repr_of(sizes[1])}; each entry needs both"
         )
     return _rows([
         [*zip(top, bottom, strict=True)] for top, bottom in zip(tops, bottoms, strict=True)
@@ -250,7 +252,7 @@ def _states(parts: Sequence[Any], variable: str | Symbol | None) -> States | Non
         if {len(A), len(B)} != {2} or _shows(entries, variable):
             return None
         raise InputError(
-            f"{shown(parts)} may be the matrices A, B and C or three rows of fractions; give the "
+            f"{repr_of(parts)} may be the matrices A, B and C or three rows of fractions; give the "
             "tuple (A, B, C), or transfer_function(...) in the entries of the rows"
         )
     if D is not None and not _is_matrix(D):
@@ -258,7 +260,7 @@ def _states(parts: Sequence[Any], variable: str | Symbol | None) -> States | Non
     period = None if len(rest) < 2 else exact_number(rest[1])
     if period is not None and not (isinstance(period, Rational) and period > 0):
         raise InputError(
-            f"the sample time {shown(rest[1])} beside (A, B, C, D) is no positive number of "
+            f"the sample time {repr_of(rest[1])} beside (A, B, C, D) is no positive number of "
             "seconds; leave it out, and name the variable"
         )
     return States(A, B, C, D, sample_time=period)
@@ -320,4 +322,4 @@ def _refuse_rows_of_numerators() -> NoReturn:
 
 
 def _refuse(parts: object) -> NoReturn:
-    raise InputError(f"{shown(parts)} describes no system in a form that is read here; ", FORMS)
+    raise InputError(f"{repr_of(parts)} describes no system in a supported form; ", FORMS)

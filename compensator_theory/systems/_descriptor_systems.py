@@ -252,7 +252,7 @@ class DescriptorSystem(System):
         return DescriptorSystem(E, A, C, B, D, self.variable, self.sample_time)
 
     def weierstrass_form(self) -> WeierstrassForm:
-        r"""Take slow and fast part apart, by Fitting's decomposition of (s_0 E - A)^-1 E.
+        r"""Separate slow and fast part, by Fitting's decomposition of (s_0 E - A)^-1 E.
 
         Raises
         ------
@@ -297,7 +297,7 @@ class DescriptorSystem(System):
         return WeierstrassForm(P, Q, J, N, index, exceptional_factors(divisors), certificate)
 
     def slow_part(self) -> Realisation:
-        """Return the strictly proper part on the finite modes, (J, B_1, C_1), all of them kept."""
+        """Return the strictly proper part (J, B_1, C_1) with all finite modes."""
         form = self.weierstrass_form()
         n_1 = form.J.rows
         B, C = multiplied(form.P, self.B), multiplied(self.C, form.Q)
@@ -398,7 +398,7 @@ class DescriptorSystem(System):
         return k
 
     def _at_numbers(self) -> tuple[ImmutableMatrix, ImmutableMatrix]:
-        """E and A with large integers in the place of the symbols, the same ones every time."""
+        """Return E and A with large fixed integers substituted for the symbols."""
         numbers = random.Random(self.n)
         values = {symbol: sympy.Integer(numbers.getrandbits(40)) for symbol in self._symbols()}
         return in_lowest_terms(self.E.subs(values)), in_lowest_terms(self.A.subs(values))
@@ -407,7 +407,7 @@ class DescriptorSystem(System):
         return sorted(symbols_in(self.E) | symbols_in(self.A), key=str)
 
     def _ask_for_terms(self, length: int) -> None:
-        """Ask for the terms of an entry of M^length by its degree in the symbols."""
+        """Check the budget for the terms of an entry of M^length, by its degree in the symbols."""
         if symbols := self._symbols():
             sides = (part for M in (self.E, self.A) for e in M for part in e.as_numer_denom())
             degree = max(Poly(side, *symbols).total_degree() for side in sides)

@@ -1,4 +1,4 @@
-"""Systems of python-control, SciPy and SymPy: what they hold, or why they cannot be read."""
+"""Systems of python-control, SciPy and SymPy: their contents, or the reason for a refusal."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class HasMatrices(Protocol):
 
 
 ForeignSystem: TypeAlias = HasFraction | HasMatrices
-"""What these packages call a system; others of their classes are refused by name."""
+"""Names of the system classes of these packages; their other classes are refused."""
 
 _PACKAGES = ("control.", "scipy.", "sympy.physics.control.")
 
@@ -44,13 +44,17 @@ def is_foreign(obj: object) -> bool:
 
 
 def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
-    """Return what a foreign system holds."""
+    """Return the contents of a foreign system."""
     if type(system).__module__.startswith("sympy"):
         try:
             return _of_sympy(system, variable)
         except InputError:
             raise
-        except (AttributeError, TypeError, ValueError) as error:  # SymPy joins not all it can write
+        except (
+            AttributeError,
+            TypeError,
+            ValueError,
+        ) as error:  # SymPy cannot combine every connection that it can represent
             raise InputError(
                 f"SymPy cannot join the parts of this {type(system).__name__}: {error}; join "
                 "transfer functions only"
@@ -59,16 +63,16 @@ def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
 
 
 def several_of(system: Any, variable: str | Symbol | None) -> States | Rows:
-    """Return what a foreign system of any number of signals holds, entry by entry or as states."""
+    """Return the contents of a foreign system with any number of signals: entries or states."""
     if type(system).__module__.startswith("sympy") and type(system).__name__.startswith("MIMO"):
         system = joined_of(system)
     outputs = getattr(system, "noutputs", getattr(system, "num_outputs", 1))
     inputs = getattr(system, "ninputs", getattr(system, "num_inputs", 1))
     if (outputs, inputs) == (1, 1) or not hasattr(system, "num"):
         if all(hasattr(system, name) for name in "ABCD"):
-            found = contents_of(system, variable)
-            assert isinstance(found, States)
-            return found
+            contents = contents_of(system, variable)
+            assert isinstance(contents, States)
+            return contents
         if (outputs, inputs) == (1, 1):
             return Rows([[system]])
     return Rows([[system[i, j] for j in range(inputs)] for i in range(outputs)])
@@ -119,15 +123,15 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
     if type(joined).__name__ == "StateSpace":
         return _of_sympy(joined, variable)
     if not (hasattr(joined, "num") and hasattr(joined, "den")):
-        raise InputError(f"a {name} of SymPy has no rational transfer function that is read here")
-    own = joined.var
-    if variable is not None and as_symbol(variable) != own:
-        raise InputError(f"the system is written in {own}, not in {variable}")
-    return Pair(joined.num, joined.den, own)
+        raise InputError(f"a {name} of SymPy has no supported rational transfer function")
+    system_variable = joined.var
+    if variable is not None and as_symbol(variable) != system_variable:
+        raise InputError(f"the system is written in {system_variable}, not in {variable}")
+    return Pair(joined.num, joined.den, system_variable)
 
 
 def joined_of(system: Any) -> Any:
-    """Return what a Series, Parallel or Feedback of SymPy amounts to.
+    """Return the system that a Series, Parallel or Feedback of SymPy is equal to.
 
     SymPy 1.14 keeps in the class whether a connection holds a StateSpace, so that one answers for
     the connection that was made last: each is made again just before it is asked.

@@ -1,4 +1,4 @@
-"""What a system is written as: the kinds that lists, mappings and foreign systems come down to."""
+"""Descriptions of a system: the forms of lists, mappings and foreign systems."""
 
 from __future__ import annotations
 

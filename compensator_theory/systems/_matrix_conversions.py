@@ -1,4 +1,4 @@
-"""Everything that describes a system with several signals, to an exact transfer matrix."""
+"""Exact transfer matrices from any description."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 TransferMatrixLike: TypeAlias = (
     TransferMatrix | MatrixBase | Sequence[Sequence[TransferFunctionLike]] | TransferFunctionLike
 )
-"""What :func:`transfer_matrix` reads."""
+"""Input types of :func:`transfer_matrix`."""
 
 
 @holds_where_defined
@@ -85,17 +85,21 @@ def transfer_matrix(
 
 
 def _read(rows: TransferMatrixLike, variable: str | Symbol | None) -> TransferMatrix:
-    found = described(rows, variable)
-    if is_foreign(found):
-        found = several_of(found, variable)
-    if isinstance(found, States):
-        found = realised(found, variable)
-    if isinstance(found, TransferMatrix | Realisation | DescriptorSystem):
-        if variable is not None and as_symbol(variable) != found.variable:
-            raise InputError(f"the system is in {found.variable}, not in {variable}")
-        return found if isinstance(found, TransferMatrix) else found.transfer_matrix()
-    given = found.entries if isinstance(found, Rows) else [[found]]
-    entries = [[opened(entry, variable) for entry in row] for row in given]
+    description = described(rows, variable)
+    if is_foreign(description):
+        description = several_of(description, variable)
+    if isinstance(description, States):
+        description = realised(description, variable)
+    if isinstance(description, TransferMatrix | Realisation | DescriptorSystem):
+        if variable is not None and as_symbol(variable) != description.variable:
+            raise InputError(f"the system is in {description.variable}, not in {variable}")
+        return (
+            description
+            if isinstance(description, TransferMatrix)
+            else description.transfer_matrix()
+        )
+    rows_of_entries = description.entries if isinstance(description, Rows) else [[description]]
+    entries = [[opened(entry, variable) for entry in row] for row in rows_of_entries]
     symbol = _variable(entries) if variable is None else as_symbol(variable)
     read = [[scalar_of(read_system(entry, symbol), symbol) for entry in row] for row in entries]
     if any(G.variable != symbol for row in read for G in row):

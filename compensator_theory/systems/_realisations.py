@@ -21,7 +21,7 @@ from compensator_theory.matrices._linear_algebra import (
     in_lowest_terms,
     solve,
 )
-from compensator_theory.polynomials._budget import ask, is_integer, shown
+from compensator_theory.polynomials._budget import ask, is_integer, repr_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._reading import is_one_of
 from compensator_theory.polynomials._variables import as_symbol, require_one_symbol_a_name
@@ -40,7 +40,7 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 if TYPE_CHECKING:
     import control
 
-# What systems in state space make together: in parallel, in series, in a loop, all states kept.
+# Connections of state-space systems: parallel, series, feedback; all states stay.
 
 Matrices: TypeAlias = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
 """(A, B, C, D)."""
@@ -263,7 +263,7 @@ class Realisation(System):
             If the signals or the variables do not fit, or f is neither +1 nor -1.
         """
         if not is_one_of(feedback, (1, -1)):
-            raise InputError(f"feedback = {shown(feedback)} must be +1 (u = v + K y) or -1")
+            raise InputError(f"feedback = {repr_of(feedback)} must be +1 (u = v + K y) or -1")
         self._require(other, other.D.shape == self.D.T.shape, "feedback around it")
         joined = in_feedback(self.matrices, other.matrices, feedback)
         return self._like(*joined, other)
@@ -307,7 +307,7 @@ class Realisation(System):
         return NotImplemented if k is None else self * (1 / k)
 
     def __pow__(self, exponent: int) -> Realisation:
-        """So many in series, of the inverse for a negative exponent; the identity for 0."""
+        """Return a power in series, of the inverse for a negative exponent; the identity for 0."""
         if not is_integer(exponent):
             raise TypeError(f"{exponent!r} is no exponent of a realisation; an int is")
         self._require(self, self.D.rows == self.D.cols, "in series with it")
@@ -342,7 +342,7 @@ class Realisation(System):
         self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
         other: Realisation | None = None,
     ) -> Realisation:  # fmt: skip
-        """Other matrices in the same variable, with the sample time of what was joined."""
+        """Return a realisation with other matrices and the same variable and sample time."""
         period = shared_sample_time(self, other)
         return Realisation(A, B, C, D, self.variable, sample_time=period)
 
@@ -387,5 +387,5 @@ class Realisation(System):
 
 
 def _factor(obj: object) -> Expr | None:
-    """Read a number or an expression; None of what has arithmetic of its own."""
+    """Read a number or an expression; None for objects with arithmetic operators of their class."""
     return exact_number(obj) if isinstance(obj, str | Expr | Number) else None

@@ -1,4 +1,4 @@
-"""The time domain that a system carries, with its sample time, and what may be joined."""
+"""Time domain and sample time of systems, and their agreement in connections."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._substitution import Substitutions, with_values
 from compensator_theory.polynomials._values import ExactValue
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class System(ExactValue):
-    """What every system carries into whatever is made of it: variable, time, sample time."""
+    """Base of the systems: variable, time domain and sample time, inherited by derived systems."""
 
     _CARRIES = True
 
@@ -68,21 +68,21 @@ def period_in(variable: Symbol, sample_time: NumberLike | None) -> Rational | No
         return None
     period = exact_number(sample_time)
     if not (isinstance(period, Rational) and period > 0):
-        raise InputError(f"sample_time = {shown(sample_time)} is no positive number of seconds")
+        raise InputError(f"sample_time = {repr_of(sample_time)} is no positive number of seconds")
     if variable.name not in DISCRETE:
         raise InputError(
-            f"a system in {variable} has no sample time, and {period} s was given; write it in z "
-            "or q, or leave sample_time out"
+            f"a system in {variable} has no sample time, but sample_time is {period} s; write it "
+            "in z or q, or leave sample_time out"
         )
     return period
 
 
-# Two sample times are one up to this share, which is more than rounding and less than any clock.
+# Relative difference up to which sample times are equal: above rounding, below clock errors.
 SAME = Rational(1, 10**9)
 
 
 def agreed_period(*periods: Any, at: str = "the system", remedy: str = "resample it") -> Any:
-    """The one sample time that was given, or None; two that differ by more than 1e-9 are refused.
+    """Return the common sample time, or None; refuse two that differ by more than 1e-9.
 
     Of 3/10 and the decimal of 0.1*3 the one that is shorter to write is kept, in any order.
     """
@@ -103,7 +103,7 @@ def _seconds(period: Any) -> str:
 
 
 def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
-    """The system with the sample time that was named; one that it has already has to agree."""
+    """Return the system with a sample time; refuse one that contradicts its own."""
     period = period_in(system.variable, sample_time)
     agreed_period(system.sample_time, period)
     if period is None or system.sample_time is not None:
@@ -112,7 +112,7 @@ def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
 
 
 def shared_sample_time(*systems: Any) -> Rational | None:
-    """The sample time of what is joined, in seconds; None where none of them has one.
+    """Return the sample time of connected systems in seconds; None if none has one.
 
     What has no sample time, a number or a transfer function that was written down, takes on that of
     the others.
@@ -130,7 +130,7 @@ def shared_sample_time(*systems: Any) -> Rational | None:
 def time_base(
     variable: Symbol, sample_time: Rational | None, dt: float | bool | None = None
 ) -> float | bool:
-    """What python-control calls dt: seconds, 0 in continuous time, True where no one knows."""
+    """The dt of python-control: seconds, 0 in continuous time, True if unknown."""
     if dt is not None:
         if sample_time is not None and not isinstance(dt, bool):
             agreed_period(to_float(sample_time), dt, remedy="leave dt out, or resample it")
@@ -139,7 +139,7 @@ def time_base(
         return to_float(sample_time)
     known: dict[str, float | bool] = {"s": 0, "z": True, "q": True}
     if variable.name not in known:
-        raise InputError(f"say what {variable} means: dt=0 or a sample time")
+        raise InputError(f"the time base of {variable} is unknown: pass dt=0 or a sample time")
     return known[variable.name]
 
 

@@ -13,7 +13,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._flint_matrices import identity_matrix, symbols_in, zero_matrix
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials._budget import shown
+from compensator_theory.polynomials._budget import repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._generic_answers import holds_where_defined
 from compensator_theory.polynomials._numbers import NumberLike
@@ -187,7 +187,7 @@ class StandardProblem(System):
         """Return the open-loop map of a channel, one of "zw", "zu", "yw", "yu", as in (2.6)."""
         if channel not in CHANNELS:
             raise InputError(
-                f"there is no channel {shown(channel)}; choose one of {', '.join(CHANNELS)}"
+                f"there is no channel {repr_of(channel)}; choose one of {', '.join(CHANNELS)}"
             )
         output, inputs = {"z": self.E_1, "y": self.C}, {"w": self.D_1, "u": self.B}
         direct = {"zw": self.E_0, "zu": self.E_2, "yw": self.D_2, "yu": self.D_0}
@@ -365,10 +365,10 @@ def servo_problem(
     (-1)/(q - 1/2)
     """
     if not is_one_of(performance, ("measured", "true")):
-        raise InputError(f"performance is 'measured' or 'true', not {shown(performance)}")
-    given = dict(zip(_SERVO_MATRICES, (A, B, D_1, C, D_0), strict=True))
+        raise InputError(f"performance is 'measured' or 'true', not {repr_of(performance)}")
+    inputs = dict(zip(_SERVO_MATRICES, (A, B, D_1, C, D_0), strict=True))
     if G is not None:
-        if any(value is not None for value in given.values()):
+        if any(value is not None for value in inputs.values()):
             raise InputError("give either a transfer function or matrices, not both")
         plant = transfer_function(G, variable, sample_time=sample_time)
         if not plant.is_strictly_proper:
@@ -376,12 +376,12 @@ def servo_problem(
                 f"the plant {plant} is not strictly proper, so that a disturbance at its input "
                 "does not reach the output as u does; give the matrices A, B, D_1, C, D_0"
             )
-        given["A"], given["B"], given["C"], _ = controllable_canonical_form(plant)
+        inputs["A"], inputs["B"], inputs["C"], _ = controllable_canonical_form(plant)
         variable, sample_time = plant.variable, plant.sample_time
-    missing = [name for name in ("A", "B", "C") if given[name] is None]
+    missing = [name for name in ("A", "B", "C") if inputs[name] is None]
     if missing:
         raise InputError(f"the servo problem lacks {', '.join(missing)}; D_1 and D_0 are optional")
-    matrices = {k: exact_matrix(v, k) for k, v in given.items() if v is not None}
+    matrices = {k: exact_matrix(v, k) for k, v in inputs.items() if v is not None}
     matrices.setdefault("D_1", matrices["B"])
     l_y, l_u = matrices["C"].rows, matrices["B"].cols
     matrices.setdefault("D_0", zero_matrix(l_y, l_u))

@@ -60,7 +60,7 @@ def transfer_matrix_of_realisation(
 
 
 Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
-"""Numerators, denominator, and what is left of the identity."""
+"""Numerators, denominator, and the residual of the identity."""
 
 
 def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:

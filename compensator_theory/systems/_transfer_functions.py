@@ -1,4 +1,4 @@
-"""Exact SISO transfer functions that keep the common factors they were given."""
+"""Exact SISO transfer functions that keep their common factors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sympy.printing.pretty.stringpict import prettyForm
 from compensator_theory._latex import displayed, fraction
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices._certificates import Certificate
-from compensator_theory.polynomials._budget import ask, is_integer, quoted, shown
+from compensator_theory.polynomials._budget import ask, is_integer, quoted, repr_of
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import (
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 Sides: TypeAlias = tuple[Poly, Poly]
 Operand: TypeAlias = "TransferFunction | NumberLike | Poly"
-"""What stands beside a transfer function in a sum or a product."""
+"""Operands of a sum or product with a transfer function."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -307,7 +307,7 @@ class TransferFunction(System):
         return TransferFunction(sides[0], sides[1], sample_time=period)
 
     __array_ufunc__ = None  # an array of numbers times a transfer function is refused, not looped
-    _op_priority = 20.0  # an expression of SymPy leaves sums and products with one to us
+    _op_priority = 20.0  # SymPy's expressions delegate sums and products to this class
 
     def _sympy_(self) -> Expr:
         """Answer SymPy's functions: simplify, apart, limit, inverse_laplace_transform, ..."""
@@ -368,7 +368,7 @@ class TransferFunction(System):
         return f"transfer_function('{self}', '{self.variable}')"
 
     def _sympystr(self, printer: object = None) -> str:
-        """Answer SymPy's printer, which takes our class for its own namesake."""
+        """Print for SymPy, whose printer mistakes this class for SymPy's TransferFunction."""
         return str(self)
 
     def _pretty(self, printer: object = None) -> prettyForm:
@@ -384,7 +384,7 @@ class TransferFunction(System):
 
 
 def require_proper(G: TransferFunction, name: str) -> None:
-    """Refuse a transfer function that is not known to be proper."""
+    """Refuse a transfer function that is not provably proper."""
     if not G.is_proper:
         s = G.variable
         pole = f"{s}" if s.name in DISCRETE else f"(1 + {s}/100)"
@@ -461,7 +461,7 @@ def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Side
         variable_of_inner = evident_variable(occurring, repr(inner)) if occurring else outer
     sides = sides_of(read, variable_of_inner if variable is None else as_symbol(variable))
     if sides is None:
-        raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
+        raise InputError(f"{repr_of(inner)} cannot replace {outer}")
     return sides
 
 

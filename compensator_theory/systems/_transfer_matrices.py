@@ -52,9 +52,9 @@ if TYPE_CHECKING:
 Rows: TypeAlias = tuple[tuple[Poly, ...], ...]
 MatrixSides: TypeAlias = tuple[Rows, Poly]
 Scalar: TypeAlias = TransferFunction | NumberLike | Poly
-"""What a transfer matrix is multiplied by, entry by entry."""
+"""Scalar factors of a transfer matrix."""
 Operand: TypeAlias = "TransferMatrix | MatrixLike"
-"""What is added to a transfer matrix, or multiplied with it as a matrix."""
+"""Matrix operands of a transfer matrix."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -240,7 +240,7 @@ class TransferMatrix(System):
         return self * factor
 
     def __pow__(self, exponent: int) -> TransferMatrix:
-        """So many factors, of the inverse for a negative exponent; the identity for 0."""
+        """Return a power, of the inverse for a negative exponent; the identity for 0."""
         if not is_integer(exponent):
             raise TypeError(f"{exponent!r} is no exponent of a transfer matrix; an int is")
         rows, columns = self.shape
@@ -307,8 +307,8 @@ class TransferMatrix(System):
         if below.is_zero:
             raise InputError("the transfer matrix is singular; it has no inverse")
         top = [[from_expression(domain.to_sympy(e), s) for e in r] for r in adjugate.to_list()]
-        found = tuple(tuple(product(entry, self.denominator) for entry in row) for row in top)
-        return self._with(found, below).reduced()
+        numerators = tuple(tuple(product(e, self.denominator) for e in row) for row in top)
+        return self._with(numerators, below).reduced()
 
     def _scaled(self, factor: Scalar) -> TransferMatrix:
         sides = sides_of(factor, self.denominator.gen)

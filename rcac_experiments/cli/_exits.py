@@ -104,7 +104,7 @@ def _after(error: BaseException) -> int:
         case click.ClickException():
             return _usage(error)
         case CompensatorError():
-            return _said(error.told(at_the_shell), BAD_INPUT)
+            return _said(error.message_for(at_the_shell), BAD_INPUT)
         case MemoryError():
             return _said("there is not enough memory for this; ask for less.", BAD_INPUT)
         case OSError() if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):

@@ -142,7 +142,7 @@ ROOT, SUM = sqrt(5 + 2 * sqrt(6)), sqrt(2) + sqrt(3)
         (exact.resultant, (s + sqrt(a), s + sqrt(a * b)), r"a symbol for sqrt\(a\*b\)"),
         (exact.regulator_gain, ([[log(2)]], [[1]], [pi]), r"log\(2\)"),
         (exact.transfer_function, (exp(-theta) / (s + theta), "theta"), "write a symbol"),
-        (exact.transfer_function, (exp(-s) / (s + 1),), "a dead time is given apart"),
+        (exact.transfer_function, (exp(-s) / (s + 1),), "pass a dead time separately"),
         (exact.forms.smith_form, ([[s, sympy.Abs(a)]], "s"), r"Abs\(a\) is no rational"),
         (exact.solve_stein, ([[exp(exp(theta))]], [[1]]), "write a symbol"),
         (exact.exceptional_cases, (exact.mcmillan_degree, 1 / (s + exp(a)), "s"), "write a symbol"),

@@ -13,7 +13,7 @@ from sympy.printing.str import StrPrinter
 
 import compensator_theory as exact
 from compensator_theory._printing import decimal, formula, fraction_of, integer_of, text
-from compensator_theory.polynomials._budget import quoted, shown
+from compensator_theory.polynomials._budget import quoted, repr_of
 from compensator_theory.polynomials._values import ExactValue
 from tests.compensator_theory.samples import SAMPLES
 
@@ -140,8 +140,8 @@ def test_long_numbers_are_read_under_the_least_limit(least_limit):
 
 
 def test_errors_quote_long_numbers(least_limit):
-    assert quoted(LONG).startswith("1000") and shown(LONG).startswith("1000")
+    assert quoted(LONG).startswith("1000") and repr_of(LONG).startswith("1000")
     assert quoted(S + sympy.Integer(LONG)).endswith("7")
-    assert shown([LONG, "s"]).startswith("[1000")
+    assert repr_of([LONG, "s"]).startswith("[1000")
     with pytest.raises(exact.InputError, match=r"10000.*cannot be certified"):
         exact.certified_roots(exact.polynomial([1, sympy.Integer(LONG) * A], "s"))

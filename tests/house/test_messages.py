@@ -158,7 +158,7 @@ def test_a_message_of_parts():
     outer = InputError("the file: ", *inner.args)
     assert str(inner) == "no solution; from place_poles(..., n_c=2) on."
     assert outer.advice == inner.advice == (advice,)
-    assert outer.told(at_the_shell) == "the file: no solution; From --order 2 on."
+    assert outer.message_for(at_the_shell) == "the file: no solution; From --order 2 on."
     unknown = Advice("no_option", (("a", "{1}"),), "give {function}(a={a})")
-    assert InputError(unknown).told(at_the_shell) == "give no_option(a={1})"
+    assert InputError(unknown).message_for(at_the_shell) == "give no_option(a={1})"
     assert not CompensatorError("plain").advice and str(CompensatorError()) == ""

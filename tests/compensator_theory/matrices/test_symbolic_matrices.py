@@ -12,8 +12,8 @@ from sympy.abc import a, b, c, x
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._exact_matrices import exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
+from compensator_theory.matrices._flint_backed import FlintBackedMatrix
 from compensator_theory.matrices._flint_matrices import RationalMatrix, is_rational_matrix
-from compensator_theory.matrices._kept_matrices import KeptMatrix
 from compensator_theory.matrices._linear_algebra import multiplied
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 
@@ -95,7 +95,9 @@ def test_operations_stay_in_flint_and_are_those_of_sympy(first, second):
             (remaining.row_join(other), left.row_join(right)),
             (remaining.col_join(other), left.col_join(right)),
         ):
-            assert isinstance(built, KeptMatrix) and at_numbers(built) == at_numbers(expected)
+            assert isinstance(built, FlintBackedMatrix) and at_numbers(built) == at_numbers(
+                expected
+            )
     assert a * p == p * a and at_numbers(a * p / 2) == at_numbers(a * P / 2)
     assert sympy.sqrt(2) * p == p * sympy.sqrt(2)
     assert isinstance(p - p, RationalMatrix) and (p - p).is_zero_matrix

@@ -187,5 +187,5 @@ def test_bad_input():
         ct.reduced_order_observer(
             ([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 1]]), [], variable="s"
         )
-    with pytest.raises(ct.InputError, match="K is 1 x 3; here it must be 1 x 2"):
+    with pytest.raises(ct.InputError, match="K is 1 x 3; it must be 1 x 2"):
         ct.reduced_order_observer(plant, [-1], variable="s").compensator([[1, 2, 3]])

@@ -81,5 +81,5 @@ def test_what_is_said_of_a_real_loop_holds():
 
 
 def test_a_question_that_no_ball_answers_ends_in_an_error_of_ours():
-    with pytest.raises(BudgetError, match="takes balls of more than 262144 bits"):
+    with pytest.raises(BudgetError, match="needs balls of more than 262144 bits"):
         at_growing_precision(lambda bits: None, 64, "the sign of zero")

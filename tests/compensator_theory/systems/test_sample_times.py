@@ -68,7 +68,7 @@ def test_what_has_no_sample_time_is_discrete_or_continuous_as_its_variable_says(
     assert c.transfer_matrix([["1/s", 0]]).to_control().dt == 0
     assert c.realisation("1/s").to_control().dt == c.standard_problem("1/s").to_control().dt == 0
     assert c.realisation("1/z").to_control().dt is True
-    with pytest.raises(InputError, match="say what x means"):
+    with pytest.raises(InputError, match="time base of x"):
         c.transfer_matrix([["1/(x + 1)"]]).to_control()
     with pytest.raises(InputError, match="substitute numbers for"):
         c.realisation("a/(s + 1)").to_control()

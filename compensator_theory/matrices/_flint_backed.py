@@ -1,4 +1,4 @@
-"""Matrices of SymPy that python-flint keeps: SymPy's form is written when somebody looks."""
+"""SymPy matrices stored in python-flint; SymPy's entries are written on demand."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ OF_SYMPY: dict[str, Callable[[Matrix, Matrix], ImmutableMatrix]] = {
     "beside": ImmutableMatrix._eval_row_join,
     "below": ImmutableMatrix._eval_col_join,
 }
-"""What SymPy does with two matrices, by name."""
+"""SymPy's operations on two matrices, by name."""
 
 
-class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
-    """Base of the matrices that python-flint keeps, equal to the ImmutableMatrix they stand for.
+class FlintBackedMatrix(ImmutableMatrix):  # type: ignore[misc]
+    """Base of the matrices stored in python-flint, equal to the ImmutableMatrix of their entries.
 
-    Hash, text and pickle are those of that matrix. A derived class says how entries are written,
+    Hash, text and pickle are those of that matrix. A derived class defines how entries are written
     and which operations stay in python-flint.
     """
 
@@ -57,7 +57,7 @@ class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
         return ImmutableMatrix, self._args
 
     def _sympyrepr(self, printer: Any) -> str:
-        """What SymPy evaluates: the matrix that it stands for."""
+        """Return SymPy's representation of the equal ImmutableMatrix."""
         return str(printer.doprint(ImmutableMatrix(*self._args)))
 
     _pythoncode = _sympyrepr
@@ -75,15 +75,15 @@ class KeptMatrix(ImmutableMatrix):  # type: ignore[misc]
             return self._entry(i, j)
         return self._eval_extract(*([k] if isinstance(k, int) else k for k in (i, j)))
 
-    def _left_to(self, operation: str, other: Matrix) -> ImmutableMatrix:
-        """Leave an operation to the other matrix if python-flint keeps it too, else to SymPy."""
-        if isinstance(other, KeptMatrix):
+    def _delegate(self, operation: str, other: Matrix) -> ImmutableMatrix:
+        """Delegate an operation to the other matrix if it is in python-flint too, else to SymPy."""
+        if isinstance(other, FlintBackedMatrix):
             return other._right_of(self, operation)
         return OF_SYMPY[operation](self, other)
 
     @abstractmethod
     def _right_of(self, left: Matrix, operation: str) -> ImmutableMatrix:
-        """Do an operation that the left matrix, which is kept another way, could not do."""
+        """Do an operation that the left matrix, which has another type, cannot do."""
 
 
 def _places(key: Any, size: int) -> Any:
