@@ -1,4 +1,4 @@
-"""Exact compensator theory: what a dynamic compensator can do to the closed-loop poles.
+"""Exact compensator theory: the closed-loop poles that a dynamic compensator can place.
 
 Integers, rationals and symbols; never a float, never a tolerance. Loops of chapters 2 and 4
 (:class:`StandardProblem`, the intercalated transfer function) use positive feedback, ``u = G_c y``;

@@ -36,7 +36,7 @@ def latex(value: object) -> str:
 
 
 def displayed(*formulas: str) -> str:
-    r"""Return what a notebook shows: the formulas that are not empty, in one line."""
+    r"""Return the LaTeX of a notebook: the nonempty formulas, in one line."""
     return BEFORE + r", \quad ".join(filter(None, formulas)) + AFTER
 
 

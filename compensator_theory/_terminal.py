@@ -23,7 +23,7 @@ _LONGEST_FIELD = 60
 def in_few_lines(write: Callable[[Any], str]) -> Callable[[Any], str]:
     """Decorate a ``__str__``: at most five lines, the last of which counts the omitted ones.
 
-    `_REST` of the class says which attributes have what is omitted.
+    `_REST` of the class names the attributes with the omitted lines.
     """
 
     @wraps(write)
@@ -59,13 +59,17 @@ def result_repr(value: Any) -> str:
     call = f"{name}({', '.join(f'{key}={representation(part)}' for key, part in arguments)})"
     if "\n" not in call and len(call) <= WHOLE_CALL:
         return call
-    if type(value).__str__ is object.__str__:
+    if not _has_answer(type(value)):
         return f"{name}({', '.join(f'{key}={_in_short(part)}' for key, part in arguments)})"
     lines = [_cut(line) for line in str(value).split("\n")]
     last = f"fields: {_field_names(value)}"
     if len(lines) == MOST_LINES:
         lines, last = lines[: MOST_LINES - 1], f"... print it for the rest; {last}"
     return "\n  ".join([f"{name}: {lines[0]}", *lines[1:], last])
+
+
+def _has_answer(kind: type) -> bool:
+    return any("__str__" in vars(base) for base in kind.__mro__[:-1])
 
 
 def _field_names(value: Any) -> str:

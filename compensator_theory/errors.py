@@ -152,7 +152,7 @@ class UnitCircleError(CompensatorError):
 
 
 class DivergedError(CompensatorError):
-    """A closed loop left the range of float64; what came before is kept in the result."""
+    """A closed loop left the range of float64; what came before is in the result."""
 
 
 class IllConditionedError(CompensatorError):

@@ -1,4 +1,4 @@
-"""The classes of what the exact functions return: solutions, forms, decisions, with certificates.
+"""Result classes of the exact functions: solutions, forms, decisions, with certificates.
 
 Nobody constructs them: they are here to be named in annotations and to be read about. Each is
 imported when it is first used.

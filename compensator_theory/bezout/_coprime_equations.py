@@ -31,7 +31,7 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     algorithm. Where the resultant is long (integer roots 1, ..., n for instance) that inverse
     swells far beyond the answer, and the answer is found p-adically: one inverse modulo a prime
     of 61 bits, one small product for each 61 bits of x and y, rational reconstruction.
-    What is returned was put into the equation.
+    The returned polynomials are verified in the equation.
     """
     first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
     equation = None

@@ -117,9 +117,9 @@ def gcd_from_null_space(
         for power in range(rows)
     ]  # fmt: skip
     (vector,) = solve_affine(ImmutableMatrix(entries), zero_matrix(rows, 1)).nullspace
-    entries = list(vector)
-    b_bar = from_coefficients(entries[: l - nullity + 1][::-1], s)
-    a_bar = from_coefficients([-c for c in entries[l - nullity + 1 :]][::-1], s)
+    coefficients = list(vector)
+    b_bar = from_coefficients(coefficients[: l - nullity + 1][::-1], s)
+    a_bar = from_coefficients([-c for c in coefficients[l - nullity + 1 :]][::-1], s)
     field = a_bar.unify(first)[0].domain.get_field()
     quotient = canonical(first.set_domain(field).quo(a_bar.set_domain(field)))
     g, leading = monic(quotient), quotient.LC()

@@ -22,7 +22,7 @@ class PropositionCheck(ExactValue):
     Attributes
     ----------
     statement : str
-        What is claimed.
+        The claim.
     left, right : bool
         Its two sides.
     printed_right : bool

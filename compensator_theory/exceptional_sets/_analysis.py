@@ -55,13 +55,13 @@ def exceptional_cases(
     *arguments, **options
         What it takes. Symbols are substituted in texts, polynomials, matrices, systems and lists.
     cases : int, optional
-        How many times the function is called at most; what is left is named as open.
+        How many times the function is called at most; the remaining cases are open.
 
     Returns
     -------
     ExceptionalCases
         Each case is answered, with the certificate that the function gives, or refused by an error
-        that says why there is no answer, or open: the equation could not be solved for a symbol,
+        with the reason, or open: the equation could not be solved for a symbol,
         the budget said stop, or the input has another shape there.
 
     Raises
@@ -70,12 +70,12 @@ def exceptional_cases(
         If `function` cannot be called, its answer has no exceptional set, or it refuses the input
         as it was given.
     FunctionFailedError
-        If it fails with an error of its own, or uses symbols that are not in its arguments.
+        If it raises an error, or uses symbols that are not in its arguments.
 
     Notes
     -----
-    The symbols stand for real numbers that meet their own assumptions. An equation
-    :math:`c x + d = 0` gives :math:`x = -d/c` where :math:`c \ne 0`, and a case of its own where
+    The symbols stand for real numbers that meet their assumptions. An equation
+    :math:`c x + d = 0` gives :math:`x = -d/c` where :math:`c \ne 0`, and a separate case where
     :math:`c = d = 0`; one in a single symbol gives its real roots, within the budget of number
     fields; others stay open. A refusal is followed to where it falls if the error says where that
     is (:meth:`CompensatorError.holding`), and else said to hold for generic values. The idea is

@@ -36,8 +36,8 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
     not_all_zero : tuple of sympy.Expr
         Of a refusal: it holds where at least one of these is not zero. Empty: no such condition.
     answer : Answer or None
-        What the construction returned for the substituted arguments, with its own certificate; None
-        where `reason` says why there is none.
+        The result of the construction for the substituted arguments, with its certificate; None
+        where `reason` gives the cause.
     error : type or None
         The class of the refusal, or of the error that left the case open; None where the case was
         answered or not worked out.

@@ -27,7 +27,7 @@ class Conditions:
     pending : tuple of sympy.Expr
         Polynomials that are zero, not yet solved.
     unsolved : str
-        Why the first of `pending` is not solved; empty if nobody tried.
+        Reason why the first of `pending` is not solved; empty if not attempted.
     """
 
     values: dict[Symbol, Expr] = field(default_factory=dict)

@@ -157,7 +157,7 @@ def coprime_fractions(
     minus_N_l, D_l = _columns(stacked.U[inputs:], inputs)
     D_r, minus_Y_l = _columns(stacked.U_inverse[:inputs], inputs)
     N_r, X_l = _columns(stacked.U_inverse[inputs:], inputs)
-    # D_l to Hermite form by rows: W [-N_l D_l], and W^-1 from the right on what stands opposite.
+    # D_l to Hermite form by rows: W [-N_l D_l], and W^-1 from the right on the opposite blocks.
     left = Elimination(ring, D_l)
     left.triangulate()
     D_l, minus_N_l = left.matrix, multiply(ring, left.U, minus_N_l)

@@ -84,7 +84,7 @@ def mcmillan_degree(G: TransferMatrixLike, variable: str | Symbol | None = None)
     ----------
     G : transfer matrix
         Anything :func:`transfer_matrix` reads, improper ones too; with symbols, for generic values,
-        and :func:`exceptional_cases` tells what it is for the others.
+        and :func:`exceptional_cases` gives it for the others.
     variable : str or Symbol, optional
         As for :func:`transfer_matrix`.
 

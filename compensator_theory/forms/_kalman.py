@@ -123,7 +123,7 @@ def kalman_decomposition(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         With symbols, for generic values of them; see `exceptional`.
     variable : str or Symbol, optional
         As for :func:`realisation`.

@@ -50,7 +50,7 @@ def elementary_divisors(
     r"""Return the finite elementary divisors of a pencil, and the orders of its infinite ones.
 
     The coefficients of a minimal basis span a subspace that sE - A maps into one with a dimension
-    less for each vector; what is left over between both sides is the regular part, and with t =
+    less for each vector; the remaining block between both sides is the regular part, and with t =
     1/(s - c) it is t I - F for one matrix F, which has infinity at t = 0.
     """
     size = pencil.rank - _degrees(right) - _degrees(left)

@@ -70,10 +70,10 @@ class Pencil:
             return []
         modulus, structure, values, attempts = 1, None, [], 0
         for count, prime in enumerate(primes(), 1):
-            residues = self._residues(prime)
-            if residues is None:
+            reduced = self._residues(prime)
+            if reduced is None:
                 continue
-            shape, residues = residues
+            shape, residues = reduced
             if shape != structure:  # one of the two primes divides a minor that matters
                 if structure is not None and sum(shape) < sum(structure):
                     continue

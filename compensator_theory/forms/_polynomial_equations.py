@@ -53,12 +53,12 @@ class DiophantineSolution(Certified, ExactValue):
     a, b, c : sympy.Poly
         As given.
     x, y : sympy.Poly
-        The solution of least degree in the unknown that was asked for; there is only one.
+        The unique solution of least degree in the requested unknown.
     dx, dy : sympy.Poly
         The solution of the homogeneous equation, whose polynomial multiples are all of them.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; where none of them is zero the identities hold and
-        there are no other solutions. :func:`exceptional_cases` says what holds elsewhere.
+        there are no other solutions. :func:`exceptional_cases` gives the other cases.
     """
 
     _CARRIES = True

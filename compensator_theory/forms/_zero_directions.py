@@ -110,7 +110,7 @@ def zeros_of(
     """Read the zeros off the Smith forms: U M V = S makes column k of V a direction where s_k = 0.
 
     The vectors are multiplied by the maps, and split into state and signal by the sizes; what
-    exceeds the sizes is not asked for.
+    exceeds the sizes is ignored.
     """
     s = right.matrix.variable
     invariants = tuple(p for p in right.invariant_polynomials if p.degree() > 0)

@@ -65,7 +65,7 @@ class SampledPlant(ExactValue):
     step : sympy.Expr
         h, the time between samples.
     exponentials : tuple of (Symbol, Expr)
-        What each new symbol stands for, such as (x, exp(-h)), or (y, tan(h/2)) for poles at
+        The meaning of each new symbol, such as (x, exp(-h)), or (y, tan(h/2)) for poles at
         :math:`\pm\mathrm{j}`, in which :math:`\cos h = (1 - y^2)/(1 + y^2)`.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols that the matrices are divided by, such as a - b where
@@ -82,7 +82,7 @@ class SampledPlant(ExactValue):
 
     @property
     def transfer_function(self) -> TransferFunction:
-        """The pulse transfer function without what cancels; InputError if not scalar."""
+        """The reduced pulse transfer function; InputError if not scalar."""
         return self.realisation.transfer_function().reduced()
 
     def __str__(self) -> str:
@@ -289,7 +289,7 @@ def matched(
     Returns
     -------
     SampledPlant
-        In controllable canonical form; what cancels in the plant is left out.
+        In controllable canonical form; common factors of the plant are cancelled.
 
     Raises
     ------

@@ -25,7 +25,7 @@ def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         Hidden modes count. With symbols, for generic values of them.
     variable : str or Symbol, optional
         As for :func:`realisation`.
@@ -105,7 +105,7 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         With symbols, for generic values of them.
     variable : str or Symbol, optional
         As for :func:`realisation`.
@@ -129,7 +129,7 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         With symbols, for generic values of them.
     variable : str or Symbol, optional
         As for :func:`realisation`.

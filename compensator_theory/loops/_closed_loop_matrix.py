@@ -27,9 +27,9 @@ def closed_loop_matrix(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C, D_0), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C, D_0), or input of :func:`realisation`
         With n states.
-    compensator : Realisation, (A_c, B_c, C_c), or what :func:`realisation` reads
+    compensator : Realisation, (A_c, B_c, C_c), or input of :func:`realisation`
         Strictly proper, with :math:`n_c` states.
     feedback : {+1, -1}, optional
         The sign f in :math:`u = f C_c x_c`; default +1, as in the matrix above.

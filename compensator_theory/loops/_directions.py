@@ -20,9 +20,9 @@ from compensator_theory.systems._transfer_matrices import TransferMatrix
 def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
     """Read a matrix of rationals from its rows."""
     try:
-        rows = [listed(row, "degree", name) for row in listed(value, "degree", name)]
-        ask("entries", sum(map(len, rows)), name)
-        rows = [[exact_number(entry) for entry in row] for row in rows]
+        entries = [listed(row, "degree", name) for row in listed(value, "degree", name)]
+        ask("entries", sum(map(len, entries)), name)
+        rows = [[exact_number(entry) for entry in row] for row in entries]
     except TypeError as error:
         raise InputError(
             f"{name} = {repr_of(value)} must be a matrix, a list of its rows"

@@ -79,7 +79,7 @@ def feedback_connection(
     TransferFunction
         Over the unreduced closed-loop polynomial, so that a mode which the loop hides is there.
     TransferMatrix
-        Of matrices, reduced: what the loop hides is not there. ``Realisation.feedback_with``
+        Of matrices, reduced: hidden modes are absent. ``Realisation.feedback_with``
         keeps every state.
 
     Raises

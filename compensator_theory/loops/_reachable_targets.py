@@ -95,5 +95,5 @@ def _scalar_numerator(plant: StandardProblem | tuple[Poly, int]) -> tuple[Poly, 
     else:
         raise InputError(f"{repr_of(plant)} is neither a StandardProblem nor a pair (N_zu, n)")
     if N_zu.is_zero:
-        raise InputError("N_zu = 0: the control does not reach z, so there is nothing to match")
+        raise InputError("N_zu = 0: the control does not reach z, so no target can be matched")
     return canonical(N_zu), n

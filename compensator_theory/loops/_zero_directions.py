@@ -47,11 +47,11 @@ class ZeroDirectionTarget(ExactValue):
     transfer_matrix : TransferMatrix
         G_f, with a power of q as its denominator.
     H : sympy.ImmutableMatrix
-        The leading coefficients that were asked for, l_z x l_u.
+        The requested leading coefficients, l_z x l_u.
     delays : tuple of int
         Relative degree of every row.
     zeros : tuple of pairs (z0, eta)
-        As asked for, exact; of a complex pair one.
+        As requested, exact; of a complex pair one.
     taps : int
         m, the coefficients behind the leading one.
     certificate : Certificate

@@ -89,7 +89,7 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         In s for continuous time (the first two equations), in z or q for discrete time.
     variable : str or Symbol, optional
         As for :func:`realisation`.
@@ -104,7 +104,7 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
     NoSolutionError
         If the plant is not stable.
     InputError, ImproperError, BudgetError
-        If it cannot be read, says nothing about time, is improper, or too large.
+        If it cannot be read, does not show the time domain, is improper, or too large.
 
     Notes
     -----

@@ -32,7 +32,7 @@ class RegulatorSolution(ExactValue):
     Pi, Gamma : sympy.ImmutableMatrix
         n x r and m x r.
     homogeneous : tuple of (Pi, Gamma)
-        What can be added; empty where the solution is unique.
+        Basis of the homogeneous solutions; empty where the solution is unique.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; everything holds where none of them is zero.
     certificate : Certificate
@@ -89,10 +89,10 @@ def solve_regulator_equations(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         n states, m inputs, p outputs; in discrete time the same equations hold.
     S : matrix
-        r x r: what makes commands and disturbances.
+        r x r: the exosystem of commands and disturbances.
     Q : matrix
         p x r; a command y = H w to be followed is Q = -H.
     P : matrix, optional

@@ -775,7 +775,7 @@ def _combined(powers: Sequence[flint.fmpq_mat], values: Sequence[flint.arb]) -> 
 
 
 def _independent(near: flint.arb_mat, n: int) -> list[int]:
-    """Choose n columns whose upper halves look independent; what is solved with them proves it."""
+    """Choose n columns whose upper halves seem independent; the solution proves it."""
     entries = [[near[i, j] for j in range(2 * n)] for i in range(n)]
     rows = [[flint.arb(0) if e.contains(0) else e.mid() for e in row] for row in entries]
     sizes = [max(abs(rows[i][j]) for i in range(n)) for j in range(2 * n)]

@@ -54,7 +54,7 @@ class RiccatiFormula(ExactValue):
     K, P : sympy.ImmutableMatrix
         1 x n and n x n, in square roots.
     conditions : tuple of sympy.Expr
-        What stands below the roots. All positive: the stable subspace exists, and no pole is on the
+        The radicands. All positive: the stable subspace exists, and no pole is on the
         boundary of stability.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; the formula holds where none of them is zero.

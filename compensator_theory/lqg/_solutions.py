@@ -30,7 +30,7 @@ class MatrixSolution(ExactValue):
     X : sympy.ImmutableMatrix
         One solution.
     homogeneous : tuple of sympy.ImmutableMatrix
-        A basis of what can be added to it; empty where X is the only solution.
+        A basis of the homogeneous solutions; empty where X is the only solution.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols; everything holds where none of them is zero. For
         values where one is, solve again with these values: there may be no solution or a family.

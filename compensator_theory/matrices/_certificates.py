@@ -24,7 +24,7 @@ class Certificate(ExactValue):
     Attributes
     ----------
     identity : str
-        What was checked.
+        The identity that was checked.
     residual : sympy.ImmutableMatrix
         The residual, computed from the source; the identity holds if it is zero.
 
@@ -62,7 +62,7 @@ def proven(certificate: Certificate, subject: str = "result") -> Certificate:
 
 
 Residuals: TypeAlias = Iterable[Iterable[Expr] | Poly]
-"""Matrices, lists of expressions and polynomials that an identity says are zero."""
+"""Matrices, lists of expressions and polynomials that vanish by an identity."""
 
 
 def certificate_of(identity: str, residuals: Residuals, subject: str = "result") -> Certificate:

@@ -52,7 +52,7 @@ def by_euclid(work: Elimination, start: int = 0) -> int:
     """Reach the Smith form by Euclid's algorithm from a row on; return the rank.
 
     The pivot is always an entry of least degree; where it divides its row and column and not all
-    that is left, a row that it does not divide is added to its own, and its degree falls.
+    that remains, a row that it does not divide is added to its row, and its degree falls.
     """
     size = min(work.rows, work.columns)
     for k in range(start, size):

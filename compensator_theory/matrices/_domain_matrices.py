@@ -1,4 +1,4 @@
-"""Matrices over one domain of SymPy, which decides what is zero in it."""
+"""Matrices over one domain of SymPy, which decides whether an entry is zero."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ class Elimination:
         ask("entries", self.effort // 400, "the elimination, 400 digits as an entry,")
 
     def combine_rows(self, i: int, j: int, step: Grid, inverse: Grid) -> None:
-        """Multiply two rows by a unimodular 2 x 2 matrix; both are given, as nothing is divided."""
+        """Multiply two rows by a unimodular 2 x 2 matrix, with its known inverse."""
         for grid in (self.matrix, self.U):
             grid[i], grid[j] = multiply(self.ring, step, [grid[i], grid[j]])
         pairs = [[row[i], row[j]] for row in self.U_inverse]

@@ -26,7 +26,7 @@ class SymbolicRows:
     ----------
     rows : list of lists of flint.fmpz_mpoly
     scales : list of flint.fmpz_mpoly
-        What each row was multiplied by.
+        The factor of each row.
     last : flint.fmpz_mpoly
         The minor that the reduced rows have as their common factor.
     """
@@ -107,7 +107,7 @@ class SymbolicRows:
 def _in_lowest_terms(
     row: list[flint.fmpz_mpoly], below: flint.fmpz_mpoly
 ) -> tuple[list[flint.fmpz_mpoly], flint.fmpz_mpoly]:
-    """Return a row of numerators times its own denominators, and these."""
+    """Return a row of numerators over its least denominator, and that denominator."""
     shared = common_factor(below, row)
     return (row if shared.is_one() else [x / shared for x in row]), below / shared
 

@@ -143,7 +143,7 @@ def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
 
 
 def multiplied(*factors: Matrix) -> ImmutableMatrix:
-    """The product of matrices, with symbols in lowest terms: nothing is expanded in SymPy."""
+    """Return a product of matrices, with symbols in lowest terms, without SymPy's expansion."""
     if any(0 in factor.shape for factor in factors):
         return zero_matrix(factors[0].rows, factors[-1].cols)
     raw = [rational_in_flint(factor) for factor in factors]

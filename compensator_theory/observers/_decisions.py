@@ -24,10 +24,10 @@ class ObserverDecision(ExactValue):
     Attributes
     ----------
     question : str
-        What was asked: of a polynomial pair, a transfer function, a realisation, or about LQG.
+        The question: about a polynomial pair, a transfer function, a realisation, or about LQG.
     answer : bool or None
         None if it is undecided: it depends on the values of symbols, a root lies on the boundary of
-        stability, or no certified ball was small enough. `reason` says which.
+        stability, or no certified ball was small enough. `reason` names the case.
     reason : str
         In words of this input.
     number_of_forms : int, "a continuum" or None

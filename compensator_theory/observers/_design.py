@@ -86,7 +86,7 @@ class ObserverBasedCompensator(ExactValue):
         r"""The certificate of (7.18): the loop has the regulator and the observer polynomial.
 
         :math:`\tilde S\tilde A - \tilde A'\tilde S`, computed anew from the loop of plant and
-        compensator, and what is left of both polynomials.
+        compensator, and the residuals of both polynomials.
         """
         A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
         identity, zero = identity_matrix(n), sympy.zeros(n)
@@ -141,7 +141,7 @@ def observer_based_compensator(
     -------
     ObserverBasedCompensator
         By Proposition 1 its transfer function depends on :math:`p_R p_O` alone. The
-        text's proof says :math:`\deg N_c = n-1`; true is :math:`\deg N_c \le n-1`.
+        text's proof claims :math:`\deg N_c = n-1`; true is :math:`\deg N_c \le n-1`.
 
     Raises
     ------

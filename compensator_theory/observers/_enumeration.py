@@ -182,7 +182,7 @@ def _of_continuum(
         if isinstance(form, ObserverForm):
             return form
         if all_fail and len(parameters) == dimension:
-            return form  # the family is dense, and what fails generically always fails
+            return form  # the family is dense, so that a generic failure is a failure everywhere
     for subspace in _samples(loop, chosen):
         form = form_of_subspace(plant, compensator, subspace, polynomials)
         if isinstance(form, ObserverForm):

@@ -41,7 +41,7 @@ class FunctionalObserver(ExactValue):
     plant : Realisation
         (A, B, C, D) with n states, m inputs and p outputs.
     L : sympy.ImmutableMatrix
-        r x n: what is estimated.
+        r x n: the estimated functions.
     N, J, H, E : sympy.ImmutableMatrix
         r x r, r x p, r x m and r x p.
     fixed : sympy.Poly
@@ -96,7 +96,7 @@ class FunctionalObserver(ExactValue):
         Returns
         -------
         Realisation
-            From y to u, of the order of the observer. Its certificate says that the loop has the
+            From y to u, of the order of the observer. Its certificate proves that the loop has the
             characteristic polynomial :math:`\det(sI - A - BK)\det(sI - N)`.
 
         Raises
@@ -217,14 +217,14 @@ def functional_observer(
     Raises
     ------
     NoSolutionError
-        If no observer of this order exists; the message says which rank is missing.
+        If no observer of this order exists; the message names the missing rank.
     InputError
         If L does not have rank r, the shapes or the number of poles do not fit, or there are
         symbols.
 
     Notes
     -----
-    What cannot be moved are, of the whole state with unknown inputs, the invariant zeros of
+    The fixed modes are, for the whole state with unknown inputs, the invariant zeros of
     (A, G, C): they have to be stable. It stands in `fixed` and is not judged. Source: as for
     :class:`FunctionalObserver`.
 
@@ -297,7 +297,7 @@ def reduced_order_observer(
     Raises
     ------
     InputError
-        If C has rank n, so that there is nothing to estimate, the number of poles is wrong, or
+        If C has rank n, so that no state is left to estimate, the number of poles is wrong, or
         there are symbols.
 
     Notes

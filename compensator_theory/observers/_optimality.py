@@ -51,7 +51,7 @@ def is_lqg_suboptimal(
         Yes if the loop is unstable, or if :math:`G_c` in lowest terms is not observer-based. No if
         it is observer-based and the loop is stable: the problem above has it as its optimum. None
         if a root lies on the boundary of stability, symbols decide, or, in discrete time, it is not
-        strictly proper; `reason` says which.
+        strictly proper; `reason` names the case.
 
     Raises
     ------

@@ -161,7 +161,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
     whole, others = identity_matrix(m), [i for i in range(m) if not indices[i]]
-    # One of the others does what a combination of those used does, which is taken from it.
+    # One of the others equals a combination of those used, which is subtracted.
     alone = whole[:, others]
     same = moved.extract(ends, others) * alone.T if others else zero_matrix(len(used), m)
     right = (-ImmutableMatrix.vstack(*tops)).row_join(whole[used, :] - same)

@@ -96,7 +96,7 @@ def decouple(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         As many inputs as outputs. With symbols, for generic values of them.
     polynomials : sequence of polynomials, optional
         The p_i, monic of degree d_i; default :math:`s^{d_i}`, integrators or delays.
@@ -118,10 +118,10 @@ def decouple(
 
     Notes
     -----
-    The loop is stable if the p_i and `hidden` are: what decoupling makes unobservable are zeros of
-    the plant. F belongs to the states of `plant`, so a transfer matrix G is realised first:
-    ``minimal_realisation(G).realisation``. Source: P. L. Falb, W. A. Wolovich, IEEE Transactions on
-    Automatic Control 12 (1967) 651-659.
+    The loop is stable if the p_i and `hidden` are: the modes that decoupling makes
+    unobservable are zeros of the plant. F belongs to the states of `plant`, so a transfer matrix G
+    is realised first: ``minimal_realisation(G).realisation``. Source: P. L. Falb,
+    W. A. Wolovich, IEEE Transactions on Automatic Control 12 (1967) 651-659.
 
     Examples
     --------

@@ -32,7 +32,7 @@ class DisturbanceDecoupling(ExactValue):
     is_solvable : bool
         Whether the image of E lies in V*, with symbols for generic values of them.
     F : sympy.ImmutableMatrix or None
-        u = F x hides it; None where nothing does.
+        u = F x hides it; None where no gain does.
     subspaces : ControlledInvariantSubspaces
         V* and the symbols' exceptional set.
     certificate : Certificate or None
@@ -68,7 +68,7 @@ def decouple_disturbance(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
     E : matrix
         n x l: how the disturbance drives the states.
     variable : str or Symbol, optional

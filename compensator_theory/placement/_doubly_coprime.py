@@ -120,7 +120,7 @@ def doubly_coprime_fractions(
     NotControllableError, NotObservableError
         If a realisation that was given has hidden modes.
     InputError
-        If a wanted spectrum is not stable, or the variable says nothing about time.
+        If a target spectrum is not stable, or the variable does not show the time domain.
 
     Notes
     -----

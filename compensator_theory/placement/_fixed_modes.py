@@ -90,7 +90,7 @@ def decentralised_fixed_modes(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), or input of :func:`realisation`
         Rational, D = 0.
     channels : sequence of (inputs, outputs)
         Lists of indices from 0; each signal in at most one channel. Signals in none are not used.

@@ -51,7 +51,7 @@ class StateFeedbackFamily(Certified, ExactValue):
     form : BrunovskyForm
         Of (A, B).
     Lambda : sympy.ImmutableMatrix
-        n x n: what A + B K becomes, in the basis X.
+        n x n: A + B K in the basis X.
     polynomial : sympy.Poly
         Its characteristic polynomial.
 
@@ -236,7 +236,7 @@ def state_feedback_family(
     variable : str or Symbol, optional
         Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
     Lambda : matrix, optional
-        In place of `poles`: n x n, what A + B K shall be similar to, for other Jordan structures.
+        In place of `poles`: n x n, similar to A + B K, for other Jordan structures.
 
     Raises
     ------
@@ -248,7 +248,7 @@ def state_feedback_family(
     Notes
     -----
     Source: for the equation A X + B G = X Lambda, S. P. Bhattacharyya and E. de Souza, Systems and
-    Control Letters 1 (1982); for what structures there are, H. H. Rosenbrock, State-space and
+    Control Letters 1 (1982); for the possible structures, H. H. Rosenbrock, State-space and
     Multivariable Theory (1970).
 
     Examples

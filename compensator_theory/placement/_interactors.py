@@ -79,7 +79,7 @@ def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> I
     Returns
     -------
     Interactor
-        Unique. In discrete time it says which combinations of outputs come how many steps late: a
+        Unique. In discrete time it gives the delays of combinations of outputs in steps: a
         target model needs the same.
 
     Raises
@@ -152,7 +152,7 @@ def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> I
 
 
 def _first(limit: ImmutableMatrix) -> Expr:
-    """Return an entry that keeps the degree what it is: a number if there is one."""
+    """Return an entry with a nonzero leading coefficient, a number if there is one."""
     nonzero = [entry for entry in limit if entry != 0]
     return min(nonzero, key=lambda entry: len(entry.free_symbols))
 

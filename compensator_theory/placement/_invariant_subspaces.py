@@ -35,7 +35,7 @@ class ControlledInvariantSubspaces(ExactValue):
         A basis of R*, the part of V* that inputs reach without leaving V*.
     S : sympy.ImmutableMatrix
         A basis of S*, the least conditioned invariant subspace that contains the image of B; with D
-        = 0. R* is what V* and S* share.
+        = 0. R* is the intersection of V* and S*.
     F : sympy.ImmutableMatrix
         A friend, m x n.
     M : sympy.ImmutableMatrix
@@ -91,7 +91,7 @@ def controlled_invariant_subspaces(
 
     Parameters
     ----------
-    plant : Realisation, (A, B, C), (A, B, C, D), or what :func:`realisation` reads
+    plant : Realisation, (A, B, C), (A, B, C, D), or input of :func:`realisation`
         With symbols, for generic values of them.
     variable : str or Symbol, optional
         As for :func:`realisation`.

@@ -54,7 +54,7 @@ class MatrixPlacement(Certified, ExactValue):
         Monic; their product is the closed-loop polynomial.
     N_c, D_c : PolynomialMatrix
         m x p and p x p: one compensator. The leading matrix of D_c, of degree q, is the
-        inverse of that of D_l; the internal model, where one was asked for, divides D_c.
+        inverse of that of D_l; the internal model, if requested, divides D_c.
     homogeneous : tuple of pairs of PolynomialMatrix
         (delta N_i, delta D_i); empty if the compensator is unique within these degrees.
     exceptional : tuple of sympy.Expr

@@ -92,7 +92,7 @@ class PolePlacement(Certified, ExactValue):
 
         They divide the resultant of N and D, without the factor that they share, or a denominator
         of the answer. Where one is zero there may be no compensator or a family:
-        :func:`exceptional_cases` says which. Empty without symbols.
+        :func:`exceptional_cases` finds them. Empty without symbols.
         """
         answers = [(self.numerator, self.denominator), *self.homogeneous]
         matrices = [PolynomialMatrix((pair,)) for pair in answers]

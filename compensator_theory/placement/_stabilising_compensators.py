@@ -160,7 +160,7 @@ class StabilisingCompensators(ExactValue):
         )
 
     def closed_loop_map(self) -> AffineMap:
-        r"""Return the map from what is added to y and to u, to y and u; it is affine in Q.
+        r"""Return the map from signals added to y and u, to y and u; it is affine in Q.
 
         .. math:: \begin{bmatrix} (I - GC)^{-1} & G(I - CG)^{-1} \\
                   C(I - GC)^{-1} & (I - CG)^{-1} \end{bmatrix} =

@@ -43,7 +43,7 @@ class Subspaces:
         return in_lowest_terms(reduced.kernel())
 
     def intersection(self, left: Matrix, right: Matrix) -> ImmutableMatrix:
-        """Return a basis of what lies in both."""
+        """Return a basis of the intersection."""
         meeting = self.kernel(left.row_join(-right))
         return in_lowest_terms(ImmutableMatrix(left * meeting[: left.cols, :]))
 

@@ -54,7 +54,7 @@ def ball_precision(bits: int) -> Iterator[None]:
         If `bits` is no integer of at least 2.
     PrecisionError
         At the end, if the precision is no longer `bits`: it was set outside of such a block, by
-        another thread or by the code inside, and what was computed cannot be relied on.
+        another thread or by the code inside, and the results are unreliable.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def at_growing_precision(
     """Repeat a decision in balls at twice the precision until it succeeds.
 
     The only loop of this project that doubles a precision. Who calls it has a proof that small
-    enough balls answer: the number whose sign is asked is not zero, as it is the value of a
+    enough balls decide: the number whose sign is requested is not zero, as it is the value of a
     polynomial at a root of an irreducible one that does not divide it, or two roots are distinct,
     as they are those of coprime polynomials.
     """

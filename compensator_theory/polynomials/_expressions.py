@@ -57,7 +57,7 @@ WORDS = frozenset({*_CONSTANTS, *_FUNCTIONS, *_TRANSCENDENTAL})
 
 
 UNKNOWN, POSITIVE = "ʹ", "ʺ"
-"""The last letter of what functions of symbols are carried as, positive ones; no variable."""
+"""The last letter of the unknowns for positive functions of symbols; no variable."""
 
 
 def parse_expression(text: str) -> Expr:
@@ -99,7 +99,7 @@ def parse_expression(text: str) -> Expr:
 
 
 def read_tree(text: str) -> Tree:
-    """Read a text as it is written, nothing multiplied out."""
+    """Read a text without multiplying out."""
     ask("characters", len(text), "the expression")
     return _Reader(text, _tokens(text.translate(_PASTED))).whole()
 
@@ -177,7 +177,7 @@ def _tokens(text: str) -> list[_Token]:
 
 @dataclass
 class _Reader:
-    """Recursive descent; sums and products are read in a loop, so that long ones nest nothing."""
+    """Recursive descent; sums and products are read in a loop, without recursion."""
 
     text: str
     tokens: list[_Token]

@@ -100,7 +100,7 @@ def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -
 
 @carrying()
 def from_read_roots(roots: tuple[Expr, ...], variable: Symbol) -> Poly:
-    """Multiply out what :func:`read_roots` returned, as :func:`polynomial_from_roots` does."""
+    """Multiply out the roots of :func:`read_roots`, as :func:`polynomial_from_roots` does."""
     return _multiplied_out(roots, variable)
 
 

@@ -1,4 +1,4 @@
-"""Functions of symbols as unknowns of their own: one dictionary for all arguments of a call."""
+"""Functions of symbols as unknowns: one dictionary for all arguments of a call."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Unknowns:
     different M, and of jM, are algebraically independent over the algebraic functions of the
     symbols (Ax), and those of rational numbers over the algebraic numbers (Lindemann). Each M has
     one unknown, of the greatest common divisor of its c, so that no relation is left. One logarithm
-    of a rational number is carried where no other transcendental number stands beside it. Roots
+    of a rational number is carried where no other transcendental number occurs. Roots
     of other expressions stay: they leave where all conjugates are listed, and else are refused.
     """
 

@@ -19,7 +19,7 @@ _GENERIC: dict[Callable[..., Any], Generic] = {}
 
 
 def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Generic]:
-    """Register what a function whose answer is a number, a bool or a polynomial gives generically.
+    """Register the generic answer of a function that returns a number, a bool or a polynomial.
 
     Results that are classes have the attribute `exceptional` instead.
     """
@@ -46,7 +46,7 @@ holds_where_defined(monic)  # which stands below this
 
 
 def generic_answer(function: Callable[..., Any]) -> Generic | None:
-    """Return what was registered for a function, or None."""
+    """Return the registered function, or None."""
     try:
         return _GENERIC.get(function)
     except TypeError:  # a callable object that cannot be hashed

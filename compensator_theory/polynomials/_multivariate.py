@@ -43,7 +43,7 @@ def coefficients_of(domain: Domain, polynomial: flint.fmpq_mpoly) -> dict[int, o
 def common_divisor_by_flint(*polys: Poly) -> Poly | None:
     """A greatest common divisor over the field of the symbols; None where they have others.
 
-    SymPy's heuristic gcd gives up on some of them, with an error of its own.
+    SymPy's heuristic gcd gives up on some of them with an error.
     """
     cleared = [
         poly.clear_denoms(convert=True)[1] if poly.domain.is_FractionField else poly

@@ -29,7 +29,7 @@ class Leaf:
 
 @dataclass(frozen=True)
 class Addition:
-    """Of any number of terms; a difference has the term -1 times what is subtracted."""
+    """A sum of any number of terms; a difference has the term -1 times the subtrahend."""
 
     terms: Sequence[Tree]
 
@@ -72,7 +72,7 @@ class Quotient:
 
     @property
     def free_symbols(self) -> set[Symbol]:
-        """The symbols that occur; what cancelled in a sum does not."""
+        """The symbols that occur, without those that cancelled in a sum."""
         if not self.is_plain:
             return set().union(*(side.free_symbols for side in self.sides()))
         degrees = zip(self.numerator.degrees(), self.denominator.degrees(), strict=True)

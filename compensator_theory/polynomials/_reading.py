@@ -104,7 +104,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
 def read_once(obj: Any) -> Any:
     """Read a text or an expression, before its variable is known.
 
-    Return a Poly, the Quotient of a text, an Expr, or what lists coefficients, as it is.
+    Return a Poly, the Quotient of a text, an Expr, or a list of coefficients unchanged.
     """
     obj = in_our_order(obj)
     if isinstance(obj, Poly | Quotient):
@@ -137,7 +137,7 @@ def read_plain_text(obj: Any) -> Any:
 
 
 class HasCharacteristicPolynomial(Protocol):
-    """A system of this package, asked where its poles are."""
+    """A system of this package, with its characteristic polynomial."""
 
     @property
     def characteristic_polynomial(self) -> Poly:
@@ -153,7 +153,7 @@ def polynomial_in_time(
     time: object,
     variable: str | Symbol | None = None,
 ) -> tuple[Poly, Time]:
-    """Read a polynomial with its time domain, which s, z and q show, and `time` says elsewhere."""
+    """Read a polynomial and its time domain, from s, z or q, or else from `time`."""
     system = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
     if (poles := getattr(system, "characteristic_polynomial", None)) is not None:
         obj = poles

@@ -35,7 +35,7 @@ Substitutions: TypeAlias = (
 def read_values(values: Substitutions, value: NumberLike | None = None) -> dict[Symbol, Expr]:
     """Read values for symbols, to be substituted simultaneously.
 
-    A list of pairs means what SymPy means by it, one after the other.
+    A list of pairs is applied as in SymPy, one pair after the other.
     """
     if isinstance(values, str | Symbol):
         if value is None:
@@ -147,7 +147,7 @@ def _at(expression: Expr, values: Mapping[str, Expr]) -> Expr:
 
 
 def names_in(argument: Any) -> set[str]:
-    """Return the names of all symbols in an argument, but of what is written as its variable."""
+    """Return the names of all symbols in an argument except its variable."""
     if isinstance(argument, str):
         return set(_NAME.findall(argument)) - WORDS
     if isinstance(argument, Poly):
@@ -164,7 +164,7 @@ def names_in(argument: Any) -> set[str]:
 
 
 def denominators_in(value: Any) -> list[Expr]:
-    """Return what coefficients and entries are divided by, polynomials in the symbols."""
+    """Return the denominators of coefficients and entries, polynomials in the symbols."""
     fractions = (sympy.fraction(sympy.cancel(c)) for c in _coefficients(value) if c.free_symbols)
     return [bottom for bottom in dict.fromkeys(b for _, b in fractions) if bottom.free_symbols]
 

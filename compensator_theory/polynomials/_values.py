@@ -41,7 +41,7 @@ class ExactValue(Truth):
             cls.__repr__ = result_repr  # type: ignore[method-assign]
 
     def _latex(self, printer: object = None) -> str:
-        """Answer SymPy's `latex` with what a notebook shows."""
+        """Return the LaTeX of the notebook for SymPy's `latex`."""
         return latex(self)
 
     def __getstate__(self) -> dict[str, object]:

@@ -23,7 +23,7 @@ NAME_THE_VARIABLE = (
 )
 
 Time: TypeAlias = Literal["continuous", "discrete"]
-"""The time domain: what is stable is the left half plane, or the inside of the unit circle."""
+"""The time domain: stable is the left half plane, or the inside of the unit circle."""
 
 Readable: TypeAlias = Poly | Expr | Quotient | None
 """A polynomial, an expression, a text that was read and reduced; None for a list, which shows no
@@ -207,7 +207,7 @@ class _Names:
     def __str__(self) -> str:
         named_parts = [part for part in self.parts if part is not None]
         with_symbols = [part for part in named_parts if isinstance(part, Poly) or part.free_symbols]
-        if None in self.parts:  # numbers beside it may be defaults, or denominators of 1
+        if None in self.parts:  # numbers in the other parts may be defaults, or denominators of 1
             return " and ".join([*map(_written, with_symbols), "a list of coefficients"])
         return " and ".join(map(_written, with_symbols or named_parts)) or "a list of coefficients"
 

@@ -126,7 +126,7 @@ def decided_balls(
 ) -> list[tuple[flint.acb, int, Decision]]:
     """Isolate the roots with growing precision until each ball answers a question.
 
-    The question is asked at the precision of the balls: at a lower one, python-flint would round
+    The decision uses the precision of the balls: at a lower one, python-flint would round
     what it computes from them and lose the answer.
     """
 

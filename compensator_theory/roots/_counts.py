@@ -174,9 +174,9 @@ def count_roots(
     where a row vanishes it ends with the factor whose roots are symmetric about 0. So no case is
     singular: the roots on the axis are the real roots of that last element. The exact numbers of
     the chain are long, so that the factor with the symmetric roots is taken out first, and the
-    array of what is left computed in balls, which decide where it is regular. In discrete time the
-    roots of :math:`(1-s)^k a((1+s)/(1-s))` are counted; the degree that it lacks is the
-    multiplicity of the root -1.
+    array of the remaining polynomial computed in balls, which decide where it is regular.
+    In discrete time the roots of :math:`(1-s)^k a((1+s)/(1-s))` are counted; the degree that it
+    lacks is the multiplicity of the root -1.
 
     Examples
     --------

@@ -79,7 +79,7 @@ class Enclosure(ExactValue):
         return displayed(self.latex())
 
     def latex(self) -> str:
-        """Return the LaTeX of what is printed, without the dollars."""
+        """Return the LaTeX of the printed text, without the dollars."""
         return repr(self).replace("±", r"\pm")
 
 

@@ -45,7 +45,7 @@ def locate_roots(
     :math:`\lambda, 1/\lambda`, among them all roots on the boundary, have been separated: in
     :math:`\gcd(a(s), a(-s)) = s^j h(s^2)`, where a root of h is on the axis if it is real and
     negative, and in :math:`\gcd(a, a^*)`, folded by :math:`t = z + 1/z`, where a root t is on the
-    circle if it is real and :math:`|t| \le 2`. In continuous time the route shares nothing with
+    circle if it is real and :math:`|t| \le 2`. In continuous time the route is independent of
     :func:`count_roots` but this gcd.
 
     Examples

@@ -53,7 +53,7 @@ class SpectralFactor(ExactValue):
     spectrum : sympy.Poly
         p: even in continuous time, palindromic in discrete time, of degree at most 2m.
     degree : int
-        Degree of :math:`\chi`; in discrete time what p lacks are roots at 0.
+        Degree of :math:`\chi`; in discrete time the missing roots of p are at 0.
     time : {"continuous", "discrete"}
         Whether :math:`\chi` is Hurwitz or Schur.
     polynomial : sympy.Poly or None

@@ -36,7 +36,7 @@ class StabilityDecision(ExactValue):
     Attributes
     ----------
     polynomial : sympy.Poly
-        As asked.
+        As requested.
     time : {"continuous", "discrete"}
         Whether the roots are to lie in the open left half plane or in the open unit disk.
     by_coefficients, by_roots : bool or None

@@ -174,7 +174,7 @@ def stability_delays(
     Raises
     ------
     NoSolutionError
-        If a root is on the axis whatever the delay is, or what happens at a crossing is not decided
+        If a root is on the axis for every delay, or the direction of a crossing is not decided
         by the signs that are computed here: several roots cross at one frequency with several
         multiples of the delay, or a root on the axis without delay only touches it.
     InputError, BudgetError
@@ -224,7 +224,7 @@ def stability_delays(
     ask("degree", int(polys[0].degree()) * 2 * (len(polys) - 1), "the resultant")
     if whole.eval(0) == 0:
         raise NoSolutionError("s = 0 is a root for every delay, so no delay makes the loop stable")
-    if polys[-1].is_zero:  # of two: nothing is delayed
+    if polys[-1].is_zero:  # of two: no coefficient is delayed
         counted = count_roots(polys[0], time="continuous")
         if counted.boundary:
             raise NoSolutionError("a root is on the imaginary axis for every delay: a_1 is zero")

@@ -383,7 +383,7 @@ def stability_margins(
     Raises
     ------
     InputError, ImproperError
-        If a coefficient is symbolic, the variable says nothing about time, L is improper, or
+        If a coefficient is symbolic, the variable does not show the time domain, L is improper, or
         :math:`1 + L` is zero identically.
 
     Notes
@@ -391,7 +391,7 @@ def stability_margins(
     ``rcac_numeric.stability_margins`` answers the same in float64 for loops in z or q, those of a
     run and of a plant with several channels too.
 
-    A margin says how far a *stable* loop is from the boundary; the crossovers of an unstable one
+    A margin is the distance of a *stable* loop from the boundary; the crossovers of an unstable one
     are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
     way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
     itself: `phase_crossovers` is empty and `is_real` true, and a root s that is not hidden comes

@@ -37,7 +37,7 @@ class Margin(ExactValue):
     ----------
     value : sympy.Expr or Enclosure
         A factor of the gain, exact; a turn of the phase in degrees, or a delay in s, in discrete
-        time in steps, as certified balls. Where nothing ends stability it is oo, or 0 for a gain
+        time in steps, as certified balls. If no change ends stability it is oo, or 0 for a gain
         that falls. `float` reads each of them.
     frequency : Enclosure, sympy.oo or None
         Of the root that comes to the boundary: in rad/s, in discrete time in rad/sample; oo in
@@ -162,7 +162,7 @@ def nearest_gain(end: Expr, crossings: Iterable[Crossing], *, up: bool) -> Margi
         return Margin(sympy.oo if up else sympy.Integer(0), None)
     near = float(end)
     distances = [(abs(float(gain) - near), frequency) for gain, frequency in crossings]
-    # An L that is constant has no crossover of its own.
+    # A constant L has no crossover.
     changes = min(distances, key=lambda pair: pair[0], default=(0.0, NOTHING))[1]
     return Margin(end, changes)
 
@@ -192,7 +192,7 @@ def nearest_delay_in_steps(
 ) -> Margin:
     """The least delay of a discrete loop: of the crossovers where abs(L(-1)) <= 1.
 
-    Else a delay between two whole numbers of steps has no meaning of its own, whole steps decide,
+    Else a delay between two whole numbers of steps has no meaning, whole steps decide,
     and a crossover counts only where it lies in the step in which stability is lost.
     """
     top, bottom = N.eval(-1), D.eval(-1)

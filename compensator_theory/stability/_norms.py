@@ -90,7 +90,7 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
     NoSolutionError
         If G is not stable.
     InputError, ImproperError, BudgetError
-        If it cannot be read, has symbols, says nothing about time, is improper or too large.
+        If it cannot be read, has symbols, does not show the time domain, is improper or too large.
 
     Notes
     -----

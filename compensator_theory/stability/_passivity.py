@@ -89,7 +89,7 @@ def decide_bounded_real(
     Raises
     ------
     InputError, ImproperError, BudgetError
-        If it cannot be read, has symbols, says nothing about time, is improper or too large.
+        If it cannot be read, has symbols, does not show the time domain, is improper or too large.
 
     Notes
     -----
@@ -127,7 +127,8 @@ def decide_positive_real(
     Raises
     ------
     InputError, BudgetError
-        If it cannot be read, is not square, has symbols, says nothing about time, or is too large.
+        If it cannot be read, is not square, has symbols, does not show the time domain, or is too
+        large.
 
     Notes
     -----

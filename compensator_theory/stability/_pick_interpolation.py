@@ -195,7 +195,7 @@ def nevanlinna_pick(
     Notes
     -----
     The least bound solves a generalised eigenvalue problem; its polynomial has real coefficients.
-    It is what no sensitivity of a plant with these zeros and values there can fall below. Source:
+    No sensitivity of a plant with these zeros and values has a smaller norm. Source:
     G. Pick (1916), R. Nevanlinna (1919); J. C. Doyle, B. A. Francis, A. R. Tannenbaum, Feedback
     Control Theory (1992), Chapter 9; with derivatives: Ball, Gohberg, Rodman (1990), Chapter 18.
 
@@ -520,7 +520,7 @@ def _poly(descending: Sequence[GaussianRational], variable: Symbol) -> Poly:
 
 
 def _in_lowest_terms(N: Poly, D: Poly) -> TransferFunction:
-    """Return the real function N/D; sides that are not real share what makes them so."""
+    """Return the real function N/D without the common complex factor of both sides."""
     if any(number.y for number in _complex_rational(D.quo_ground(D.LC()).all_coeffs())):
         common = N.gcd(D)
         N, D = N.exquo(common), D.exquo(common)

@@ -41,7 +41,7 @@ def stabilising_gains(
     feedback : {+1, -1}
         The sign f.
     gain : str or Symbol, optional
-        What the gain is called in the result: k, or "gain" where k is a symbol of the plant or of
+        The name of the gain in the result: k, or "gain" where k is a symbol of the plant or of
         the compensator.
     variable : str or Symbol, optional
         Of the plant; default: evident.

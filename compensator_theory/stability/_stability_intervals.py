@@ -83,18 +83,18 @@ class StabilityCell(ExactValue):
 
 @dataclass(frozen=True)
 class StabilityIntervals(ExactValue):
-    """The values of a parameter for which all roots are stable, and what holds elsewhere.
+    """The values of a parameter for which all roots are stable, and the root counts elsewhere.
 
     Attributes
     ----------
     polynomial : sympy.Poly
-        As asked.
+        As requested.
     parameter : sympy.Symbol
     cells : tuple of StabilityCell
         In ascending order, all of the real line but their end points, at which a root lies on the
         boundary or the degree drops. Empty where that is so for every value.
     points : tuple of StabilityCell
-        The values at which the leading coefficient vanishes and all roots of what is left of the
+        The values at which the leading coefficient vanishes and all roots of the remaining
         polynomial are stable; empty for the gains of a loop, where a root that goes to infinity is
         no stable one.
 

@@ -81,7 +81,7 @@ class StabilityRegion(ExactValue):
     Attributes
     ----------
     polynomial : sympy.Poly
-        As asked.
+        As requested.
     parameters : tuple of sympy.Symbol
     boundaries : tuple of sympy.Expr
         Irreducible, in the parameters: a root can reach the boundary of stability only on these
@@ -89,7 +89,7 @@ class StabilityRegion(ExactValue):
     slabs : tuple of StabilitySlab
         Of the first parameter, from left to right, all of the space but finitely many surfaces.
         What is stable where the leading coefficient vanishes only, `in` and `section` tell: there
-        what is left of the polynomial is judged.
+        the remaining polynomial is decided.
     of_a_loop : bool
         Whether the parameters are gains of a loop, which is not well posed where the degree drops:
         there `in` and `section` say not stable.
@@ -208,7 +208,7 @@ def stability_region(
     if unknown or len(set(parameters)) < len(parameters) or p.gen in parameters:
         raise InputError(
             f"{format_polynomial(p)} is to be stable for values of {_listed(parameters)}, and "
-            f"beside the variable {p.gen} it has {', '.join(unknown) or 'these'}; name different "
+            f"besides the variable {p.gen} it has {', '.join(unknown) or 'these'}; name different "
             "parameters, and give other symbols values"
         )
     return _region(p, parameters)

@@ -112,7 +112,7 @@ def stable_compensator(
 
     Order 0 is decided by :func:`stabilising_gains`. At the orders 1 to n - 2 the largest real part
     (or modulus) of the roots is made small in floats, over stable :math:`D_c` and from several
-    starts; what is found is rounded and then decided exactly. From order n - 1 on, closed-loop
+    starts; candidates are rounded and then decided exactly. From order n - 1 on, closed-loop
     polynomials with up to two different real roots on a grid are placed, and the first whose
     :math:`D_c` is stable is taken. That none was found at an order above 0 is no proof that none is
     there.
@@ -138,8 +138,8 @@ def stable_compensator(
     Raises
     ------
     InputError, BudgetError
-        If the plant is not strictly proper, is symbolic, or says nothing about time; or `feedback`
-        is neither +1 nor -1.
+        If the plant is not strictly proper, is symbolic, or does not show the time domain; or
+        `feedback` is neither +1 nor -1.
 
     Notes
     -----
@@ -303,7 +303,7 @@ def low_order_candidates(
             continue
         if candidate is None:
             continue
-        # x = s/unit: what is monic in x has the coefficient of s**(order - k) times unit**k
+        # x = s/unit: a monic polynomial in x has the coefficient of s**(order - k) times unit**k
         weights = [unit**k for k in range(order + 1)]
         top = [c / gain * w for c, w in zip(candidate[0], weights, strict=True)]
         bottom = [c * w for c, w in zip(candidate[1], weights, strict=True)]

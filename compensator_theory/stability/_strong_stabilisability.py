@@ -264,9 +264,9 @@ def _entries(matrix: TransferMatrix) -> list[TransferFunction]:
 
 
 def _hidden(denominator: Poly, poles: Poly, knows_states: bool) -> Poly:
-    """Return det(sI - A)/poles; of a common denominator what has no root among the poles.
+    """Return det(sI - A)/poles; of a common denominator the factor without poles.
 
-    A common denominator says nothing of how often a pole occurs among the states.
+    A common denominator does not show the multiplicity of a pole among the states.
     """
     if knows_states:
         return canonical(denominator.exquo(poles))

@@ -277,7 +277,7 @@ def plants_and_compensators(
     """Draw two coprime strictly proper transfer functions, every other time with a cancellation.
 
     The compensator cancels a zero of the plant with a pole (two in six), or a pole of the plant
-    with a zero (one in six); what is cancelled may lie anywhere.
+    with a zero (one in six); the common factor may lie anywhere.
 
     Examples
     --------

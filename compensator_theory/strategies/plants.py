@@ -54,7 +54,7 @@ def matrices(
     ----------
     rows, columns : int
     elements : strategy for numbers, optional
-        What each entry is drawn from; by default rational numbers.
+        Strategy of the entries; by default rational numbers.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def symmetric_matrices(
     ----------
     size : int
     elements : strategy for numbers, optional
-        What each entry on and above the diagonal is drawn from; by default rational numbers.
+        Strategy of the entries on and above the diagonal; by default rational numbers.
 
     Examples
     --------

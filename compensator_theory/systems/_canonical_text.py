@@ -107,7 +107,7 @@ def _with_whole_coefficients(
     """Write a system without inner fractions, for a monic form that is too long.
 
     Its coefficients are divided by sums with roots of symbols, or by powers of symbols: here they
-    are multiplied by what they are divided by, and what all of them share is taken out.
+    are multiplied by their denominators, and their common factor is divided out.
     """
     written, known = "", obj
     for _ in range(5):

@@ -26,7 +26,7 @@ from compensator_theory.polynomials._letters import variable_for_matrix
 from compensator_theory.polynomials._poly import canonical, exact_quotient
 from compensator_theory.polynomials._variables import require_one_symbol_a_name
 
-PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independent
+PRIME = 2**61 - 1  # for ranks: vectors that are independent modulo a prime are independent
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
@@ -205,7 +205,7 @@ def uncontrollable_polynomial(
     ----------
     A, B : matrix
         n x n and n x m; with symbols, for generic values of them, and
-        :func:`exceptional_cases` tells what it is for the others.
+        :func:`exceptional_cases` gives it for the others.
     variable : str or Symbol, optional
         Variable of the polynomial; default: s, or lambda where the matrices have a symbol s.
 

@@ -83,7 +83,7 @@ def transfer_function(
     gain : number, optional
         Leading coefficient of the numerator; default 1.
     sample_time : number, optional
-        In seconds, in discrete time. What `obj` says of time has to agree: a system knows its
+        In seconds, in discrete time. The time domain of `obj` has to agree: a system knows its
         variable and its sample time, where it has one.
 
     Returns
@@ -122,7 +122,7 @@ def transfer_function(
 
 
 def scalar_of(source: Description, variable: str | Symbol | None) -> TransferFunction:
-    """Make the transfer function of what was read."""
+    """Return the transfer function of a description."""
     match source:
         case TransferFunction():
             return _in_variable(source, variable)

@@ -42,7 +42,7 @@ def described(obj: Any, variable: str | Symbol | None = None) -> Any:
     There is one reading, whichever function asks. A tuple of two is (num, den); a list of lists of
     equal length is a matrix by rows, in which a tuple is the fraction of an entry; two nested lists
     of three levels are the numerators and denominators of a matrix, as python-control has them;
-    matrices are (A, B, C) or (A, B, C, D), and beside (A, B, C, D) a sample time may stand.
+    matrices are (A, B, C) or (A, B, C, D), and (A, B, C, D) may be followed by a sample time.
     """
     if isinstance(obj, ExactValue) and not isinstance(obj, System):
         content = getattr(obj, "realisation", obj)  # of a sampled plant, a minimal realisation
@@ -306,7 +306,7 @@ def _shows(lists: Sequence[Any], variable: str | Symbol | None) -> bool:
         if isinstance(entry, str | Expr):
             try:
                 read = exact_number(entry)
-            except CompensatorError:  # whoever reads it says why
+            except CompensatorError:  # the reader raises with the reason
                 continue
             if any(map(is_variable, read.free_symbols)):
                 return True

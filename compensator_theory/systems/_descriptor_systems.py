@@ -169,7 +169,7 @@ class DescriptorSystem(System):
         for name in ("A", "B", "C", "D", "variable", "sample_time"):
             object.__setattr__(self, name, getattr(rest, name))
         ask("entries", 4 * self.n**3, "a descriptor system")
-        self._point()  # refuses what is not regular
+        self._point()  # refuses a pencil that is not regular
 
     @property
     def n(self) -> int:

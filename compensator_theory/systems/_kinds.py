@@ -43,7 +43,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class States:
-    """Matrices of a state space; where a sample time stands beside them, they are of its time."""
+    """Matrices of a state space; with a sample time, they are discrete."""
 
     A: Any
     B: Any

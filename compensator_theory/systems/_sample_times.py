@@ -114,7 +114,7 @@ def sampled_every(system: Timed, sample_time: NumberLike | None) -> Timed:
 def shared_sample_time(*systems: Any) -> Rational | None:
     """Return the sample time of connected systems in seconds; None if none has one.
 
-    What has no sample time, a number or a transfer function that was written down, takes on that of
+    An operand without sample time, a number or a transfer function from text, takes that of
     the others.
     """
     times = {t for t in (getattr(s, "sample_time", None) for s in systems) if t is not None}

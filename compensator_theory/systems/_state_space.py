@@ -64,7 +64,7 @@ Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
 
 
 def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
-    """Rational matrices: nothing is written in SymPy before the end."""
+    """Rational matrices: SymPy's form is written only at the end."""
     a, b, c, d = map(rational_in_flint, (A, B, C, D))
     if a is None or b is None or c is None or d is None or not A.rows:
         return None

@@ -446,7 +446,7 @@ def quotient_of(expression: Expr) -> Quotient:
 
 
 def _in_one_operator(sides: Sides) -> Sides:
-    """Refuse z or q as a symbol of the coefficients of what is in s, and the reverse."""
+    """Refuse z or q as a symbol of the coefficients of a system in s, and the reverse."""
     require_no_other_operator(*sides)
     return sides
 
