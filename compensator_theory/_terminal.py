@@ -38,6 +38,13 @@ def in_few_lines(write: Callable[[Any], str]) -> Callable[[Any], str]:
     return written
 
 
+def matrix_repr(name: str, written: str, shape: tuple[int, int]) -> str:
+    """Write a matrix of polynomials as a call; a large one by its shape."""
+    if len(written) <= WHOLE_MATRIX:
+        return f"{name}({written})"
+    return f"<{name}, {shape[0]} x {shape[1]}; print it for the entries>"
+
+
 def matrix_line(name: str, matrix: MatrixBase, attribute: str = "") -> str:
     """Write a matrix with its name; a large one by its shape and its attribute."""
     written = text(matrix.tolist())

@@ -116,7 +116,7 @@ class _Analysis(Generic[Answer]):
         self.function, self.arguments, self.options = function, arguments, options
         self.left = left
         self.names = names_in((arguments, options))
-        self.made: dict[str, str] = {}  # symbols that answers introduce, with their meaning
+        self.meanings: dict[str, str] = {}  # symbols that answers introduce, with their meaning
         self.parameters: set[str] = set()  # symbols of coefficients, which are no variable
         self.knows_variable = _names_its_variable(function, arguments, options)
 
@@ -161,12 +161,13 @@ class _Analysis(Generic[Answer]):
         used = {s.name for divisor in divisors for s in divisor.free_symbols}
         names = names_in((self.arguments, self.options)) - {s.name for s in conditions.values}
         for part in answer if isinstance(answer, tuple) else (answer,):
-            introduced_symbols = getattr(
-                part, "exponentials", ()
-            )  # symbols that the answer defines
-            self.made.update((x.name, f"{x} = {text(value)}") for x, value in introduced_symbols)
+            # symbols that the answer defines
+            introduced_symbols = getattr(part, "exponentials", ())
+            self.meanings.update(
+                (x.name, f"{x} = {text(value)}") for x, value in introduced_symbols
+            )
         self.parameters |= used
-        if missing := sorted(used - names - self.made.keys()):
+        if missing := sorted(used - names - self.meanings.keys()):
             raise FunctionFailedError(
                 f"the function uses {', '.join(missing)} besides its arguments; pass the objects "
                 "with these symbols as arguments, so that values can be substituted"
@@ -199,7 +200,9 @@ class _Analysis(Generic[Answer]):
         self, conditions: Conditions, factors: tuple[Expr, ...]
     ) -> Iterator[ExceptionalCase[Answer]]:
         for index, factor in enumerate(factors):
-            if meanings := [self.made[s.name] for s in factor.free_symbols if s.name in self.made]:
+            if meanings := [
+                self.meanings[s.name] for s in factor.free_symbols if s.name in self.meanings
+            ]:
                 reason = f"{text(factor)} = 0 is not solved where {', '.join(sorted(meanings))}"
                 pending = conditions.assuming(*factors[:index]).also_zero(factor)
                 yield _case(pending, reason=reason)

@@ -43,7 +43,7 @@ class Conditions:
         """Return the conditions with additional equations to be solved."""
         return replace(self, pending=(*polynomials, *self.pending))
 
-    def given(self, symbol: Symbol, value: Expr) -> Conditions | None:
+    def with_value(self, symbol: Symbol, value: Expr) -> Conditions | None:
         """Return the conditions with a value substituted for a symbol; None if it violates one."""
         if _contradicts(symbol, value):
             return None
@@ -127,14 +127,14 @@ def _solved(factor: Expr, rest: Conditions) -> Iterator[Conditions]:
         yield replace(rest.also_zero(factor), unsolved=str(error))
         return
     for root in dict.fromkeys(Poly(factor, symbol).real_roots()):
-        solved = rest.given(symbol, settled(root))
+        solved = rest.with_value(symbol, settled(root))
         if solved is not None:
             yield solved
 
 
 def _linear(symbol: Symbol, slope: Expr, offset: Expr, rest: Conditions) -> Iterator[Conditions]:
     factors = irreducible_factors(slope) or ()
-    solved = rest.assuming(*factors).given(symbol, settled(-offset / slope))
+    solved = rest.assuming(*factors).with_value(symbol, settled(-offset / slope))
     if solved is not None:
         yield solved
     if [factor for factor in factors if factor not in rest.nonzero]:

@@ -157,9 +157,9 @@ def kalman_decomposition(
     n, inputs, outputs = source.n, source.B.cols, source.C.rows
     ask("entries", n * n * max(inputs, outputs, 1), "the controllability or observability matrix")
     reached, minor = independent_columns(_krylov(source.A, source.B))
-    shown = echelon(_krylov(source.A.T, source.C.T).T)
-    hidden = shown.kernel()
-    divisors = [minor, shown.divided_by]
+    observability = echelon(_krylov(source.A.T, source.C.T).T)
+    hidden = observability.kernel()
+    divisors = [minor, observability.divided_by]
     meeting = echelon(reached.row_join(-hidden))
     divisors.append(meeting.divided_by)
     blocks = [ImmutableMatrix(reached * meeting.kernel()[: reached.cols, :])]

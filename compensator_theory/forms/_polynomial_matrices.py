@@ -10,6 +10,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, table
+from compensator_theory._terminal import matrix_repr
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._linear_algebra import determinant
 from compensator_theory.matrices._rings import Grid, Ring, multiply, ring_of
@@ -177,7 +178,7 @@ class PolynomialMatrix(ExactValue):
         return f"[{', '.join(rows)}]"
 
     def __repr__(self) -> str:
-        return f"PolynomialMatrix({self})"
+        return matrix_repr("PolynomialMatrix", str(self), self.shape)
 
     def _repr_latex_(self) -> str:
         return displayed(table(self.rows))

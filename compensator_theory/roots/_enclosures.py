@@ -18,7 +18,7 @@ from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._numbers import exact_number
 from compensator_theory.polynomials._values import ExactValue
 
-SHOWN_DIGITS = 20
+MOST_DIGITS = 20
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,7 +69,7 @@ class Enclosure(ExactValue):
         if self.radius == 0:
             return text(self.centre)
         first = _decade(abs(self.centre) + self.radius)
-        last = max(_decade(self.radius), first - SHOWN_DIGITS)
+        last = max(_decade(self.radius), first - MOST_DIGITS)
         error = self.radius + (Rational(10) ** last / 2 if last > _decade(self.radius) else 0)
         scaled = self.centre / Rational(10) ** last
         rounded = round(Fraction(int(scaled.p), int(scaled.q)))
@@ -134,7 +134,7 @@ class PolynomialEnclosure(ExactValue):
         )
 
     def __str__(self) -> str:
-        digits = min(max(3, -_decade(self.radius)), SHOWN_DIGITS) if self.radius else SHOWN_DIGITS
+        digits = min(max(3, -_decade(self.radius)), MOST_DIGITS) if self.radius else MOST_DIGITS
         written = ""
         for power, ball in zip(range(self.degree, -1, -1), self.coefficients, strict=True):
             if ball.centre == 0 and ball.radius == 0:

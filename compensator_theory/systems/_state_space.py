@@ -59,11 +59,11 @@ def transfer_matrix_of_realisation(
     )
 
 
-Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
+Verified: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
 """Numerators, denominator, and the residual of the identity."""
 
 
-def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
+def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified | None:
     """Rational matrices: SymPy's form is written only at the end."""
     a, b, c, d = map(rational_in_flint, (A, B, C, D))
     if a is None or b is None or c is None or d is None or not A.rows:
@@ -97,7 +97,7 @@ def _spread(ascending: list[flint.fmpz], below: flint.fmpz, power: int) -> flint
     return flint.fmpq_poly(ascending) / below**power
 
 
-def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
+def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified:
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]

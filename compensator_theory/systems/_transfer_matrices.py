@@ -14,6 +14,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, MatrixBase, Poly, Rational, Sym
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory._latex import displayed, fraction, table
+from compensator_theory._terminal import matrix_repr
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._certificates import Certificate
 from compensator_theory.matrices._diagonalisation import invariant_polynomials
@@ -336,7 +337,7 @@ class TransferMatrix(System):
         return f"[{', '.join(rows)}]/({format_polynomial(self.denominator)})"
 
     def __repr__(self) -> str:
-        return f"TransferMatrix({self})"
+        return matrix_repr("TransferMatrix", str(self), self.shape)
 
     def _repr_latex_(self) -> str:
         return displayed(rf"{fraction(1, self.denominator)}\, {table(self.numerators)}")

@@ -59,3 +59,12 @@ def test_a_long_result_gives_its_answer_first():
         "  fields: .polynomial, .parameters (2), .boundaries (2), .slabs (2), .of_a_loop"
     )
     assert WHOLE_CALL < 500
+
+
+def test_a_large_matrix_of_polynomials_is_printed_whole_on_demand_only():
+    matrix = exact.polynomial_matrix(
+        [[f"s**9 + {10**40 + i * j}*s" for i in range(5)] for j in range(5)]
+    )
+    assert repr(matrix) == "<PolynomialMatrix, 5 x 5; print it for the entries>"
+    assert repr(exact.polynomial_matrix([["s"]])) == "PolynomialMatrix([[s]])"
+    assert str(10**40) in str(matrix)
