@@ -147,7 +147,7 @@ ROOT, SUM = sqrt(5 + 2 * sqrt(6)), sqrt(2) + sqrt(3)
         (exact.solve_stein, ([[exp(exp(theta))]], [[1]]), "write a symbol"),
         (exact.exceptional_cases, (exact.mcmillan_degree, 1 / (s + exp(a)), "s"), "write a symbol"),
         (exact.solve_lyapunov, ([[-1]], [[a * ROOT]]), "write a rational number"),
-        (exact.polynomial, ([1, a, a * GoldenRatio], "s"), "stands beside the unknown a"),
+        (exact.polynomial, ([1, a, a * GoldenRatio], "s"), "occurs with the unknown a"),
     ],
 )  # fmt: skip
 def test_what_is_not_decided_is_refused_by_name(door, arguments, says):
