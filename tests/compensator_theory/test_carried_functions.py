@@ -259,5 +259,5 @@ def test_letters_of_an_answer_are_none_in_a_function():
         exact.polynomial(x + exp(x), "x")
     with pytest.raises(exact.InputError, match="not evident"):
         exact.polynomial(x + exp(x))
-    with pytest.raises(exact.InputError, match="no variable"):
+    with pytest.raises(exact.InputError, match="not a variable"):
         exact.polynomial(1 + exp(x))

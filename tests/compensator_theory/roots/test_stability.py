@@ -278,7 +278,7 @@ def test_a_system_is_asked_for_its_poles(spectrum, variable):
 
 def test_a_system_that_is_not_read_names_what_reads_it():
     for system in (control.tf([1], [1, 1]), transfer_matrix([["1/(s + 1)"]])):
-        with pytest.raises(InputError, match=r"is a system .*give transfer_function\(system\)"):
+        with pytest.raises(InputError, match=r"is a system, .*give transfer_function\(system\)"):
             decide_stability(system)
 
 
