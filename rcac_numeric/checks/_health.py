@@ -33,19 +33,22 @@ from rcac_numeric.plants._schedules import PlantSchedule
 
 @dataclass(frozen=True)
 class SignalSize:
-    """The largest entry and the root mean square of a signal over some steps."""
+    """The peak and the root mean square of a signal over some steps."""
 
     peak: float
     rms: float
 
     @classmethod
     def of(cls, values: Array) -> SignalSize | None:
-        """The size of these rows; None where there are none."""
+        """Return the size of these rows; None if there are none."""
         if not len(values):
             return None
         with np.errstate(over="ignore"):
             power = np.sqrt(np.mean(np.sum(values**2, axis=1)))
         return cls(float(np.abs(values).max(initial=0.0)), float(power))
+
+
+NEGLIGIBLE = 1e-6  # of the peak: a smaller rms at the end is not printed, but is in the data
 
 
 @dataclass(frozen=True)
@@ -73,8 +76,15 @@ class SignalHealth:
         if self.after is not None:
             sentences.append(f"peak {self.after.peak:.3g}, rms {self.after.rms:.3g} under control")
         if self.late is not None:
-            sentences.append(f"rms {self.late.rms:.3g} at the end")
+            sentences.append(f"at the end rms {self._late_rms()}")
         return "; ".join(sentences) or "no step"
+
+    def _late_rms(self) -> str:
+        """The rms at the end; below 1e-6 of the peak it is rounding, which differs by machine."""
+        assert self.late is not None
+        peak = max(size.peak for size in (self.before, self.after, self.late) if size is not None)
+        is_small = 0 < self.late.rms < NEGLIGIBLE * peak
+        return "below 1e-6 of the peak" if is_small else f"{self.late.rms:.3g}"
 
 
 def signal_health(values: Array, start: int) -> SignalHealth:
@@ -87,7 +97,7 @@ def signal_health(values: Array, start: int) -> SignalHealth:
 
 
 def without_control(run: Run) -> Array | None:
-    """The z of the same run with u = 0; None where it is unbounded, or takes a user's code."""
+    """Return z of the same run with u = 0; None if it is unbounded or needs a user's function."""
     if type(run.plant) not in (Plant, PlantSchedule) or run.first_step or not run.steps:
         return None
 
@@ -97,13 +107,13 @@ def without_control(run: Run) -> Array | None:
     return free.z if free.outcome == "completed" else None
 
 
-DRIFT = 1e-6  # share of norm(theta) from which a drift by rounding is spoken of
-ROWS = 20_000  # steps that are looked at: the first ones from k_w on
+DRIFT = 1e-6  # share of norm(theta) from which a drift by rounding is reported
+ROWS = 20_000  # steps that are evaluated: the first ones from k_w on
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """How much the data of a run say of theta.
+    """The excitation of theta by the data of a run.
 
     Attributes
     ----------
@@ -127,9 +137,16 @@ class Excitation:
     drift: float = 0.0
 
     def __str__(self) -> str:
-        words = f"the data outweigh R_theta in {self.outweighed} of {self.l_theta} directions"
-        if self.excited < self.l_theta:
-            words += f", and excite {self.excited} of them by more than rounding"
+        l_theta, remainder = self.l_theta, self.l_theta - self.outweighed
+        if not remainder:
+            words = f"sufficient in all {l_theta} parameter directions"
+        else:
+            words = (
+                f"sufficient in {self.outweighed} of {l_theta} parameter directions; in the other "
+                f"{remainder} R_theta outweighs the data"
+            )
+        if self.excited < l_theta:
+            words += f"; {self.excited} directions are excited above rounding"
         if self.drift > DRIFT:
             words += f"; rounding moved theta by {self.drift:.1g} of its size in the others"
         return words
@@ -338,7 +355,7 @@ class LoopHealth(Result):
 
     @property
     def is_held(self) -> bool:
-        """Whether bounds moved theta in a tenth of the steps, and so decide where poles are."""
+        """Whether the bounds limited theta in a tenth of the steps, and so decide the poles."""
         return self.bounded > HELD * self.steps
 
     @property
@@ -352,11 +369,11 @@ class LoopHealth(Result):
         return health_sheet(self)
 
     def report(self) -> str:
-        """The health in words and numbers, a line for each."""
+        """The health in lines of text."""
         return "\n".join(line.words for line in self._sheet().health)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the lines of the report, the warnings in colour."""
+        """The report as HTML for a notebook, the warnings in colour."""
         return notebook_of(self._sheet())
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Which problem, sign and delay a log is of: hypotheses that are compared by what they predict."""
+"""Decide the plant convention, sign and delay of a log by prediction errors."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ AR = 8  # past errors that a disturbance may be predicted from
 BLOCKS, DECISIVE = 20, 4.0  # of the paired comparison; its Student's t
 CLEARLY = 3.0  # rms over rms that decides by itself
 FEWEST = 60  # steps
+EQUATIONS = {"standard": "y = z = G(u + w)", "servo": "y = z = r - G(u + d) - v"}
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A problem that the log may be of.
+    """A plant convention that the log may have.
 
     Attributes
     ----------
@@ -39,14 +40,25 @@ class Hypothesis:
     rms: float
 
     def __str__(self) -> str:
-        late = f", u {abs(self.delay)} step{'s' * (abs(self.delay) > 1)} " if self.delay else ""
-        late += "later" if self.delay > 0 else "earlier" if self.delay < 0 else ""
-        return f"{self.problem}{late} ({self.rms:.3g})"
+        return f"{self.convention} (prediction error {self.rms:.3g})"
+
+    @property
+    def convention(self) -> str:
+        """The equation of the problem, with the delay of u."""
+        equation = EQUATIONS.get(self.problem)
+        words = self.problem if equation is None else f"{self.problem}, {equation}"
+        return words + (f", {self.late}" if self.delay else "")
+
+    @property
+    def late(self) -> str:
+        """The delay of u in words."""
+        steps = f"{abs(self.delay)} step{'s' * (abs(self.delay) > 1)}"
+        return f"u {steps} {'later' if self.delay > 0 else 'earlier'}"
 
 
 @dataclass(frozen=True)
 class Decision:
-    """What a log is of, as far as prediction tells.
+    """The plant convention of a log, by one-step prediction errors.
 
     Attributes
     ----------
@@ -74,11 +86,24 @@ class Decision:
         return bool(self.hypotheses[0].rms > self.stays)
 
     def __str__(self) -> str:
-        best = "; ".join(str(one) for one in self.hypotheses[:3])
         if self.decided is None:
-            return f"UNDECIDED: the log fits more than one problem; rms errors of y: {best}."
-        worse = " It predicts worse than that y stays." if self.is_contradicted else ""
-        return f"The log decides for {self.decided}; rms errors of y: {best}.{worse}"
+            best = "; ".join(map(str, self.hypotheses[:3]))
+            return f"UNDECIDED plant convention: the log fits more than one problem: {best}."
+        decided = self.decided
+        other = next((one for one in self.hypotheses if one is not decided), None)
+        best = ""
+        if other is not None:
+            names = [other.problem] * (other.problem != decided.problem)
+            names += [other.late] * (other.delay != 0)
+            change = " and ".join(names) or "u as the plant says"
+            best = f"; next best {other.rms:.3g} with {change}"
+        worse = ""
+        if self.is_contradicted:
+            worse = f" The prediction y(k) = y(k-1) is better, with error {self.stays:.3g}."
+        return (
+            f"Plant convention, from the log: {decided.convention} (rms prediction error of y "
+            f"{decided.rms:.3g}{best}).{worse}"
+        )
 
 
 def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
@@ -95,9 +120,9 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     errors: dict[tuple[str, int], Array] = {}
     for name, plant in plants.items():
         for delay in DELAYS:
-            found = _errors(log, plant, delay)
-            if found is not None:
-                errors[name, delay] = found
+            residual = _errors(log, plant, delay)
+            if residual is not None:
+                errors[name, delay] = residual
     if not errors:
         raise InputError(
             f"{log.source}: {log.steps} steps are too few to compare problems by prediction, or "
@@ -123,7 +148,7 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
 
 
 def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:
-    """One-step errors, without a constant and what their own past predicts."""
+    """One-step errors, less a constant and the prediction from their own past."""
     if (plant.l_u, plant.l_y) != (log.u.shape[1], log.y.shape[1]):
         raise InputError(
             f"{log.source}: the log has l_u = {log.u.shape[1]}, l_y = {log.y.shape[1]}, the plant "
@@ -147,7 +172,7 @@ def _errors(log: ControllerLog, plant: Plant, delay: int) -> Array | None:
 
 
 def _whitened(e: Array) -> Array:
-    """What is left of each component after a constant and an AR model of it."""
+    """The residual of each component after a constant and an AR model."""
     columns = []
     for column in e.T:
         past = [column[AR - i - 1 : len(column) - i - 1] for i in range(AR)]
@@ -160,7 +185,7 @@ def _whitened(e: Array) -> Array:
 
 
 def _differ(better: Array, worse: Array, floor: float) -> bool:
-    """Whether the first predicts better beyond doubt."""
+    """Whether the first error is significantly smaller."""
     a, b = np.sum(better**2, axis=1), np.sum(worse**2, axis=1)
     if np.sqrt(b.mean()) <= 10 * floor:
         return False  # both are rounding

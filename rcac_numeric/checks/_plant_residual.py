@@ -1,4 +1,4 @@
-"""How far the response in a log is from that of the plant that was told."""
+"""The one-step prediction error of a plant on a log."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class PlantResidual(Result):
 
     @property
     def relative(self) -> float:
-        """E relative to how y changes from one step to the next."""
+        """The rms of e relative to the rms of y(k) - y(k-1)."""
         return self.rms / self.change if self.change > 0 else float(self.rms > 0)
 
     @property
@@ -84,34 +84,34 @@ class PlantResidual(Result):
 
     @property
     def is_contradicted(self) -> bool:
-        """Whether "y stays" predicts better, and a fitted plant twice as well."""
+        """Whether y(k) = y(k-1) predicts better, and a fitted plant twice as well."""
         return self.best is not None and self.relative > 1 and self.rms > CONTRADICTED * self.best
 
     def __str__(self) -> str:
-        fitted = "" if self.best is None else f"; a plant fitted to the log leaves {self.best:.3g}"
-        about = f" about {self.offset:.3g}, a constant" if self.offset > self.rms else ""
-        size = f"its one-step error of y is {self.rms:.3g} rms{about}{fitted}, and y changes by "
-        size += f"{self.change:.3g} rms a step"
+        fitted = "" if self.best is None else f"{self.best:.3g} for a model fitted to the log; "
+        mean = f" about a constant of {self.offset:.3g}" if self.offset > self.rms else ""
+        size = f"one-step prediction error of y {self.rms:.3g} rms{mean} "
+        size += f"({fitted}y changes by {self.change:.3g} rms per step)"
         if not self.is_doubtful:
             fits = self.relative <= UNEXPLAINED
-            words = "fits the log" if fits else "is not contradicted by the log, noise apart"
-            return f"The plant {words}: {size}."
+            words = "The plant fits the log" if fits else "Plant and log agree within the noise"
+            return f"{words}: {size}."
         if self.remedy:
-            return f"The log is NOT of this plant: {size}. Look at {self.remedy}."
+            return f"The log is NOT of this plant: {size}. Check {self.remedy}."
         if self.is_contradicted:
             return (
-                f"The log is NOT explained by this plant and contradicts it: {size}, so that y "
-                "stays as it is predicts better. It is the log of another plant, sign or problem, "
-                "and what follows is about a loop that did not run."
+                f"The log is NOT explained by this plant and contradicts it: {size}; the "
+                "prediction y(k) = y(k-1) is better. The log is of another plant, sign or problem, "
+                "and the results below are for a loop that did not run."
             )
         words = f"The log is NOT explained by this plant: {size}. "
         if self.is_known:
             return (
-                f"{words}All of w was logged: it is the log of another plant, or a disturbance "
+                f"{words}All of w was logged: the log is of another plant, or a disturbance "
                 "acts for which w has no channel."
             )
         return (
-            f"{words}Either it is the log of another plant, and what follows is about a loop that "
+            f"{words}Either the log is of another plant, and the results below are for a loop that "
             "did not run, or disturbances act on the loop that were not logged as w."
         )
 
@@ -169,9 +169,9 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     if not residual.is_doubtful and residual.relative <= UNEXPLAINED:
         return residual
     others = {
-        "the sign of u or y: with -u this plant fits": -u,
-        "the rows of u: one step later this plant fits": np.vstack([u[:1] * 0, u[:-1]]),
-        "the rows of u: one step earlier this plant fits": np.vstack([u[1:], u[-1:]]),
+        "the sign of u or y: this plant fits with -u": -u,
+        "the rows of u: this plant fits with u one step later": np.vstack([u[:1] * 0, u[:-1]]),
+        "the rows of u: this plant fits with u one step earlier": np.vstack([u[1:], u[-1:]]),
     }
     for words, other in others.items():
         if (
@@ -183,7 +183,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
 
 
 def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
-    """B and D of u and of what is known of w, and the latter over time."""
+    """Return B and D of u and of the known channels of w, and the values of these channels."""
     if log.w is not None and log.w.shape[1] == plant.l_w:
         columns, known = np.arange(plant.l_w), log.w
     elif log.r is not None and plant.blocks.get("r") == log.r.shape[1]:
@@ -197,7 +197,7 @@ def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
 
 
 def _windows(signal: Array, steps: int, count: int) -> Array:
-    """Row k: the values of `count` steps one after the other, the first at k."""
+    """Stack the values of `count` successive steps into each row, the first at k."""
     return np.hstack([signal[i : len(signal) - steps + i] for i in range(count)])
 
 
@@ -213,7 +213,7 @@ def one_step_errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Arr
 
 
 def predictor(plant: Plant, B: Array, D: Array) -> tuple[Array, Array]:
-    """What n + 1 steps of the inputs make of as many of y, and y(k) of the n before, at rest."""
+    """Return the forced response over n + 1 steps, and the matrix that predicts y(k) at rest."""
     n, l_y, l_v = max(plant.n, 1), plant.l_y, B.shape[1]
     powers = [plant.C]
     for _ in range(n):

@@ -1,4 +1,4 @@
-"""Whether a logged u really is what the logged coefficients make of the logged past."""
+"""Compare the logged u with the output of the logged coefficients."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._regressor import regressor_of
 from rcac_numeric.controllers._structure import Structure
 
-# What is left of the same sum in float64, added up in another order.
+# Rounding of the same sum in float64, added in another order.
 ROUNDING = 1e-9
 # Coefficients that were logged only once may have moved by as much in the last tenth.
 STILL = 1e-5
@@ -69,15 +69,15 @@ class ControlReplay(Result):
     def __str__(self) -> str:
         rows = ""
         if self.shift and self.agrees:
-            rows = "; row k of theta is what step k left for step k + 1"
+            rows = "; row k of theta is updated at step k and used at step k + 1"
         elif self.shift:
-            rows = " with row k - 1 of theta for step k; with row k the difference is larger still"
+            rows = ", with row k - 1 of theta for step k; with row k the difference is larger"
         verdict = "is" if self.agrees else "is NOT"
-        why = f", as the log holds {self.resolution}" if self.resolution else ""
-        allowed = f" ({self.tolerance:.1g} is allowed{why})" if why or not self.agrees else ""
+        why = f" from the digits of the log: {self.resolution}" if self.resolution else ""
+        allowed = f" (tolerance {self.tolerance:.1g}{why})" if why or not self.agrees else ""
         return (
             f"u {verdict} the output of {self.of}: worst relative difference {self.worst:.2g} at "
-            f"step {self.worst_step}{allowed}, compared from step {self.start} on{rows}"
+            f"step {self.worst_step}{allowed}, from step {self.start} on{rows}"
         )
 
 
@@ -88,7 +88,7 @@ def replay(
     k_w: int | None = None,
     tolerance: float | None = None,
 ) -> ControlReplay:
-    """Compute what the controller must have answered, and hold the logged u against it.
+    """Compute the controller's output from the log, and compare the logged u with it.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def replay(
         Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
         terms = np.abs(phi) @ np.abs(Theta)
         bound = np.abs(phi) @ moved + off @ (np.abs(Theta) + moved)
-        return errors.held(phi @ Theta, terms, bound, start, floor=STILL)
+        return errors.compared(phi @ Theta, terms, bound, start, floor=STILL)
     shape = (log.steps, taps, structure.l_u)
     Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
     candidates = []
@@ -137,7 +137,7 @@ def replay(
         terms[shift:] = _row_by_row(np.abs(past), np.abs(rows))
         bound[shift:] = _row_by_row(np.abs(past), rows_off)
         bound[shift:] += _row_by_row(past_off, np.abs(rows) + rows_off)
-        candidates.append(errors.held(u, terms, bound, max(first, shift), shift=shift))
+        candidates.append(errors.compared(u, terms, bound, max(first, shift), shift=shift))
     return min(candidates, key=lambda each: (each.worst, each.shift))
 
 
@@ -163,16 +163,16 @@ def replay_compensator(
             bound[lag:] += off[past] @ np.abs(matrix).T
     since = log.steps - max(log.steps // 10, 1) if k_w is None else k_w
     start = max(len(compensator.past_u), since)
-    return errors.held(outputs, terms, bound, start, of="the compensator", floor=STILL)
+    return errors.compared(outputs, terms, bound, start, of="the compensator", floor=STILL)
 
 
 class LogErrors:
-    """What the digits of a log leave open: bounds of the errors of its signals and of theta."""
+    """Bounds of the rounding errors of a log's signals and of theta, from its digits."""
 
     def __init__(self, log: ControllerLog, tolerance: float | None) -> None:
         if tolerance is not None and not number(tolerance, "tolerance") > 0:
             raise InputError(f"tolerance = {tolerance} must be positive.")
-        self.log, self.given = log, tolerance
+        self.log, self.tolerance = log, tolerance
         self.digits: dict[str, Resolution] = {}
         self.signals: dict[str, Array | None] = {}
         for name in ("u", "y", "r", "theta"):
@@ -188,9 +188,9 @@ class LogErrors:
         assert error is not None
         return error
 
-    def held(
+    def compared(
         self,
-        made: Array,
+        u_computed: Array,
         terms: Array,
         bound: Array,
         start: int,
@@ -199,7 +199,7 @@ class LogErrors:
         of: str = "theta",
         floor: float = ROUNDING,
     ) -> ControlReplay:
-        """The logged u beside the one that was made, within what the log leaves open."""
+        """Compare the logged u with the computed one, within the rounding of the log."""
         u, steps = self.log.u, self.log.steps
         if start >= steps:
             raise InputError(
@@ -207,18 +207,18 @@ class LogErrors:
                 "compared with Phi theta; a longer log is needed."
             )
         size = max(float(np.abs(u[start:]).max()), float(terms[start:].max())) or 1.0
-        gaps = np.abs(u - made)[start:].max(axis=1)
-        tolerance, words = self.given, ""
+        gaps = np.abs(u - u_computed)[start:].max(axis=1)
+        tolerance, words = self.tolerance, ""
         if tolerance is None:
             used = {n: d for n, d in self.digits.items() if n != "theta" or of == "theta"}
             if any(digits.kind == "single" for digits in used.values()):
-                floor = max(floor, 64 * HALF_SINGLE)  # the sum itself was made in it
+                floor = max(floor, 64 * HALF_SINGLE)  # the controller summed in single precision
             left_open = float((bound + self.digits["u"].error(u))[start:].max()) / size
             tolerance = floor + left_open
             if left_open > floor:
                 words = ", ".join(f"{n} {d}" for n, d in used.items() if d.kind != "exact")
         return ControlReplay(
-            u=made, start=start, shift=shift, worst=float(gaps.max()) / size,
+            u=u_computed, start=start, shift=shift, worst=float(gaps.max()) / size,
             worst_step=start + int(np.argmax(gaps)), of=of, tolerance=tolerance, resolution=words,
         )  # fmt: skip
 
@@ -239,7 +239,7 @@ HALF_SINGLE = 2.0**-24
 
 @dataclass(frozen=True)
 class Resolution:
-    """How far a logged number may be from the one that was meant.
+    """The rounding of logged numbers.
 
     Attributes
     ----------
@@ -269,7 +269,7 @@ class Resolution:
 
 
 def resolution_of(values: Array) -> Resolution:
-    """The coarsest way of writing numbers that all of these could have been written in.
+    """The coarsest rounding that all of these numbers are consistent with.
 
     The chance that numbers which were not rounded look as if they were is nil from ten different
     ones on. With fewer, those of a step for example, nothing is concluded.

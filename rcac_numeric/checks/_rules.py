@@ -1,4 +1,4 @@
-"""When a loop is not healthy: thresholds, and what is found; `_warnings` says it in words."""
+"""The conditions and thresholds of health warnings; `_warnings` has their sentences."""
 
 from __future__ import annotations
 
@@ -75,10 +75,10 @@ def warnings_of_run(health: LoopHealth, analysis: LoopAnalysis) -> tuple[HealthW
         for finding in rule
     ]
     warnings += [w for w in learnt if warnings or w.code not in CAUSES]
-    if warnings:  # a loop that does well with another G_f than the plant's needs no remedy
+    if warnings:  # a healthy loop with another G_f than the plant's needs no remedy
         warnings += errors
-    warnings += directed  # what hides from z is said in any case
-    return _by_gravity(_with_road(warnings, analysis))
+    warnings += directed  # z does not show these zeros, so that they are reported in any case
+    return _by_gravity(_with_design_advice(warnings, analysis))
 
 
 def _by_gravity(warnings: list[HealthWarning]) -> tuple[HealthWarning, ...]:
@@ -86,44 +86,45 @@ def _by_gravity(warnings: list[HealthWarning]) -> tuple[HealthWarning, ...]:
 
 
 def _of_target(
-    ask: Callable[[Plant, TargetModel], tuple[T, ...]], found: LoopAnalysis
+    evaluate: Callable[[Plant, TargetModel], tuple[T, ...]], analysis: LoopAnalysis
 ) -> tuple[T, ...]:
-    """What there is to say of G_f beside its plant; nothing where one of them is not known."""
+    """Return the warnings on G_f and its plant; none if one of them is unknown."""
     try:
-        return ask(found.plant, found.compared_with)
+        return evaluate(analysis.plant, analysis.compared_with)
     except CompensatorError:
         return ()
 
 
-# Where settings that begin at theta = 0 went wrong, and the plant is known.
+# Settings that start from theta = 0, with a known plant.
 
-DAMPED, SOON = 0.2, 3  # damping of a pole, and steps until z feels u, below which FIR is a fair try
+# An FIR target suits a plant with more damping and less delay from u to z, in steps, than these.
+DAMPED, SOON = 0.2, 3
 
 
-def _with_road(
-    warnings: list[HealthWarning], warnings_of_health: LoopAnalysis
+def _with_design_advice(
+    warnings: list[HealthWarning], analysis: LoopAnalysis
 ) -> list[HealthWarning]:
-    """The same; the first that settings can be blamed for names `design`."""
+    """Append "or design(plant)" to the first warning that settings can cause."""
     blamed = [w for w in warnings if RULES[w.code].by_settings]
-    settings = warnings_of_health.run.settings
+    settings = analysis.run.settings
     if not blamed or not isinstance(settings, ControllerSettings) or settings.theta_0.any():
         return warnings
     try:
-        plant = plant_at(warnings_of_health.run.plant, 0)
+        plant = plant_at(analysis.run.plant, 0)
     except CompensatorError:
         return warnings
     is_read = plant.l_u == plant.l_y and np.array_equal(plant.E_1, plant.C)
     if not is_read or plant.D_0.any():
         return warnings
     first = next((w for w in blamed if w.is_grave), blamed[0])
-    words = f"{first.next_step}; or design(plant), which begins at a robust loop"
+    words = f"{first.next_step}; or design(plant), which starts from a robust loop"
     why = what_to_expect(plant, settings.target)
     sentence = f"{first.sentence} {why}" if why else first.sentence
     return [replace(w, sentence=sentence, next_step=words) if w is first else w for w in warnings]
 
 
 def what_to_expect(plant: Plant, target: TargetModel) -> str:
-    """What an FIR target model asks of a plant that oscillates or answers late; else nothing."""
+    """Explain why an FIR target is hard for an oscillating or late plant; empty for others."""
     if target.denominator[1:].any():
         return ""
     poles = np.linalg.eigvals(plant.A).astype(np.complex128)
@@ -135,8 +136,8 @@ def what_to_expect(plant: Plant, target: TargetModel) -> str:
     if not words:
         return ""
     return (
-        f"G_f is FIR: it asks for a loop that is at rest within {target.n_f} steps, and with "
-        f"{' and '.join(words)} seldom any R_theta makes it a good one."
+        f"G_f is FIR and requires a loop that settles within {target.n_f} steps; with "
+        f"{' and '.join(words)} hardly any R_theta gives a good loop."
     )
 
 
@@ -215,7 +216,7 @@ def _worse(health: LoopHealth, run: Run) -> Iterator[Finding]:
 
 
 def _wound_up(health: LoopHealth) -> Iterator[Finding]:
-    """By trial where the plant is known; else by the growth of P alone."""
+    """Evaluate a trial if the plant is known; else the growth of P alone."""
     record, kick = health.supervision, health.next_disturbance
     growth = 0.0 if record is None else record.growth
     if kick is not None and kick.ratio > KICKED:
@@ -241,8 +242,8 @@ def _missed(health: LoopHealth, analysis: LoopAnalysis) -> Iterator[Finding]:
     structure, cure = analysis.structure, what_places_them(analysis)
     if structure is not None and comparison.can_be_placed_by(structure) is False:
         cure = (
-            f"another structure or target, where these poles matter: no theta of {structure.name} "
-            f"with {structure.l_theta} coefficients places them; iir with n_c = "
+            f"another structure or target, if these poles matter: the {structure.l_theta} "
+            f"coefficients of {structure.name} cannot place them; iir with n_c = "
             f"{comparison.plant.n} has enough"
         )
     yield "missed poles", numbers | ({"next_step": cure} if cure else {})
@@ -267,7 +268,7 @@ def warnings_of_controller(
     if count := record.troubles.get("saturated"):
         warnings.append(("saturated: on end", {"steps": count.worst}))
     if record.in_fallback or record.is_frozen:
-        how = "the fallback makes u" if record.in_fallback else "theta is held"
+        how = "u comes from the fallback" if record.in_fallback else "theta is held"
         warnings.append(("stopped", {"how": how}))
     if health.guard_count:
         warnings.append(("rounding: of a live controller", {"count": health.guard_count}))
@@ -290,7 +291,7 @@ def _margins(health: LoopHealth) -> Iterator[Finding]:
 
 
 def small_margins(margins: Margins) -> list[str]:
-    """The margins of a stable loop that are below 3 dB or 20 degrees, in words."""
+    """Describe the margins of a stable loop that are below 3 dB or 20 degrees."""
     if not margins.is_stable:
         return []
     assert margins.gain_up is not None
@@ -298,11 +299,11 @@ def small_margins(margins: Margins) -> list[str]:
     assert margins.phase is not None
     words = []
     if margins.gain_up.value < LEAST_GAIN:
-        words.append(f"{margins.gain_up.value:.3g} times the gain is unstable")
+        words.append(f"unstable with {margins.gain_up.value:.3g} times the gain")
     if margins.gain_down.value > 1 / LEAST_GAIN:
-        words.append(f"{margins.gain_down.value:.3g} times the gain is unstable")
+        words.append(f"unstable with {margins.gain_down.value:.3g} times the gain")
     if margins.phase.value < LEAST_PHASE:
-        words.append(f"{margins.phase.value:.3g} degrees of phase are left")
+        words.append(f"phase margin {margins.phase.value:.3g} degrees")
     return words
 
 
@@ -355,9 +356,9 @@ def _peak(values: np.ndarray | None) -> float:
     return 0.0 if values is None else float(np.abs(values).max(initial=0.0))
 
 
-# Where a target model for several inputs and outputs loses zeros and their directions.
+# Target models for several inputs and outputs that lack zeros or their directions.
 
-LARGEST = 10  # states of a plant whose zeros and directions are asked for, exactly, in a second
+LARGEST = 10  # states of a plant whose zeros and directions take less than a second, exactly
 CODES = {
     "not a zero": "unmodelled zero: of several channels",
     "in every channel": "zero in every channel",
@@ -368,9 +369,9 @@ CODES = {
 
 
 def direction_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...]:
-    """What `check_directions` finds of a square G_zu with several inputs; nothing of others.
+    """Return the warnings of `check_directions` for a square G_zu with several inputs.
 
-    They are said of loops that look well too: a zero that is lost hides an instability from z.
+    Healthy loops get them too: a zero that G_f lacks hides an instability from z.
     """
     if plant.l_u < 2 or plant.l_u != plant.l_z or plant.n > LARGEST:
         return ()
@@ -382,18 +383,18 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, 
     )
 
 
-# When a target model was not learnt as it should have been: the rules of `DataDriven` runs.
+# Runs with `DataDriven` whose target model was not identified well.
 
 LONGEST = 20_000  # steps that the model is fitted to again
-VISIBLE = 1e-3  # a residual this small beside z is of a start, a step or rounding, and never white
-POOR = 0.1  # share of R_theta in what is known of the worst known coefficient
+VISIBLE = 1e-3  # of z: a smaller residual is a transient, a step or rounding, which is never white
+POOR = 0.1  # share of R_theta in the information on the least excited coefficient
 GROWTH = 1e6  # of an unstable mode while u is the dither alone
-CAUSES = ("poor excitation", "unstable start")  # said where there is another warning
+CAUSES = ("poor excitation", "unstable start")  # reported if there is another warning
 
 
 @dataclass(frozen=True)
 class _Look:
-    """What an ARX model of so many steps says of itself."""
+    """The whiteness and the excitation of an ARX model after some steps."""
 
     steps: int
     whiteness: float
@@ -443,7 +444,7 @@ def _unstable_start(run: Run, learning: DataDriven) -> Iterator[Finding]:
 
 
 def _looks(run: Run, learning: DataDriven) -> list[_Look]:
-    """After the start, and at the end of what is looked at."""
+    """Evaluate the model after the start and at the end of the run."""
     model = RecursiveARX(learning.order, R_theta=learning.R_theta, lambda_=learning.lambda_)
     looks: list[_Look] = []
     steps = min(run.steps, LONGEST)
@@ -465,18 +466,18 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-# Sampling zeros near -1 that a target model has the controller cancel, and their remedy.
+# Sampling zeros near -1 that the controller cancels if the target model lacks them.
 
 RINGING = 0.9  # a cancelled zero of this modulus or more rings for tens of steps
 
 
 def sampling_zero_remedies(plant: Plant, target: TargetModel) -> tuple[str, ...]:
-    """What to try where G_f asks for the cancellation of a zero of G_zu in (-1, -0.9].
+    """Return the remedies if G_f requires the cancellation of a zero of G_zu in (-1, -0.9].
 
     The controller pole that cancels it rings at half the sampling frequency, and a larger R_theta
     may make that worse: abs u from 2e4 to 9e4 for a second-order lag sampled at 10 Hz. Zeros
-    elsewhere near the circle are left alone: telling those near 1 or near j made u larger
-    wherever it was tried.
+    elsewhere near the circle are left out: a G_f with those near 1 or near j made u larger
+    in every trial.
     """
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()
@@ -489,9 +490,9 @@ def sampling_zero_remedies(plant: Plant, target: TargetModel) -> tuple[str, ...]
     if not left:
         return ()
     words, on_circle = ", ".join(left), ", ".join(["-1"] * len(left))
-    many, those = ("zeros", "ones") if len(left) > 1 else ("zero", "one")
+    many, them = ("zeros", "them") if len(left) > 1 else ("zero", "it")
     return (
-        f"the {many} {words} of the plant told as {those} on the unit circle, nmp_zeros with "
-        f"{on_circle}: with this G_f the controller cancels what rings, and a larger R_theta may "
-        "make that worse",
+        f"the {many} {words} of the plant in the target, moved to the unit circle (nmp_zeros with "
+        f"{on_circle}): without {them} the controller cancels the plant's and rings, and a larger "
+        "R_theta may make that worse",
     )

@@ -66,9 +66,9 @@ WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
 FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
 INTEGRATES = (
-    "its model has a pole that a log of this length does not tell from 1; give design the model "
-    "with its integrator instead, such as k/(s*(T*s + 1)) with sample_time, k the slope of y after "
-    "a step of u"
+    "its model has a pole that a log of this length cannot distinguish from 1; give design the "
+    "model with its integrator instead, such as k/(s*(T*s + 1)) with sample_time, k the slope of y "
+    "after a step of u"
 )
 RESPONSE = 500  # steps of that response
 NONE = 1.005  # of the error without control: above it no control is better, to three digits
@@ -144,10 +144,10 @@ class Comparison:
     def __str__(self) -> str:
         (k, n), (low, high) = self.stable, self.proportion
         return (
-            f"{k} of {n} runs stable ({100 * low:.0f}-{100 * high:.0f} %), the fixed controller "
-            f"{self.fixed_stable[0]}; rms over the fixed controller's {self.ratio:.3g} "
-            f"({self.interval[0]:.3g} to {self.interval[1]:.3g}), peaks {self.peak:.3g}; worst: "
-            f"{self.worst}"
+            f"stable in {k} of {n} runs (95 % interval {100 * low:.0f} to {100 * high:.0f} %), the "
+            f"fixed controller in {self.fixed_stable[0]}; rms error {self.ratio:.3g} times the "
+            f"fixed controller's (95 % interval {self.interval[0]:.3g} to {self.interval[1]:.3g}), "
+            f"peak {self.peak:.3g} times; worst plant: {self.worst}"
         )
 
 
@@ -184,8 +184,8 @@ class Recommendation:
         name = "RCAC" if self.use == RCAC else "the fixed controller"
         if self.is_worse_than_none:
             return (
-                f"Use no controller: {name}, the better of the two, makes the rms error "
-                f"{self.over_none:.3g} times what it is with u = 0. {self.why}"
+                f"Use no controller: with {name}, the better of the two, the rms error is "
+                f"{self.over_none:.3g} times that with u = 0. {self.why}"
             )
         return f"Use {name}: {self.why}"
 
@@ -650,25 +650,28 @@ def _choice(nominal: Trial, comparison: Comparison) -> tuple[str, str]:
         f"{100 * abs(comparison.ratio - 1):.0f} %"
     )
     if not all(nominal.stable):
-        return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
+        return FIXED, "RCAC ends in an unstable loop with the nominal plant."
     if comparison.losses > comparison.wins:
         return FIXED, (
-            f"of {comparison.stable[1]} held-out runs RCAC alone loses {comparison.losses}, and "
-            "it alone "
-            f"{comparison.wins}; where both are stable {brings}."
+            f"of {comparison.stable[1]} test runs {comparison.losses} are unstable with RCAC alone "
+            f"and {comparison.wins} with the fixed controller alone; where both are stable "
+            f"{brings}."
         )
     if comparison.peak > PEAK:
         return FIXED, f"{brings}, but its peaks are {comparison.peak:.2g} times as large."
     if comparison.interval[1] < WORTH:
         return RCAC, f"{brings} over the uncertainty."
-    saved = f"RCAC saves {comparison.wins} of {comparison.stable[1]} held-out runs that it loses"
+    saved = (
+        f"RCAC stabilises {comparison.wins} of {comparison.stable[1]} test runs that are unstable "
+        "with the fixed controller"
+    )
     if comparison.wins > comparison.losses and comparison.interval[1] < 1 / WORTH:
         return RCAC, f"{saved}, and {brings}."
     if comparison.wins > comparison.losses:
-        return FIXED, f"{saved}, but {brings}, with confidence in neither direction."
+        return FIXED, f"{saved}, but {brings}, which is not significant."
     if comparison.interval[0] > 1 / WORTH:
         return FIXED, f"{brings} over the uncertainty."
-    return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
+    return FIXED, f"{brings}: not significant, or too little to be worth adapting."
 
 
 def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
@@ -711,21 +714,22 @@ def _questions(
     if basis.truncation:
         questions.append(("plant", *basis.truncation))
     questions += [
-        ("plant", "gain 0 at rest", "a constant u does not move y in the end")
+        ("plant", "gain 0 at rest", "a constant u has no lasting effect on y")
         if 0.0 in basis.blocked else
         ("plant", f"sign {model.sign}",
-         "more u drives y this way in the end; with the other sign every loop diverges")
+         "the sign of y at rest for a constant u > 0; with the other sign every loop diverges")
         if model.m == 1 else
-        ("plant", f"the weakest direction of u does 1/{model.condition:.3g} of the strongest",
-         "its sign and size decide whether a loop with integrators is stable at all"),
+        ("plant", "at rest the weakest direction of u has "
+         f"1/{model.condition:.3g} of the strongest's gain",
+         "sign and size of this gain decide whether a loop with integrators is stable"),
         ("dead_time", f"{late:.4g}{by_entry} steps, {least:.4g} to {most:.4g}",
-         "the dead time decides how fast a loop may be"),
+         "the dead time limits the bandwidth"),
     ]  # fmt: skip
     if "disturbance" in assumed:
         size = " and of size" if "size" in assumed else ", of size"
         questions.append((
             "disturbance", f"of unknown kind{size} {expected.disturbance_size:.3g}, in units of u",
-            "a known step, sinusoid or spectrum is worth more than all tuning",
+            "a known step, sinusoid or spectrum improves the design more than any tuning",
         ))  # fmt: skip
     for omega in basis.blocked:
         at, signal = "at rest, z = 1 (s = 0)", "a constant"
@@ -734,36 +738,37 @@ def _questions(
             at, signal = f"at {omega:.4g} rad/step", "this sinusoid"
             model_of = "an oscillator"
         questions.append((
-            "disturbance", f"kept from y by the plant's zero {at}",
-            f"{signal} of u leaves nothing in y, so that the controller is designed without "
-            f"{model_of}, which the zero would cancel; no controller holds a command there",
+            "disturbance", f"blocked by the plant's zero {at}",
+            f"{signal} in u does not reach y: the controller is designed without {model_of}, "
+            "which the zero would cancel, and no controller holds a command there",
         ))  # fmt: skip
     if "noise" in assumed:
-        words = "standard deviation of the sensor"
+        words = "standard deviation of the sensor noise"
         questions.append(("noise", f"{expected.noise:.3g}, in units of y", words))
     if saturation is None:
         range_of_u = (
             "" if logged is None else f"; in the log u is {logged.u[0]:.3g} to {logged.u[1]:.3g}"
         )
         questions.append(
-            ("u_limits", "none", f"an actuator that saturates is simulated so{range_of_u}")
+            ("u_limits", "none", f"with limits the saturation is simulated{range_of_u}")
         )
     if (first := _first_response(model, fixed)) < FAST:
         questions.append((
-            "sample_time", "kept",
-            f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
-            "faster than it is good for",
+            "sample_time", "as given",
+            f"the first response of e to d is {first:.1e} of the largest: sample more slowly",
         ))  # fmt: skip
     if basis.obstacle:
         questions.append((
             "plant", "a model of lower order than the log supports",
-            f"the best one has no controller: {basis.obstacle}",
+            f"the best model has no controller: {basis.obstacle}",
         ))  # fmt: skip
     if logged is not None and logged.integrates:
-        questions.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
+        questions.append(
+            ("plant", "the model of the log, though the plant seems to integrate", INTEGRATES)
+        )
     if not model.is_stable and (logged is None or not logged.is_closed):
         questions.append((
-            "plant", "unstable or integrating, and known as well as said",
+            "plant", "unstable or integrating, with the stated uncertainty",
             "confirm it on a log of a stabilised loop before RCAC runs alone",
         ))  # fmt: skip
     return tuple(Question(*one) for one in questions)
@@ -785,10 +790,10 @@ def _no_room(limits: Saturation | None, model: DesignPlant, expected: Expected, 
     which = "" if len(beyond) == 1 else f" of input {int(np.argmax(beyond)) + 1}"
     return (
         f"u_limits = {low[beyond.argmax() % len(low)]:g} to {high[beyond.argmax() % len(high)]:g}"
-        f"{which} leave u no room {side} 0, and u = 0 is the working point that limits and signals "
-        "count from: the controller can push one way only. Give the limits as deviations, such as "
-        "(-30, 70) for an actuator of 0 to 100 that is at 30 there; or the command that moves the "
-        "loop away from u = 0, such as command=Step(20.0)."
+        f"{which} leave u no room {side} 0, and u = 0 is the working point from which limits and "
+        "signals count: the controller can push one way only. Give the limits as deviations, such "
+        "as (-30, 70) for an actuator of 0 to 100 that is at 30 there; or the command that moves "
+        "the loop away from u = 0, such as command=Step(20.0)."
     )
 
 
@@ -817,17 +822,17 @@ def _what_is_left(
         if not low < at_rest < high:
             remainders.append(Question(
                 "u_limits", f"{low:g} to {high:g}, with u = 0 at the working point",
-                f"what lasts of r and d asks for u = {at_rest:.3g} at rest, which the actuator "
-                "cannot give: the error stays. Count u from the working point",
+                f"the constant parts of r and d need u = {at_rest:.3g} at rest, beyond the "
+                "actuator: the error stays. Count u from the working point",
             ))  # fmt: skip
     if model.is_stable and not verdict.is_worse_than_none:
         still = Compensator(np.zeros((1, m, m)), np.zeros((2, m, m)))
         free = simulate(run.plant, FixedController(still), run.w)
         left = tail_rms(run) / (tail_rms(free) or 1.0)
         if left > LEFT:
-            words = f"the fixed controller leaves {left:.2g} of the error that is there without"
+            words = f"with the fixed controller the error is {left:.2g} times that without control"
             remainders.append(Question(
-                "disturbance", "as given", f"{words} control: there is little that it can do",
+                "disturbance", "as given", f"{words}: control can do little here",
             ))  # fmt: skip
     return tuple(remainders)
 
@@ -844,38 +849,42 @@ def reasons_of(
         (reference.lqg.plant.n - taken) // model.m, ["two integrators"]
     )
     parts = " and ".join(models)
-    robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
+    robust = (
+        ""
+        if reference.peak <= MOST
+        else "; no controller of the weight grid is robust with Ms <= 2"
+    )
     weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
     modelled = f"; with {parts} for the disturbance" if parts else ""
-    chosen = f"{weights}: the least u within a tenth of the least error"
+    chosen = f"{weights}: the smallest u among errors within 10 % of the least"
     fixed = f"LQG of order {n_c}", f"{chosen}{robust}{modelled}"
-    more = f" and {parameters.spare} more" if parameters.spare else ": more costs robustness"
+    more = (
+        f" and {parameters.spare} more" if parameters.spare else "; a higher order costs robustness"
+    )
     order = f"iir(n_c={n_c + parameters.spare})", f"the order of the fixed controller{more}"
     if reference.commands:
-        words = "past u, e and r under one denominator; r adds to the loop and leaves it as it is"
+        words = "past u, e and r under one denominator; the part from r does not change the loop"
         order = f"feedforward(n_c={structure.n_c})", words
     if reference.full is not None:
-        words = f"fitted to LQG loops where it matters to the error{robust}"
+        words = f"fitted to LQG loops, weighted by the effect on the error{robust}"
         fixed = f"{structure.name} of {structure.l_theta} coefficients", words
-        order = structure.name, "as it was asked for"
+        order = structure.name, "as requested"
     forgets = "" if parameters.forgetting == 1 else f"; lambda = {parameters.forgetting:.6g}"
     return (
         Reason("fixed", f"{fixed[0]}, Ms = {reference.peak:.3g}", fixed[1]),
         Reason("structure", *order),
-        Reason("target", f"of order {settings.target.n_f}",
-               "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
-        Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "
-               "is weak"),
+        Reason("target", f"order {settings.target.n_f}",
+               "the closed loop of the fixed controller, by (4.18), so that it can be reached"),
+        Reason("theta_0", "the fixed controller", "from theta_0 = 0 a weak prior gives a large "
+               "transient"),
         Reason("R_theta", f"{parameters.worth(expected):.3g} samples",
-               "N_0 mean(Phi_f' Phi_f) in the fixed controller's loop: the prior is worth N_0 "
+               "N_0 mean(Phi_f' Phi_f) in the fixed controller's loop: a prior weight of N_0 "
                f"samples{forgets}"),
-        Reason("k_w", "0 steps", "theta_0 is a controller already: to wait with u = 0 while y "
-               "moves gives it a past that it never had"),
+        Reason("k_w", "0", "theta_0 is already a working controller, so control starts at once"),
         Reason("k_update", f"{settings.k_update} steps",
-               "max(n_c, n_f), where regressor and filter are full"),
+               "max(n_c, n_f): the step from which regressor and filter are filled"),
         Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {parameters.nu:.3g} over the size of z",
-               "a step with a large z weighs less"),
-        Reason("bounds", f"theta_0 +- {parameters.width:.3g} of its rms", "an actuator or a "
-               "delay that "
-               "is not as expected moves theta no further"),
+               "steps with a large z have less weight"),
+        Reason("bounds", f"theta_0 +- {parameters.width:.3g} of its rms",
+               "a limit on theta if actuator or delay are not as expected"),
     )  # fmt: skip

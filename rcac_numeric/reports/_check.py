@@ -37,7 +37,7 @@ from rcac_numeric.reports._sheet import (
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:
-    """What the log says, what the loop is, and what cannot be said."""
+    """The report of a controller check: log, controller, loop, and what was not evaluated."""
     health = loop_health(check)
     sections = [Section(record=health_record(health)), _log(check), _controller(check)]
     if check.loop is not None:
@@ -59,7 +59,7 @@ def check_sheet(check: ControllerCheck) -> Sheet:
 
 
 def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
-    """That the log is not of the plant told, before anything is said with that plant."""
+    """The doubts about plant and log, which a reader must see first."""
     residual, decision = check.plant_residual, check.decision
     lines = []
     if residual is not None and residual.is_doubtful:
@@ -67,7 +67,7 @@ def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
     if decision is not None:
         words = decision if isinstance(decision, str) else str(decision)
         if check.is_undecided:
-            words += " The standard problem is assumed; say --problem."
+            words += " The standard problem is assumed; give --problem."
         lines.append(Text(words, "bad" if check.is_undecided else "plain"))
     return tuple(lines)
 
@@ -109,7 +109,7 @@ def _log(check: ControllerCheck) -> Section:
         record["drift"] = {n: getattr(drift, n) for n in ("is_converged", "relative", "start")}
     if not check.is_consistent:
         subject = "theta" if replay is None or check.structure is not None else replay.of
-        words = f"What follows is about {subject}; the logged u came from something else."
+        words = f"The results below are for {subject}, which did not produce the logged u."
         blocks.append(Text(words))
     return Section(blocks=tuple(blocks), record=record)
 
@@ -118,13 +118,15 @@ def _controller(check: ControllerCheck) -> Section:
     poles = check.compensator.poles()
     blocks: list[Block] = [Fact("poles", complex_list(poles))]
     if (largest := float(abs(poles).max(initial=0.0))) > 1 + 1e-9:
-        words = f"it is unstable by itself: spectral radius {largest:.6g}"
+        words = f"the controller itself is unstable: spectral radius {largest:.6g}"
         blocks.append(Text(words, "warning"))
     for model in check.internal_models:
-        left = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
-        left = f"; of these z keeps {left}" if left else ""
+        gains = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
+        gains = f"; gain to z there: {gains}" if gains else ""
         pole = complex_list([model.pole])
-        blocks.append(Text(f"internal model: pole {pole} rejects {model.rejects}{left}"))
+        blocks.append(
+            Text(f"internal model: the controller pole at {pole} rejects {model.rejects}{gains}")
+        )
     record = {
         "P": check.compensator.past_u,
         "Q": check.compensator.past_y,
@@ -154,7 +156,11 @@ def _loop(check: ControllerCheck) -> Section:
 
 
 def _disk(check: ControllerCheck) -> Section:
-    blocks = () if check.disk is None else (Text(f"all of u at once: disk {check.disk}"),)
+    blocks = (
+        ()
+        if check.disk is None
+        else (Text(f"disk margin, all components of u together: {check.disk}"),)
+    )
     return Section(blocks=blocks, record={"disk_margin": disk_record(check.disk)})
 
 
@@ -163,22 +169,22 @@ def _costs(check: ControllerCheck) -> Section:
     assert costs is not None
     blocks: list[Block] = []
     if costs.reached is None:
-        blocks.append(Text(f"undecided: {costs.obstacle}.", "warning"))
+        blocks.append(Text(f"not evaluated: {costs.obstacle}.", "warning"))
     else:
         shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.reached.shares.items())
-        blocks.append(Text(f"{costs.reached.value:.6g} ({shares})"))
+        blocks.append(Text(f"this controller: {costs.reached.value:.6g} ({shares})"))
     if costs.least is None:
-        blocks.append(Text(f"no LQG cost: {costs.obstacle}.", "warning"))
+        blocks.append(Text(f"LQG cost not evaluated: {costs.obstacle}.", "warning"))
     else:
         ratio = "" if costs.ratio is None else f"; ratio {costs.ratio:.6g}"
-        blocks.append(Text(f"LQG: {costs.least.value:.6g}{ratio}"))
+        blocks.append(Text(f"LQG optimum: {costs.least.value:.6g}{ratio}"))
     record = {
         "cost": None if costs.reached is None else costs.reached.value,
         "by_noise": {} if costs.reached is None else costs.reached.shares,
         "lqg": None if costs.least is None else costs.least.value,
         "obstacle": costs.obstacle or None,
     }
-    remark = " for white noise, with the share of each"
+    remark = " for white noise, with the share of each channel"
     return Section("H2 cost", tuple(blocks), {"h2": record}, remark)
 
 
@@ -191,7 +197,7 @@ def _target(check: ControllerCheck) -> Section:
     if check.split is not None:
         stable = check.loop is not None and check.loop.is_stable
         parts.append(split_section(check.split, "", stable))
-    return joined("Against the target model", *parts)
+    return joined("Comparison with the target model", *parts)
 
 
 def _comparison(comparison: ExactComparison) -> Section:
@@ -201,10 +207,10 @@ def _comparison(comparison: ExactComparison) -> Section:
     )
     blocks: list[Block] = [SheetTable(("pole of G_f", "closed-loop pole", "distance"), rows)]
     if comparison.asked is None:
-        blocks.append(Text(f"no exact prediction: {comparison.obstacle}", "warning"))
+        blocks.append(Text(f"exact prediction not evaluated: {comparison.obstacle}", "warning"))
     else:
         far = f"{comparison.spectrum_distance:.3g}"
-        words = f"distance of all poles from those the target asks for: {far}"
+        words = f"distance of the closed-loop poles from the target poles: {far}"
         blocks.append(Text(words))
     blocks += reached_facts(comparison)
     record = {
@@ -220,7 +226,7 @@ def _comparison(comparison: ExactComparison) -> Section:
 
 def _unanswered(check: ControllerCheck) -> Section:
     lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unanswered.items())
-    return Section("What cannot be said" if lines else "", lines, {"unanswered": check.unanswered})
+    return Section("Not evaluated" if lines else "", lines, {"unanswered": check.unanswered})
 
 
 # The margins of a loop as a section of a report.
@@ -229,7 +235,7 @@ HEADS = ("", "margin", "at rad/sample", "pole radius there")
 
 
 def margins_section(name: str, margins: Margins) -> Section:
-    """The margins of the loop opened at the signal `name`, each with the poles that show it."""
+    """The margins of the loop opened at the signal `name`, each with the pole radius there."""
     record: dict[str, Any] = {
         "is_stable": margins.is_stable,
         "gain_crossovers": margins.gain_crossovers,
@@ -274,7 +280,7 @@ def margins_section(name: str, margins: Margins) -> Section:
 
 
 def margins_sheet(margins: Margins) -> Sheet:
-    """The margins of one loop as a report of their own."""
+    """The report of the margins of one loop."""
     return Sheet("", sections=(margins_section("u", margins),))
 
 

@@ -1,4 +1,4 @@
-"""What is said of a design, and of a tuned one: verdict, assumptions, evidence, reasons."""
+"""The report of a design: verdict, assumptions, evidence, reasons."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, Shee
 
 
 def design_sheet(design: Design) -> Sheet:
-    """The verdict first; then what it rests on."""
+    """The report of a design, the verdict first."""
     verdict = design.verdict
     rcac = verdict.rcac
     lines = [Text(no_room, "bad")] if (no_room := design.no_room) else []
     lines += [
         Text(str(verdict), _level(verdict)),
-        Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
+        Text(
+            f"Test runs: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"
+        ),
     ]
     if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
         plants = [
@@ -28,14 +30,15 @@ def design_sheet(design: Design) -> Sheet:
             if t.controller == FIXED and not all(t.stable)
         ]  # fmt: skip
         words = (
-            f"The fixed controller is lost with {', '.join(plants)}: none on the ladder holds "
-            "over the uncertainty. Say less of it, shorten the dead time, or sample otherwise."
+            f"The fixed controller is unstable with {', '.join(plants)}: no controller of the "
+            "weight grid stabilises the whole range of plants. Reduce the uncertainty, shorten the "
+            "dead time, or change the sample time."
         )
         lines.append(Text(words, "bad"))
     if PID in design.runs:
-        beside = compared(design.evidence, PID)
-        better = " It is the better one here." if beside.is_better else ""
-        lines.append(Text(f"{PID} {beside}.{better}", "warning" if better else "plain"))
+        comparison = compared(design.evidence, PID)
+        better = f" {PID} is the better one for this plant." if comparison.is_better else ""
+        lines.append(Text(f"{PID} {comparison}.{better}", "warning" if better else "plain"))
     if not verdict.Ms <= ADAPTED:
         words = f"The adapted controllers have Ms = {verdict.Ms:.3g}: their loops are not robust."
         lines.append(Text(words, "warning"))
@@ -46,7 +49,7 @@ def design_sheet(design: Design) -> Sheet:
         lines += poles_reached(design.runs[RCAC], design.health)
         lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
     return Sheet(
-        "From a plant to a controller",
+        "Controller design",
         f": e = r - y_0 - v, {design.settings.structure.name} of order "
         f"{design.settings.structure.n_c}",
         health=tuple(lines),
@@ -80,10 +83,10 @@ def _evidence(design: Design) -> Section:
         for t in design.evidence
     ]  # fmt: skip
     words = Text(
-        "Medians over held-out draws: rms of e_0 over the whole run, largest abs(e_0), peak of S "
-        "with the last controller."
+        "Medians over the test seeds: rms of e_0 over the whole run, largest abs(e_0), peak Ms of "
+        "the sensitivity with the final controller."
     )
-    return Section("On held-out runs", (table, words), {"evidence": record})
+    return Section("Test runs", (table, words), {"evidence": record})
 
 
 def _entry(trial: Trial) -> Text:
@@ -92,7 +95,7 @@ def _entry(trial: Trial) -> Text:
     words = ", ".join(f"{value:.3g}" for value in numbers)
     if not lost:
         return Text(words)
-    return Text(f"{words}; {lost} of {len(trial.stable)} lost", "bad")
+    return Text(f"{words}; {lost} of {len(trial.stable)} unstable", "bad")
 
 
 def _reasons(design: Design) -> Section:
@@ -100,7 +103,7 @@ def _reasons(design: Design) -> Section:
         Fact(one.name, f"{one.value}: {one.words}") for one in design.reasons
     )
     record = {one.name: {"value": one.value, "why": one.words} for one in design.reasons}
-    return Section("Why", facts, {"reasons": record})
+    return Section("Settings and their reasons", facts, {"reasons": record})
 
 
 def _alternatives(design: Design) -> Section:
@@ -114,5 +117,5 @@ def _alternatives(design: Design) -> Section:
         G_c = one.compensator
         record[name] = {"past_u": G_c.past_u, "past_y": G_c.past_y}
         blocks.append(Fact(name, f"a fixed controller of order {G_c.n_c}"))
-    blocks.append(Fact(FIXED, "design.fixed, where the verdict is RCAC the way back"))
-    return Section("Beside it", tuple(blocks), {"alternatives": record})
+    blocks.append(Fact("fallback", "the fixed controller, in design.fixed"))
+    return Section("Alternatives", tuple(blocks), {"alternatives": record})

@@ -1,4 +1,4 @@
-"""What is said of a loop: its health, match and split residual, the exact prediction beside it."""
+"""Reports of a closed loop: health, exact prediction, match with G_f, split residual."""
 
 from __future__ import annotations
 
@@ -28,17 +28,18 @@ from rcac_numeric.reports._sheet import (
     cells,
     complex_list,
     complex_text,
+    counted,
     exact_text,
     power_text,
     rounded,
 )
 
-# The backward error that needs no word beside "reached", and the one that is no small one.
+# Backward errors: below the first the report says "reached" alone, above the second it warns.
 EXACTLY, NEARLY = 1e-3, 1e-2
 
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:
-    """Stability, every warning with its remedy, then sizes of signals, margins and excitation."""
+    """Return the lines on stability, warnings with remedies, signal sizes, margins, excitation."""
     lines = [_stability(health)]
     for warning in health.warnings:
         level: Level = "bad" if warning.is_grave else "warning"
@@ -53,30 +54,30 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         if margins.is_stable:
             lines.append(Text(f"margins{at}: {margin_words(margins)}"))
     if health.excitation is not None:
-        guard = "no update was decided by rounding"
+        guard = "no numerical problems"
         if health.guard_count:
-            guard = f"{health.guard_count} updates were decided by rounding"
-        lines.append(Text(f"adaptation: {health.excitation}; {guard}"))
+            guard = f"rounding decided {counted(health.guard_count, 'update')}"
+        lines.append(Text(f"excitation: {health.excitation}; {guard}"))
     if health.cost_ratio is not None:
         lines.append(
-            Text(f"cost: {health.cost_ratio:.4g} times that of LQG for the noise of the run")
+            Text(f"cost: {health.cost_ratio:.4g} times the LQG cost, for the noise of the run")
         )
     if health.supervision is not None and health.supervision.troubles:
         lines.append(Text(f"supervision: {health.supervision}"))
     if health.bounded:
         steps = f"{health.bounded} of {health.steps} steps"
-        words = f"bounds: theta was moved to its bounds in {steps}"
+        words = f"bounds: theta was limited in {steps}"
         if health.is_held and health.missed_by is not None:
             words += (
-                f"; they decide where the poles are, up to {health.missed_by:.2g} from those of "
-                "the target model"
+                f"; the bounds decide the poles, which are up to {health.missed_by:.2g} from those "
+                "of the target model"
             )
         lines.append(Text(words))
     return tuple(lines)
 
 
 def health_sheet(health: LoopHealth) -> Sheet:
-    """The lines of the health as a report of their own."""
+    """The report of a loop's health."""
     return Sheet("Health of the loop", health=health_lines(health))
 
 
@@ -117,16 +118,24 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
 def _stability(health: LoopHealth) -> Text:
     radius = health.spectral_radius
     if health.is_stable is None:
-        return Text(f"Whether the loop is stable is not known: {health.obstacle}.", "warning")
+        return Text(f"Stability of the closed loop is unknown: {health.obstacle}.", "warning")
     assert radius is not None, "the loop is known"
     return stability_line(health.is_stable, radius, "good" if health.is_healthy else "warning")
 
 
 def stability_line(is_stable: bool, radius: float, level: Level = "good") -> Text:
-    """Whether a loop is stable, the first line of its report."""
+    """The verdict on stability, the first line of a loop's report."""
     if not is_stable:
-        return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
-    return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", level)
+        return Text(f"The closed loop is UNSTABLE, spectral radius {radius_text(radius)}.", "bad")
+    return Text(f"The closed loop is stable, spectral radius {radius_text(radius)}.", level)
+
+
+def radius_text(radius: float) -> str:
+    """A spectral radius in four significant digits; its distance from 1 where those round to 1."""
+    text = f"{radius:.4g}"
+    if text != "1" or radius == 1:
+        return text
+    return f"1 {'-' if radius < 1 else '+'} {abs(1 - radius):.2g}"
 
 
 def _signal(signal: SignalHealth) -> dict[str, Any]:
@@ -146,7 +155,7 @@ def _margins(margins: Margins) -> dict[str, Any]:
 
 
 def margin_words(margins: Margins) -> str:
-    """Gain, phase and delay margin in one line."""
+    """The gain, phase and delay margin in one line."""
     if not margins.is_stable:
         return "none: the loop is unstable"
     assert margins.gain_up is not None
@@ -168,12 +177,12 @@ def _decibel(gain: float) -> str:
 
 
 def match_section(match: IntercalatedMatch | None, reason: str) -> Section:
-    """The intercalated transfer function beside G_f."""
+    """The match of the intercalated transfer function with G_f."""
     if match is None:
-        words = f"No match of the intercalated transfer function: {reason}."
+        words = f"Match of the intercalated transfer function with G_f: not evaluated: {reason}."
         return Section(blocks=(Text(words),), record={"match": None})
     words = (
-        "intercalated transfer function against G_f: worst relative error "
+        "intercalated transfer function against G_f: largest relative error "
         f"{match.worst:.3g}, median {match.median:.3g}"
     )
     record = {"match": {"worst": match.worst, "median": match.median}}
@@ -181,32 +190,32 @@ def match_section(match: IntercalatedMatch | None, reason: str) -> Section:
 
 
 def split_section(split: ResidualSplit | None, reason: str, is_stable: bool) -> Section:
-    """The mean squares of the residual and its parts; (4.14) only where the loop is stable."""
+    """The mean squares of the residual and its parts; identity (4.14) if the loop is stable."""
     if split is None:
-        words = f"No split of the residual: {reason}."
+        words = f"Split of the residual (4.14): not evaluated: {reason}."
         return Section(blocks=(Text(words),), record={"residual": None})
     power = split.power()
     facts = [Text(f"mean squares of the split residual: {power_text(power)}")]
     record: dict[str, float] = dict(power)
     if is_stable:
         record["identity_error"] = split.identity_error
-        facts.append(Text(f"the split holds to {split.identity_error:.1e} (4.14)"))
+        facts.append(Text(f"identity (4.14) holds to {split.identity_error:.1e}"))
     return Section(blocks=tuple(facts), record={"residual": record})
 
 
 def fitted_section(D_f: Array | None) -> Section:
-    """The denominator of the target model that was fitted with theta; nothing where none was."""
+    """The target denominator D_f that was fitted together with theta; empty if there is none."""
     if D_f is None:
         return Section()
     terms = [f"{d:+.6g} q^-{i}" for i, d in enumerate(D_f[1:], 1)]
     radius = float(np.abs(np.roots(D_f)).max(initial=0.0))
-    words = " ".join(["1", *terms]) + f", largest root {radius:.6g} in modulus"
+    words = " ".join(["1", *terms]) + f"; spectral radius {radius:.6g}"
     record = {"D_f": D_f.tolist(), "D_f_spectral_radius": radius}
     return Section(blocks=(Fact("D_f, fitted with theta", words),), record=record)
 
 
 def joined(title: str, *sections: Section, remark: str = "") -> Section:
-    """Several sections under one title."""
+    """Join several sections under one title."""
     record: dict[str, object] = {}
     for section in sections:
         record |= section.record
@@ -215,45 +224,45 @@ def joined(title: str, *sections: Section, remark: str = "") -> Section:
 
 
 def zeros_facts(zeros: dict[str, str]) -> tuple[Fact, ...]:
-    """The zeros from each channel of w to z, in words."""
+    """The zeros from each channel of w to z."""
     return tuple(Fact(f"zeros from {channel} to z", words) for channel, words in zeros.items())
 
 
 def missed_poles(c: ExactComparison | None, structure: Structure | None = None) -> tuple[Text, ...]:
-    """The line that a report begins with where poles asked for are not reached.
+    """The first line of a report if target poles are missed.
 
-    `ExactComparison.is_reached` decides. What no theta of the structure places is no fault of the
-    run. Poles that are reached, but not to the digits that anybody would print, are said with how
-    far they are off.
+    `ExactComparison.is_reached` decides. Poles that no theta of the structure can place are a
+    warning, not a failure of the run. Poles that are reached with a visible error are reported with
+    that error.
     """
     if c is None:
         return ()
     if not (missed := c.missed):
         return _nearly_reached(c)
     words = ", ".join(
-        f"{complex_list([a])} by {abs(a - b):.2g} (the loop has {complex_list([b])})"
+        f"{complex_list([a])} by {abs(a - b):.2g} (closed loop: {complex_list([b])})"
         for a, b in missed[:4]
     )
     more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
-    count = f"{len(missed)} of {len(c.judged)} poles asked for"
+    count = f"{len(missed)} of {len(c.judged)} target poles"
     if structure is not None and c.can_be_placed_by(structure) is False:
         why = (
-            f"No theta of the structure {structure.name} with its {structure.l_theta} coefficients "
-            f"places the {len(c.poles)} poles that the target asks the loop for: "
+            f"The {structure.l_theta} coefficients of structure {structure.name} cannot place the "
+            f"{len(c.poles)} target poles: "
         )
         return (Text(f"{why}{count} are missed, {words}{more}.", "warning"),)
-    changed = f"The closed-loop polynomial differs by {c.backward_error:.2g} of itself"
+    changed = f"Backward error of the closed-loop polynomial: {c.backward_error:.2g}"
     return (Text(f"NOT reached: {count} are missed, {words}{more}. {changed}.", "bad"),)
 
 
 def poles_and_health(poles: Iterable[Text], health: Iterable[Text]) -> tuple[Text, ...]:
-    """The verdict on the poles before the health of the loop, but behind that it is unstable."""
+    """Put the verdict on the poles before the health, but after the line of an unstable loop."""
     first, *rest = health
     return (first, *poles, *rest) if first.level == "bad" else (*poles, first, *rest)
 
 
 def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
-    """The number beside "reached", where it is no number of rounding or of a short run."""
+    """The backward error of poles that are reached, if it is more than rounding."""
     if not c.target_poles.any() or not c.judged or c.backward_error <= EXACTLY:
         return ()
     requested, reached = max(c.judged, key=lambda pair: abs(pair[0] - pair[1]))
@@ -261,50 +270,50 @@ def _nearly_reached(c: ExactComparison) -> tuple[Text, ...]:
     passes = (
         f"up to {100 * REACHED:g} % counts as reached"
         if c.backward_error <= REACHED
-        else f"and poles that are off by no more than {NEAR:g} count as reached"
+        else f"poles count as reached if their error is at most {NEAR:g}"
     )
     words = (
-        f"Poles reached within a backward error of {change:.2g} %: the closed-loop polynomial "
-        f"differs by so much of itself at the worst frequency, {passes}. Largest pole error "
-        f"{off:.2g}, at {complex_list([requested])} (the loop has {complex_list([reached])})."
+        f"Target poles reached; the closed-loop polynomial has a backward error of {change:.2g} % "
+        f"at the worst frequency ({passes}). Largest pole error "
+        f"{off:.2g}, at {complex_list([requested])} (closed loop: {complex_list([reached])})."
     )
     return (Text(words, "warning" if c.backward_error > NEARLY else "plain"),)
 
 
 def poles_reached(run: Run, health: LoopHealth) -> tuple[Text, ...]:
-    """How near a run's last controller comes to the poles of its target, where they are reached."""
+    """The pole error of a run's final controller, if the target poles are reached."""
     analysis = LoopAnalysis(run)
     comparison = None if health.is_held or analysis.obstacle else _or_none(analysis)
     return () if comparison is None or comparison.missed else missed_poles(comparison)
 
 
 def reached_facts(c: ExactComparison) -> tuple[Fact, ...]:
-    """What the verdict on the poles goes by, and how far a multiple pole moves for nothing."""
+    """The backward error of the poles, and the sensitivity of a multiple pole."""
     if not c.target_poles.any():
         return ()
     words = (
-        f"{c.backward_error:.3g} of the closed-loop polynomial at the worst frequency has to change"
-        f" for the poles asked for; up to {REACHED:g} they are reached"
+        f"{c.backward_error:.3g} of the closed-loop polynomial at the worst frequency (up to "
+        f"{REACHED:g} counts as reached)"
     )
     facts = [Fact("backward error", words)]
     if (sensitive := c.sensitivity()) is not None and sensitive[2] > NEAR:
         pole, m, moved = sensitive
         words = (
-            f"a {m}-fold pole at {complex_text(pole)} moves by {moved:.2g} for a change of 1e-9 of "
-            "the coefficients, so that its distance is no evidence"
+            f"a {m}-fold pole at {complex_text(pole)} moves by {moved:.2g} if the coefficients "
+            "change by 1e-9 of their size; its distance is no evidence"
         )
         facts.append(Fact("sensitivity", words))
     return tuple(facts)
 
 
 def comparison_section(c: ExactComparison) -> Section:
-    """Coefficients, poles and zeros, reached and asked for."""
+    """The coefficients, poles and zeros of the closed loop, and their targets."""
     blocks: list[Block] = [
         Text("Characteristic polynomial D D_c - N_yu N_c:"),
         _polynomial(c),
     ]
     if c.asked is None:
-        blocks.append(Text(f"No exact prediction: {c.obstacle}", "warning"))
+        blocks.append(Text(f"Exact prediction not evaluated: {c.obstacle}", "warning"))
     pairs = tuple(
         cells(complex_text(requested), complex_text(pole), f"{abs(requested - pole):.2e}")
         for requested, pole in c.assigned
@@ -312,13 +321,13 @@ def comparison_section(c: ExactComparison) -> Section:
     blocks.append(SheetTable(("pole of G_f", "closed-loop pole", "distance"), pairs))
     blocks.append(Fact("other closed-loop poles", complex_list(c.unassigned)))
     blocks += zeros_facts({channel: complex_list(zeros) for channel, zeros in c.zeros.items()})
-    blocks.append(Fact("worst pole distance", f"{c.worst_distance:.3g}"))
+    blocks.append(Fact("largest pole distance", f"{c.worst_distance:.3g}"))
     blocks += reached_facts(c)
     if c.compensators is not None:
         free = len(c.compensators.homogeneous)
-        family = "the one compensator" if not free else f"the {free}-parameter family"
+        family = "the only compensator" if not free else f"the {free}-parameter family"
         far = f"{c.controller_distance:.3g}"
-        words = f"distance of (D_c, N_c) to {family} that places it: {far}"
+        words = f"distance of (D_c, N_c) to {family} with this polynomial: {far}"
         blocks.append(Text(words))
     record = {
         "poles": c.poles,
@@ -338,17 +347,17 @@ def comparison_section(c: ExactComparison) -> Section:
 
 
 def comparison_sheet(c: ExactComparison) -> Sheet:
-    """A compensator beside the exact prediction: stability, missed poles, the numbers."""
+    """The report of a closed loop and its exact prediction."""
     radius = float(np.abs(c.poles).max(initial=0.0))
     is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
     health = poles_and_health(missed_poles(c), [stability_line(is_stable, radius)])
     return Sheet(
-        "The loop beside the exact prediction", health=health, sections=(comparison_section(c),)
+        "Closed loop and exact prediction", health=health, sections=(comparison_section(c),)
     )
 
 
 def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
-    """A run's last controller, or a plant and a compensator, beside theory."""
+    """The report of a run's final loop, or of a plant and a compensator."""
     if isinstance(analysis.of, Run):
         remark = f": {analysis.of.outcome} after {analysis.of.steps} steps"
         missed = () if analysis.obstacle else missed_poles(_or_none(analysis), analysis.structure)
@@ -356,7 +365,7 @@ def analysis_sheet(analysis: LoopAnalysis) -> Sheet:
     else:
         remark = ""
         health = (stability_line(analysis.loop.is_stable, analysis.loop.spectral_radius),)
-    return Sheet("The loop", remark, health, (loop_section(analysis),))
+    return Sheet("Closed loop", remark, health, (loop_section(analysis),))
 
 
 def _or_none(analysis: LoopAnalysis) -> ExactComparison | None:
@@ -364,11 +373,11 @@ def _or_none(analysis: LoopAnalysis) -> ExactComparison | None:
 
 
 def loop_section(analysis: LoopAnalysis, title: str = "", remark: str = "") -> Section:
-    """The exact prediction, the match with G_f and the split residual, each or why it is not."""
+    """The exact prediction, the match with G_f and the split residual, or the obstacle of each."""
     parts = []
     run = analysis.of if isinstance(analysis.of, Run) else None
     if run is not None and run.saturation is not None:
-        words = "What follows is the linear loop, without the saturation."
+        words = "The results below are for the linear loop, without the saturation."
         parts.append(Section(blocks=(Text(words, "warning"),)))
     comparison, obstacle = attempted(lambda: analysis.comparison)
     if comparison is not None:
@@ -388,8 +397,8 @@ def _guard(run: Run) -> Section:
     if not run.guard_count:
         return Section()
     words = (
-        f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided by "
-        "rounding: the data cannot support this R_theta. Use a larger R_theta."
+        f"Rounding decided {counted(run.guard_count, 'update')}, the first at step "
+        f"{run.guard_first_step}: R_theta is too small for these data. Use a larger R_theta."
     )
     return Section(blocks=(Text(words, "warning"),))
 
@@ -403,14 +412,14 @@ def _polynomial(c: ExactComparison) -> SheetTable:
             requested = c.asked.nth(power)
             row[1], row[3] = exact_text(requested), f"{rounded(reached - requested):.1e}"
         rows.append(cells(*row))
-    return SheetTable(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
+    return SheetTable(("power of q", "target, exact", "closed loop", "difference"), tuple(rows))
 
 
 def poles_section(analysis: LoopAnalysis, obstacle: str) -> Section:
-    """What float64 can say where the exact comparison does not apply."""
+    """The poles and zeros in float64, if the exact comparison does not apply."""
     poles = analysis.loop.poles()
     blocks: list[Block] = [
-        Text(f"No exact comparison: {obstacle}.", "warning"),
+        Text(f"Exact comparison not evaluated: {obstacle}.", "warning"),
         Fact("closed-loop poles", complex_list(poles)),
         Fact("controller poles", complex_list(analysis.compensator.poles())),
     ]
@@ -421,6 +430,6 @@ def poles_section(analysis: LoopAnalysis, obstacle: str) -> Section:
 
 
 def run_sheet(run: Run) -> Sheet:
-    """How it ended, and the health of its loop."""
+    """The report of a run: its outcome and the health of its loop."""
     remark = f": {run.outcome} after {run.steps} steps"
     return Sheet("Run", remark, health_lines(loop_health(run)))

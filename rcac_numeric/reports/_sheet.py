@@ -1,4 +1,4 @@
-"""A report as data: what it says, in which order, with which numbers; as text and as JSON."""
+"""Reports as data: text, order and numbers, for a terminal and for JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from rcac_numeric.arrays._wording import shortened
 
-# plain and quiet are said, good is confirmed, warning and bad must not be missed.
+# A renderer may dim what is quiet; warning and bad must catch the eye.
 Level = Literal["plain", "quiet", "good", "warning", "bad"]
 Record = Mapping[str, Any]
 
@@ -51,12 +51,12 @@ Block = Text | Fact | SheetTable
 
 @dataclass(frozen=True)
 class Section:
-    """What belongs together: for people the blocks, for programs the same facts as a record.
+    """A section of a report: blocks for people, and the same facts as a record for programs.
 
     Attributes
     ----------
     title, remark : str
-        The remark continues the title, and is said less loudly.
+        The remark continues the title in weaker type.
     blocks : tuple of Text, Fact or SheetTable
     record : mapping
         Names and values: numbers, complex numbers, arrays, texts, None, lists and mappings of
@@ -77,7 +77,7 @@ class Sheet:
     ----------
     title, remark : str
     health : tuple of Text
-        What its reader must not miss, said first.
+        The lines that a reader must not miss, printed first.
     sections : tuple of Section
     notes : str
     """
@@ -98,7 +98,7 @@ class Sheet:
 
 
 def cells(*entries: str | Text | Iterable[Text]) -> tuple[Cell, ...]:
-    """A row of a table: each entry a word, a sentence with a level, or several lines."""
+    """Return a row of a table: each entry is text, a Text with its level, or several lines."""
     return tuple(
         (Text(entry),) if isinstance(entry, str)
         else (entry,) if isinstance(entry, Text)
@@ -116,6 +116,11 @@ def _merge(whole: dict[str, Any], record: Record) -> None:
             raise ValueError(f"two sections of a report record {name!r}")
         else:
             whole[name] = dict(value) if isinstance(value, Mapping) else value
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, which takes an s in the plural."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def complex_text(value: complex) -> str:
@@ -158,8 +163,8 @@ def rounded(value: Any) -> float:
 def as_dict(sheet: Sheet) -> dict[str, Any]:
     """The record of a report in JSON's own types.
 
-    A complex number becomes [real, imaginary], an array a list, and null stands for what is
-    infinite, not a number, or not known: strict JSON has no word for them.
+    A complex number becomes [real, imaginary], an array a list; infinity, NaN and None become
+    null, since strict JSON has no infinity and no NaN.
     """
     plain = _plain(sheet.record)
     assert isinstance(plain, dict)

@@ -379,7 +379,7 @@ def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
         assert strict(outcome.output)["plant_residual"]["is_doubtful"]
     # The plant of the other sign is that of a servo loop with no command.
     other = run(wanted / "log.csv", *GIVEN, "--plant", "-1/(q - 2)")
-    assert "The log decides for servo" in " ".join(other.output.split())
+    assert "from the log: servo" in " ".join(other.output.split())
 
 
 def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):

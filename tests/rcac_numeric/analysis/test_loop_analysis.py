@@ -166,4 +166,4 @@ def test_a_report_says_once_why_there_is_no_exact_comparison():
     two = Plant(A=np.diag([0.5, 0.2]), B=np.eye(2), D_1=np.ones((2, 1)), C=np.eye(2))
     nothing = Compensator(np.zeros((1, 2, 2)), np.zeros((2, 2, 2)))
     words = " ".join(LoopAnalysis((two, nothing)).report().split())
-    assert "No exact comparison: it is for scalar signals" in words
+    assert "Exact comparison not evaluated: it is for scalar signals" in words

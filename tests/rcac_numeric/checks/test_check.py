@@ -153,7 +153,7 @@ def test_a_shift_is_no_convention_where_u_is_not_the_output_either_way():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     run = logged(plant, iir(n_c=2), [WhiteNoise()])
     left = np.vstack([run.theta[1:], run.theta_final])
-    words = "row k of theta is what step k left"
+    words = "row k of theta is updated at step k"
     fits = replay(ControllerLog(u=run.u, y=run.y, theta=left), iir(n_c=2))
     assert fits.agrees and fits.shift == 1 and words in str(fits)
     u = run.u.copy()
@@ -284,7 +284,7 @@ def test_an_unstable_loop_and_several_inputs():
         compensator=Compensator(np.zeros((1, 2, 2)), 0.1 * np.ones((2, 2, 2))),
     )  # fmt: skip
     assert set(check.margins) == {"u1", "u2"} and check.disk.alpha > 0
-    assert "all of u at once" in str(check) and "zeros" in check.unanswered
+    assert "all components of u" in str(check) and "zeros" in check.unanswered
 
 
 @pytest.mark.parametrize(

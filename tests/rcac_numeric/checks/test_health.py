@@ -66,7 +66,7 @@ def test_a_wrong_sign_is_named_and_turning_it_is_the_cure():
     wrong = rn.TargetModel(-right.numerator, right.denominator)
     bad, good = (rn.loop_health(adapted(plant, target, w)) for target in (wrong, right))
     assert "wrong sign" in codes(bad) and bad.is_stable is False
-    assert "turn the sign" in bad.warnings[0].next_step
+    assert "the sign of H" in bad.warnings[0].next_step
     assert "wrong sign" not in codes(good) and good.is_stable
 
 

@@ -45,7 +45,7 @@ def test_a_start_that_is_too_long_for_an_unstable_plant():
     _, lost = health_of(DOUBLING, rn.DataDriven(), n_c=8, R_theta=1e-6)
     assert ours(lost) == {"unstable start"}
     first = lost.warnings[0]
-    assert first.code == "diverged" and "d_zu and H told" in first.next_step
+    assert first.code == "diverged" and "known d_zu and H" in first.next_step
     short = rn.DataDriven(order=2, start=12, dither=0.1, d_zu=1, H=1.0)
     run, mended = health_of(DOUBLING, short, n_c=8, R_theta=1e-6)
     assert run.outcome == "completed" and not ours(mended)
