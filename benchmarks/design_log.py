@@ -96,7 +96,7 @@ def judged(model, kind, ratio, seed):
         for word in (stable, stable and rms < 2 * tail and highest < 10 * peak)
     ]  # fmt: skip
     gains = designed.logged.gains
-    sure = designed.logged.held(designed.fixed.compensator) == PARTS
+    sure = designed.logged.stable_parts(designed.fixed.compensator) == PARTS
     sure = sure and sum(gain > 0 for gain in gains) == PARTS
     near = abs(designed.model.delay - model.delay) <= 1
     close = 0.9 < designed.model.low_gain / model.low_gain < 1.1

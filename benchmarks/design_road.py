@@ -40,11 +40,11 @@ from rcac_numeric import (
     iir,
     simulate_many,
 )
+from rcac_numeric.designing._closed_loop_design import settings_of
 from rcac_numeric.designing._design import verdict_of
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import Variation, read_plant, variations
 from rcac_numeric.designing._reference import reference_loop
-from rcac_numeric.designing._road import settings_of
 from rcac_numeric.designing._simc import simc
 from rcac_numeric.designing._trials import FIXED, RCAC, Trials, measured
 from rcac_numeric.targets import direction_information, modelling_information

@@ -28,6 +28,7 @@ from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._design import (
     PEAK,
     Comparison,
@@ -41,7 +42,6 @@ from rcac_numeric.designing._expected import KINDS
 from rcac_numeric.designing._plants import DesignPlant, Uncertainty, Variation, continuous_of
 from rcac_numeric.designing._plants import variations as corners
 from rcac_numeric.designing._reference import LEARNING
-from rcac_numeric.designing._road import Knobs, settings_of
 from rcac_numeric.designing._trials import FIXED, RCAC, Trial, Trials
 from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.engine._simulation import simulate
@@ -64,7 +64,7 @@ class Candidate:
     ----------
     name : str
         "rule", "fixed", or the number of the point.
-    knobs : Knobs or None
+    knobs : TuningParameters or None
         None of the fixed controller.
     beside : Comparison
     Ms : float
@@ -74,7 +74,7 @@ class Candidate:
     """
 
     name: str
-    knobs: Knobs | None
+    knobs: TuningParameters | None
     beside: Comparison
     Ms: float
     rounds: int
@@ -231,7 +231,9 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
-    knobs = {RULE: Knobs()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
+    knobs = {RULE: TuningParameters()} | {
+        str(i + 1): one for i, one in enumerate(_points(budget, seed))
+    }
     if design.reference.structure is not None:  # whose order is as it was asked for
         knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
     made: dict[str, AnyController] = {FIXED: design.fixed}
@@ -291,20 +293,20 @@ def _runner(
         own.shutdown()
 
 
-def _points(budget: int, seed: int) -> list[Knobs]:
+def _points(budget: int, seed: int) -> list[TuningParameters]:
     """Sobol's points of the knobs."""
     sobol = qmc.Sobol(5, rng=np.random.default_rng([seed, 5]))
     points = sobol.random_base2(int(np.ceil(np.log2(budget))))[:budget]
     return [_knobs(point) for point in points]
 
 
-def _knobs(point: Array) -> Knobs:
+def _knobs(point: Array) -> TuningParameters:
     def between(x: float, low: float, high: float) -> float:
         return float(10 ** (low + x * (high - low)))
 
     samples, nu, width, forgets, spare = point
     rate = between((forgets - HALF) / (1 - HALF), *FORGETTING)
-    return Knobs(
+    return TuningParameters(
         samples=between(samples, *SAMPLES), nu=between(nu, *NU), width=between(width, *WIDTH),
         spare=int(spare * (SPARE + 1)), forgetting=1.0 if forgets < HALF else 1 - rate,
     )  # fmt: skip
@@ -313,7 +315,7 @@ def _knobs(point: Array) -> Knobs:
 def _halved(
     design: Design,
     made: dict[str, AnyController],
-    knobs: dict[str, Knobs],
+    knobs: dict[str, TuningParameters],
     steps: int,
     runner: Runner,
 ) -> tuple[tuple[Candidate, ...], Candidate]:

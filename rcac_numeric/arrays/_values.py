@@ -57,7 +57,7 @@ class Result(Value, Truth):
     """What a function answers: only a yes or a no has a truth value, and that is its own."""
 
 
-class Standing:
+class ShowsState:
     """What works on from step to step, shown by where it stands: the attributes in `SHOWN`."""
 
     SHOWN: ClassVar[tuple[str, ...]] = ()

@@ -1,4 +1,4 @@
-"""The analysis of a converged controller, whatever program it ran in."""
+"""The analysis of a converged controller from any program."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ NEED_THE_TARGET = ("target", "match", "split")
 
 @dataclass(frozen=True, eq=False)
 class ControllerCheck(Result):
-    """What a log says of the controller that it ended with, and what it cannot say.
+    """The analysis of a log's final controller, with reasons for what was not evaluated.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class ControllerCheck(Result):
 
     @property
     def plant(self) -> Plant | None:
-        """The plant that was given."""
+        """The plant, if known."""
         return None if self.analysis is None else self.analysis.plant
 
     @property
@@ -121,39 +121,39 @@ class ControllerCheck(Result):
     @property
     def zeros(self) -> dict[str, ComplexArray]:
         """Closed-loop zeros by channel of w; exact where the comparison is."""
-        return self._asked("zeros", lambda analysis: analysis.zeros) or {}
+        return self._evaluated("zeros", lambda analysis: analysis.zeros) or {}
 
     @property
     def comparison(self) -> ExactComparison | None:
-        """The exact characteristic polynomial beside the one that the target asks for."""
-        return self._asked("exact poles", lambda analysis: analysis.comparison)
+        """The exact characteristic polynomial and its target."""
+        return self._evaluated("exact poles", lambda analysis: analysis.comparison)
 
     @property
     def match(self) -> IntercalatedMatch | None:
-        """The intercalated transfer function beside G_f."""
-        return self._asked("match", lambda analysis: analysis.match)
+        """The match of the intercalated transfer function with G_f."""
+        return self._evaluated("match", lambda analysis: analysis.match)
 
     @cached_property
     def split(self) -> ResidualSplit | None:
         """The retrospective residual of the log, split exactly (4.14)."""
-        return self._asked("split", lambda analysis: split_of_log(self.log, analysis))
+        return self._evaluated("split", lambda analysis: split_of_log(self.log, analysis))
 
     @cached_property
     def internal_models(self) -> tuple[InternalModel, ...]:
         """Controller poles within 0.01 of the unit circle, and what they reject."""
         return internal_models(self.compensator, self.loop)
 
-    def _asked(self, name: str, ask: Callable[[LoopAnalysis], T]) -> T | None:
-        """What the loop answers; None where the reason why not is among the unanswered."""
+    def _evaluated(self, name: str, evaluate: Callable[[LoopAnalysis], T]) -> T | None:
+        """Evaluate a property of the loop; None if `unanswered` has a reason."""
         is_open = name == "exact poles" and self.target is None
         if self.analysis is None or name in self.unanswered or is_open:
             return None
         with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
-            return ask(self.analysis)
+            return evaluate(self.analysis)
 
     @property
     def is_undecided(self) -> bool:
-        """Whether the problem was to be decided and the log leaves it open."""
+        """Whether the problem had to be decided and the log does not decide it."""
         return self.decision is not None and (
             isinstance(self.decision, str) or self.decision.is_undecided
         )
@@ -188,7 +188,7 @@ class ControllerCheck(Result):
         return f"ControllerCheck({verdict}, {loop}, {len(self.unanswered)} unanswered)"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and its sheet of pictures."""
+        """The report and its figures as HTML for a notebook."""
         return notebook_of(self._sheet(), self.plot)
 
     def plot(self) -> figures.Figure:
@@ -215,7 +215,7 @@ def check_controller(
     sample_time: float | None = None,
     tolerance: float | None = None,
 ) -> ControllerCheck:
-    """Analyse the controller that a log ended with: ours, or anybody's.
+    """Analyse the final controller of a log from any program.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def _of_log(
     k_w: int | None,
     tolerance: float | None,
 ) -> tuple[ControlReplay | None, Drift | None, dict[str, str]]:
-    """What the log says by itself; with a structure its theta made u, else a compensator did."""
+    """Replay and drift from the log alone, with theta of a structure or with a compensator."""
     if log.theta is not None and structure is not None:
         replayed = replay(log, structure, k_w=k_w, tolerance=tolerance)
         if log.theta.ndim == 2:
@@ -358,7 +358,7 @@ def _of_log(
 
 
 def _unanswered(log: ControllerLog, analysis: LoopAnalysis) -> dict[str, str]:
-    """What the loop does not answer, and why."""
+    """The reasons of the results that the loop does not have."""
     if analysis.target is None:
         reasons = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
     else:
@@ -386,7 +386,7 @@ def split_of_log(log: ControllerLog, analysis: LoopAnalysis) -> ResidualSplit:
 
 
 class RunArguments(TypedDict, total=False):
-    """What a run knows: keyword arguments of `check_controller`, and its log."""
+    """The log of a run and keyword arguments of `check_controller`."""
 
     log: ControllerLog
     plant: Plant
@@ -397,7 +397,7 @@ class RunArguments(TypedDict, total=False):
 
 
 def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
-    """The arguments of `check_controller` that a run knows by itself.
+    """The arguments of `check_controller` from a run.
 
     Behind a saturation, and for several controllers or a fixed one, in parallel too, it is handed
     over as a compensator: no single theta makes the logged u.
@@ -466,7 +466,7 @@ def _from_polynomials(log: ControllerLog) -> Compensator:
 
 
 def require_widths(log: ControllerLog, plant: Plant) -> None:
-    """Refuse a log whose signals are not as wide as those of the plant."""
+    """Raise an error if the signals of a log do not have the widths of the plant's."""
     for name in ("u", "y", "z", "w"):
         signal, width = getattr(log, name), getattr(plant, f"l_{name}")
         if signal is not None and signal.shape[1] != width:

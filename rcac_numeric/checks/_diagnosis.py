@@ -30,11 +30,11 @@ from rcac_numeric.engine._runs import Run
 
 @runtime_checkable
 class HasMainLoop(Protocol):
-    """What has one analysed loop before others, such as a verification."""
+    """An object with a main analysed loop, such as a verification."""
 
     @property
     def main_loop(self) -> LoopAnalysis:
-        """The analysis that its health is that of."""
+        """The analysis of the main loop."""
 
 
 def loop_health(
@@ -148,12 +148,12 @@ def _of_check(check: ControllerCheck) -> LoopHealth:
     return replace(health, warnings=warnings_of_check(health, check))
 
 
-def _of_loop(ask: Callable[[], ClosedLoop]) -> dict[str, Any]:
-    """Stability and margins of a frozen loop, or why there are none."""
+def _of_loop(evaluate: Callable[[], ClosedLoop]) -> dict[str, Any]:
+    """Stability and margins of a frozen loop, or the obstacle."""
     nothing: dict[str, Any] = {"is_stable": None, "spectral_radius": None}
     try:
         with np.errstate(all="ignore"):
-            loop = ask()
+            loop = evaluate()
             radius = loop.spectral_radius
             if not np.isfinite(radius):
                 return {**nothing, "obstacle": "the controller left the range of float64"}

@@ -203,7 +203,7 @@ def excitation_of(run: Run) -> Excitation | None:
 
 
 def is_still_where_unexcited(run: Run) -> bool:
-    """Whether exact arithmetic leaves theta(0) in every direction that no Phi_f excites."""
+    """Whether exact arithmetic keeps theta(0) in every direction without excitation."""
     settings = run.settings
     if not isinstance(settings, ControllerSettings) or type(settings.update) is not UD:
         return False
@@ -223,7 +223,7 @@ def is_still_where_unexcited(run: Run) -> bool:
 
 
 def drift_of(rows: Array, R_theta: Array, moved: Array) -> float:
-    """The part of theta - theta(0) that lies where no row excites, in the metric of R_theta.
+    """The part of theta - theta(0) along directions without excitation, in the metric of R_theta.
 
     R_theta (theta - theta(0)) is a combination of the rows, so that it is orthogonal to a v that
     all of them are orthogonal to.
@@ -247,7 +247,7 @@ HELD = 0.1  # share of the steps in which bounds moved theta
 
 @dataclass(frozen=True)
 class HealthWarning:
-    """What the reader of a report must not miss.
+    """A warning of a report with its next step.
 
     Attributes
     ----------

@@ -82,7 +82,7 @@ class Decision:
 
     @property
     def is_contradicted(self) -> bool:
-        """Whether none of them predicts better than that y stays."""
+        """Whether y(k) = y(k-1) predicts better than every problem."""
         return bool(self.hypotheses[0].rms > self.stays)
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""The log of a controller that ran somewhere: its signals and its coefficients."""
+"""The log of a controller: its signals and its coefficients."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ class ControllerLog(Value):
 def read_log(
     path: str | Path, names: Mapping[str, str] | None = None, *, transpose: bool = False
 ) -> ControllerLog:
-    """A log from a .csv, .mat or .npz file.
+    """Read a log from a .csv, .mat or .npz file.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def read_log(
 def _missing(
     path: str, role: str, name: str, variables: Mapping[str, Array], roles: Mapping[str, str]
 ) -> str:
-    """What is said where a file lacks a signal: what it has, and what of it may be meant."""
+    """The error for a missing signal: the names in the file, and likely candidates."""
     has = shortened(", ".join(variables)) or "nothing"
     free = [v for v in [*variables][:COMPARED] if v not in roles.values()]
     close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)

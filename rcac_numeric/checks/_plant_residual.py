@@ -30,7 +30,7 @@ CONTRADICTED = 2.0
 
 @dataclass(frozen=True, eq=False)
 class PlantResidual(Result):
-    """The one-step error of the plant on the log, beside that of the best plant of its order.
+    """The one-step error of the plant on the log, and that of the best plant of its order.
 
     e(k) = y(k) - y(k | the n steps of u, y and the known w before, and u(k)): zero where nothing
     unknown acts on the loop and the plant is that of the log. For scalar signals it is D(q) y -
@@ -118,7 +118,7 @@ class PlantResidual(Result):
 
 @np.errstate(over="ignore", invalid="ignore")  # what leaves float64 has no residual
 def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
-    """The residual of u -> y through the plant; None where the log is too short or n above 100.
+    """The residual of y for the plant; None if the log is too short or n exceeds 100.
 
     Of w, what was logged is used; the command r is a part of it.
 

@@ -1,4 +1,4 @@
-"""The regressor of logged signals: what a controller of a structure has seen at each step."""
+"""The regressor of logged signals for a controller structure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def regressor(structure: Structure, log: ControllerLog) -> Array:
 
 
 def require_fit(log: ControllerLog, structure: Structure) -> None:
-    """Refuse a log whose widths or coefficients are not those of the structure."""
+    """Raise an error if widths or coefficients of a log do not fit the structure."""
     words = f"this {structure.name} structure with n_c = {structure.n_c}"
     for name, width in (("u", structure.l_u), ("y", structure.l_y), ("r", structure.l_r)):
         signal = getattr(log, name)

@@ -63,7 +63,7 @@ class ControlReplay(Result):
 
     @property
     def agrees(self) -> bool:
-        """Whether u is the output of the coefficients, as far as the log can tell."""
+        """Whether u is the output of the coefficients, within the tolerance."""
         return self.worst <= self.tolerance
 
     def __str__(self) -> str:
@@ -148,7 +148,7 @@ def replay_compensator(
     k_w: int | None = None,
     tolerance: float | None = None,
 ) -> ControlReplay:
-    """The same for a compensator that did not change since k_w, by default over the last tenth."""
+    """Replay a compensator that is constant since k_w, by default over the last tenth."""
     errors = LogErrors(log, tolerance)
     reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
     outputs, terms, bound = (np.zeros_like(log.u) for _ in range(3))

@@ -17,7 +17,7 @@ from rcac_numeric.arrays._validation import MOST_STATES
 from rcac_numeric.checks._check import ControllerCheck
 from rcac_numeric.checks._health import DRIFT, HealthWarning, LoopHealth
 from rcac_numeric.checks._target_errors import TURNED, target_errors, zeros_of
-from rcac_numeric.checks._trials import what_places_them
+from rcac_numeric.checks._trials import pole_remedy
 from rcac_numeric.checks._warnings import RULES, Finding, warning_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -118,12 +118,12 @@ def _with_design_advice(
         return warnings
     first = next((w for w in blamed if w.is_grave), blamed[0])
     words = f"{first.next_step}; or design(plant), which starts from a robust loop"
-    why = what_to_expect(plant, settings.target)
+    why = fir_target_obstacle(plant, settings.target)
     sentence = f"{first.sentence} {why}" if why else first.sentence
     return [replace(w, sentence=sentence, next_step=words) if w is first else w for w in warnings]
 
 
-def what_to_expect(plant: Plant, target: TargetModel) -> str:
+def fir_target_obstacle(plant: Plant, target: TargetModel) -> str:
     """Explain why an FIR target is hard for an oscillating or late plant; empty for others."""
     if target.denominator[1:].any():
         return ""
@@ -239,7 +239,7 @@ def _missed(health: LoopHealth, analysis: LoopAnalysis) -> Iterator[Finding]:
     if comparison.is_reached:
         return
     numbers: dict[str, Any] = {"missed": missed, "error": comparison.backward_error}
-    structure, cure = analysis.structure, what_places_them(analysis)
+    structure, cure = analysis.structure, pole_remedy(analysis)
     if structure is not None and comparison.can_be_placed_by(structure) is False:
         cure = (
             f"another structure or target, if these poles matter: the {structure.l_theta} "
@@ -257,7 +257,7 @@ def _costly(health: LoopHealth) -> Iterator[Finding]:
 def warnings_of_controller(
     health: LoopHealth, record: SupervisionRecord
 ) -> tuple[HealthWarning, ...]:
-    """Every warning of a controller that is driven step by step, the grave ones first."""
+    """Every warning of a step-by-step controller, the grave ones first."""
     warnings = [*_wound_up(health)]
     if count := record.troubles.get("overflow"):
         warnings.append(("overflow", {"count": count.steps, "last": count.last}))

@@ -1,4 +1,4 @@
-"""Where a target model contradicts its plant: sign, delay, nonminimum-phase zeros."""
+"""Contradictions of a target model and its plant: sign, delay, nonminimum-phase zeros."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEAR = 0.05  # a zero of G_f this near, relatively, stands for one of the plant
 
 
 def target_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, ...]:
-    """What of G_f contradicts a plant with one u and one z."""
+    """The contradictions of G_f and a plant with one u and one z."""
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()
     require_dense(plant.n, "the plant")

@@ -1,7 +1,7 @@
-"""What a run of a known plant would do next, asked of the engine: a disturbance, another k_w.
+"""Trials that continue or repeat a run of a known plant: a disturbance, another k_w.
 
-A run is over when its health is asked, so that what it would have come to can be tried out: its own
-controller goes on from where it stopped, and its settings run once more with one thing changed.
+The health of a finished run includes two kinds of trials: its controller continues from the final
+state, and its settings run again with one change.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ WHITE, SHORTEST = 0.2, 100  # correlation of w from step to step, and its steps,
 
 @dataclass(frozen=True)
 class NextDisturbance:
-    """How large z becomes where w moves again.
+    """The peak of z after a further disturbance.
 
     Attributes
     ----------
@@ -50,12 +50,12 @@ class NextDisturbance:
 
     @property
     def ratio(self) -> float:
-        """The first over the second."""
+        """The ratio of `adapting` and `frozen`."""
         return self.adapting / self.frozen if self.frozen > 0 else 1.0
 
 
 def next_disturbance(run: Run) -> NextDisturbance | None:
-    """What the next disturbance does to a run that goes on; None where that cannot be tried."""
+    """Simulate a further disturbance after a run; None if that is impossible."""
     if (
         type(run.plant) not in (Plant, PlantSchedule)
         or run.state is None
@@ -111,8 +111,8 @@ def missed_poles(analysis: LoopAnalysis) -> float | None:
         return None
 
 
-def what_places_them(analysis: LoopAnalysis) -> str | None:
-    """The change of the settings that places the poles, tried out; None where none of them does."""
+def pole_remedy(analysis: LoopAnalysis) -> str | None:
+    """The tested change of the settings that places the poles; None if none does."""
     run, settings = analysis.run, analysis.run.settings
     if (
         not isinstance(settings, ControllerSettings)
@@ -150,7 +150,7 @@ def what_places_them(analysis: LoopAnalysis) -> str | None:
             continue
         if comparison.is_reached:
             left = f"{comparison.backward_error:.1g} of the closed-loop polynomial"
-            return f"{words} (tried: the poles are then reached, to {left})"
+            return f"{words} (tested: the poles are then reached, to {left})"
     return None
 
 

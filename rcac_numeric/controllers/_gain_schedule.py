@@ -24,7 +24,7 @@ from rcac_numeric.arrays._validation import (
     vector,
     with_checks,
 )
-from rcac_numeric.arrays._values import Standing
+from rcac_numeric.arrays._values import ShowsState
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._stepwise import StepwiseController
 
@@ -185,7 +185,7 @@ class GainSchedule(StepwiseController):
                 )
 
 
-class ScheduledSteps(Standing, Truth):
+class ScheduledSteps(ShowsState, Truth):
     """A gain schedule at work; `GainSchedule.started` makes it.
 
     It pickles and copies, and goes on bit for bit.

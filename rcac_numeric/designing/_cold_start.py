@@ -1,4 +1,4 @@
-"""Settings where no model of the plant is there, only what RCAC must know of it."""
+"""Settings from modelling information alone, without a model of the plant."""
 
 from __future__ import annotations
 

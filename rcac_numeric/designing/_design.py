@@ -1,4 +1,4 @@
-"""From a plant to a controller: settings, the fixed controller beside them, and which to use."""
+"""Controller design: RCAC settings, a fixed controller, and the recommendation."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
 from rcac_numeric.designing._logs import LoggedPlant, plant_from_log
 from rcac_numeric.designing._plants import (
@@ -41,8 +42,7 @@ from rcac_numeric.designing._reduced import (
     require_reducible,
     with_feedforward,
 )
-from rcac_numeric.designing._reference import MOST, Ladder, Reference, sensitivity_peak
-from rcac_numeric.designing._road import Knobs, settings_of
+from rcac_numeric.designing._reference import MOST, Reference, WeightGrid, sensitivity_peak
 from rcac_numeric.designing._simc import simc
 from rcac_numeric.designing._trials import (
     FIXED,
@@ -78,7 +78,7 @@ ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
 @dataclass(frozen=True)
 class Question:
-    """What was assumed, and is to be confirmed.
+    """An assumption that the user should confirm.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Reason:
-    """A setting, and why it is what it is."""
+    """A setting and its reason."""
 
     name: str
     value: str
@@ -105,7 +105,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A controller beside the fixed one, on the same plants and draws.
+    """The comparison of a controller with the fixed one, on the same plants and draws.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class Comparison:
 
     @property
     def is_better(self) -> bool:
-        """Whether its rms is lower with confidence, and it is lost no more often."""
+        """Whether its rms is significantly lower, and it is unstable no more often."""
         return self.interval[1] < WORTH and self.losses <= self.wins
 
     def __str__(self) -> str:
@@ -153,7 +153,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """Which controller to use, and what the difference is worth.
+    """The recommended controller and its benefit.
 
     Attributes
     ----------
@@ -246,7 +246,7 @@ class Design(Result):
 
     @property
     def no_room(self) -> str:
-        """What limits do that leave u no room on one side of the working point; else nothing.
+        """Advice if the limits leave u no room on one side of the working point; else empty.
 
         Limits, like all signals, count from the working point. A command that lasts moves it.
         """
@@ -254,7 +254,7 @@ class Design(Result):
 
     @property
     def frozen(self) -> ControllerSettings:
-        """The fixed controller as RCAC that never updates theta(0): for `Controller` and exports.
+        """The fixed controller as RCAC without updates of theta(0), for `Controller` and exports.
 
         A `FixedController` believes its own u; this one is given what the actuator made of it.
         """
@@ -262,7 +262,7 @@ class Design(Result):
 
     @property
     def controller(self) -> ControllerSettings:
-        """What the verdict says to use, for `Controller`, `simulate` and exports."""
+        """The recommended controller, for `Controller`, `simulate` and exports."""
         return self.settings if self.verdict.use == RCAC else self.frozen
 
     def _sheet(self) -> Any:
@@ -271,7 +271,7 @@ class Design(Result):
         return design_sheet(self)
 
     def report(self) -> str:
-        """The verdict, what was assumed, and why each setting is what it is."""
+        """The report: verdict, assumptions, and the reason of each setting."""
         return report_of(self._sheet())
 
     def plot(self) -> figures.Figure:
@@ -281,7 +281,7 @@ class Design(Result):
         return plot_design(self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and the picture."""
+        """The report and the picture as HTML for a notebook."""
         return notebook_of(self._sheet(), self.plot)
 
     def __str__(self) -> str:
@@ -383,7 +383,7 @@ def design(
     if structure is not None:
         require_reducible(structure)
     instance_of(feedforward, "feedforward", bool)
-    around = _Surroundings(
+    around = _DesignOptions(
         disturbance, noise, command, saturation, uncertainty, structure, feedforward
     )
     if isinstance(plant, ControllerLog):
@@ -393,7 +393,7 @@ def design(
         shorter = truncated(whole)
         basis = _basis_of(shorter.plant if shorter else whole, Uncertainty(), around)
         if shorter:
-            basis = replace(basis, truncation=_held_against(shorter, basis.reference))
+            basis = replace(basis, truncation=_truncation_question(shorter, basis.reference))
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
     reference = basis.reference
     settings = settings_of(model, reference, expected)
@@ -414,10 +414,10 @@ def design(
     by_name = dict(zip(controllers, runs, strict=True))
     verdict = verdict_of(evidence, trials)
     questions = _questions(basis, fixed, saturation)
-    questions += _what_is_left(model, expected, by_name[FIXED], verdict)
+    questions += _remaining_questions(model, expected, by_name[FIXED], verdict)
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict, questions=questions,
-        reasons=reasons_of(model, reference, expected, settings, Knobs()),
+        reasons=reasons_of(model, reference, expected, settings, TuningParameters()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
@@ -426,8 +426,8 @@ def design(
 
 
 @dataclass(frozen=True)
-class _Surroundings:
-    """What `design` was asked for beside the plant."""
+class _DesignOptions:
+    """The arguments of `design` other than the plant."""
 
     disturbance: Any
     noise: float | None
@@ -440,7 +440,7 @@ class _Surroundings:
 
 @dataclass(frozen=True)
 class _Basis:
-    """A plant with what acts on it, and its reference loop."""
+    """The design model: a plant, its exogenous signals and its reference loop."""
 
     model: DesignPlant
     uncertainty: Uncertainty
@@ -449,13 +449,16 @@ class _Basis:
     cases: tuple[Variation, ...]
     reference: Reference
     logged: LoggedPlant | None
-    obstacle: str = ""  # why the best model of the log is not the one that is taken
-    truncation: tuple[str, str] | None = None  # of a plant of many states, and what is known of it
-    blocked: tuple[float, ...] = ()  # frequencies of what of d a zero of the plant keeps from y
+    obstacle: str = ""  # why the best model of the log is not used
+    truncation: tuple[str, str] | None = None  # assumption and evidence, for a plant of many states
+    blocked: tuple[float, ...] = ()  # frequencies of d that a zero of the plant blocks
 
 
 def _basis_of(
-    model: DesignPlant, usual: Uncertainty, around: _Surroundings, logged: LoggedPlant | None = None
+    model: DesignPlant,
+    usual: Uncertainty,
+    around: _DesignOptions,
+    logged: LoggedPlant | None = None,
 ) -> _Basis:
     refuse_states(model)
     u_range = _range(around.saturation)
@@ -464,7 +467,7 @@ def _basis_of(
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
-    grid = Ladder(model, expected, u_range, cases, around.saturation)
+    grid = WeightGrid(model, expected, u_range, cases, around.saturation)
     structure = around.structure
     if structure is not None and model.m > 1:
         raise InputError(f"structure = {structure.name} is for one input and output; leave it out.")
@@ -475,9 +478,8 @@ def _basis_of(
     ):
         raise NoSolutionError(
             f"structure = {structure.name} integrates, and the plant has a zero at rest, z = 1 "
-            "(s = 0), "
-            "that cancels the integrator: a mode that nothing moves. Take one without, such as "
-            "pid('P') or fir(20)."
+            "(s = 0), that cancels the integrator: an uncontrollable mode. Take a structure "
+            "without integrator, such as pid('P') or fir(20)."
         )
     reference = _reference_of(grid, structure)
     if around.feedforward:
@@ -487,10 +489,10 @@ def _basis_of(
     )
 
 
-def _reference_of(grid: Ladder, structure: Structure | None) -> Reference:
-    """The reference: that without limits, where its runs do not reach them; else one for them."""
+def _reference_of(grid: WeightGrid, structure: Structure | None) -> Reference:
+    """The reference without limits if its runs do not reach them, else one for the limits."""
 
-    def best(one: Ladder) -> Reference:
+    def best(one: WeightGrid) -> Reference:
         return one.best() if structure is None else reduced_reference(one, structure)
 
     if grid.saturation is None:
@@ -502,8 +504,8 @@ def _reference_of(grid: Ladder, structure: Structure | None) -> Reference:
     return best(grid) if grid.reaches_limits(free.compensator) else free
 
 
-def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
-    """What was left out of a plant of many states; the fixed controller's loop with all of it."""
+def _truncation_question(model: Truncation, reference: Reference) -> tuple[str, str]:
+    """The truncation error of a plant, and the fixed controller's loop with the whole plant."""
     order, plant_order = len(model.whole.A), len(model.plant.A)
     gain = model.small_gain(reference.compensator)
     if gain < 1:
@@ -513,22 +515,21 @@ def _held_against(model: Truncation, reference: Reference) -> tuple[str, str]:
         if not loop.is_stable:
             raise NoSolutionError(
                 f"the controller for the plant's truncation to {plant_order} of its {order} "
-                "states does "
-                "not stabilise the whole plant: give a model of lower order that is right where "
-                "the loop is to act."
+                "states does not stabilise the whole plant: give a model of lower order that is "
+                "accurate around the bandwidth of the loop."
             )
         Ms = f"{sensitivity_peak(loop):.3g}"
     return (
         f"{plant_order} of its {order} states, and {model.plant.delay} steps of dead time",
-        f"balanced truncation, off by at most {100 * model.error:.2g} % of the peak of its "
-        f"response; with the whole plant the fixed controller's loop is stable, Ms {Ms}",
+        f"balanced truncation, with an error of at most {100 * model.error:.2g} % of the peak of "
+        f"the response; with the whole plant the fixed controller's loop is stable, Ms {Ms}",
     )
 
 
 def _basis_of_log(
-    log: ControllerLog, sample_time: float | None, dead_time: float, around: _Surroundings
+    log: ControllerLog, sample_time: float | None, dead_time: float, around: _DesignOptions
 ) -> _Basis:
-    """The best model of a log for which there is a controller.
+    """The best model of a log that has a controller.
 
     Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
     noise, there may be none; then one of lower order is taken.
@@ -555,7 +556,7 @@ def _expected(
     logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
     u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
-    """As `read_expected`; what was not given is read from the log, if there is one."""
+    """As `read_expected`, with defaults from the log if there is one."""
     if logged is None:
         return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
     is_unspecified = isinstance(disturbance, str) and disturbance == UNKNOWN
@@ -579,14 +580,14 @@ def _limits(u_limits: Any) -> Saturation | None:
 
 
 def _range(saturation: Saturation | None) -> float:
-    """Half of what u can be; infinite where that is not bounded on both sides."""
+    """Half the range of u; infinite if it is not bounded on both sides."""
     if saturation is None or saturation.low is None or saturation.high is None:
         return np.inf
     return float((saturation.high - saturation.low).min()) / 2
 
 
 def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Recommendation:
-    """RCAC where it is better than the fixed controller with confidence, and at no price.
+    """Recommend RCAC if it is significantly better than the fixed controller, with no drawback.
 
     At no price: stable on the nominal plant and not less often on the others, and peaks of at most
     1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
@@ -600,7 +601,7 @@ def verdict_of(evidence: tuple[Trial, ...], trials: Trials | None = None) -> Rec
 
 
 def _over_none(trials: Trials, name: str) -> float | None:
-    """The error with a controller over that with u = 0, where that stays bounded."""
+    """The error with a controller over that with u = 0, if the latter is bounded."""
     m = trials.plant.m
     if not trials.plant.is_stable:
         return None
@@ -617,7 +618,7 @@ def _over_none(trials: Trials, name: str) -> float | None:
 
 
 def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comparison:
-    """A controller beside the fixed one, or another, over all plants and draws."""
+    """Compare a controller with the fixed one, or another, over all plants and draws."""
     ours = [t for t in evidence if t.controller == name]
     theirs = [t for t in evidence if t.controller == other]
     logs: dict[str, float] = {}
@@ -644,11 +645,12 @@ def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comp
 
 
 def _choice(nominal: Trial, comparison: Comparison) -> tuple[str, str]:
-    """Which controller, and why, in words."""
-    brings = (
-        f"RCAC {'lowers' if comparison.ratio < 1 else 'raises'} the rms error by "
-        f"{100 * abs(comparison.ratio - 1):.0f} %"
-    )
+    """The recommended controller and the reason."""
+    change = 100 * abs(comparison.ratio - 1)
+    verb = "lowers" if comparison.ratio < 1 else "raises"
+    brings = f"RCAC {verb} the rms error by {change:.0f} %"
+    if change < 0.5:
+        brings = "RCAC changes the rms error by less than 0.5 %"
     if not all(nominal.stable):
         return FIXED, "RCAC ends in an unstable loop with the nominal plant."
     if comparison.losses > comparison.wins:
@@ -671,11 +673,11 @@ def _choice(nominal: Trial, comparison: Comparison) -> tuple[str, str]:
         return FIXED, f"{saved}, but {brings}, which is not significant."
     if comparison.interval[0] > 1 / WORTH:
         return FIXED, f"{brings} over the uncertainty."
-    return FIXED, f"{brings}: not significant, or too little to be worth adapting."
+    return FIXED, f"{brings}: not significant, or too little to justify adaptation."
 
 
 def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
-    """The exponential of the mean, and of its 95 % interval by Student's t."""
+    """The geometric mean and its 95 % interval by Student's t."""
     if not logs:
         return np.nan, (np.nan, np.nan)
     mean = float(np.exp(np.mean(logs)))
@@ -688,7 +690,7 @@ def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
 
 
 def _first_response(model: DesignPlant, fixed: FixedController) -> float:
-    """The first response of e to an impulse of d over the largest, in the reference loop."""
+    """The first response of e to an impulse of d over the largest one, in the reference loop."""
     w = np.zeros((RESPONSE, 3 * model.m))
     w[0, model.m : 2 * model.m] = 1.0
     e = np.linalg.norm(simulate(model.servo(), fixed, w).z, axis=1)
@@ -699,7 +701,7 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
 def _questions(
     basis: _Basis, fixed: FixedController, saturation: Saturation | None
 ) -> tuple[Question, ...]:
-    """What only the owner of the plant knows."""
+    """The assumptions that only the user can confirm."""
     model, expected, assumed = basis.model, basis.expected, basis.assumed
     uncertainty, logged = basis.uncertainty, basis.logged
     late = model.delay + model.fraction
@@ -798,17 +800,17 @@ def _no_room(limits: Saturation | None, model: DesignPlant, expected: Expected, 
 
 
 def _control_at_rest(model: DesignPlant, last: Array, is_known: bool) -> float:
-    """What the means of r and of a known d ask of u in the end, both scalar."""
+    """The u at rest for the means of r and of a known d, both scalar."""
     r, d = last[:, :2].mean(axis=0)
     with np.errstate(divide="ignore"):
         u_at_rest = float(np.divide(r, model.gain_at_rest)) if r else 0.0
     return u_at_rest - float(d) * is_known
 
 
-def _what_is_left(
+def _remaining_questions(
     model: DesignPlant, expected: Expected, run: Run, verdict: Recommendation
 ) -> tuple[Question, ...]:
-    """Where control cannot do its work: by the actuator, or at all."""
+    """The limits of control: by the actuator, or in general."""
     remainders, m, last = [], model.m, slice(-max(run.steps // 4, 1), None)
     limits = run.saturation
     if (
@@ -839,9 +841,9 @@ def _what_is_left(
 
 def reasons_of(
     model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
-    parameters: Knobs,
+    parameters: TuningParameters,
 ) -> tuple[Reason, ...]:  # fmt: skip
-    """Each setting, and why it is what it is."""
+    """The reasons of the settings."""
     n_c, structure = reference.compensator.n_c, settings.structure
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
     taken = model.servo().n + 2 * model.m * len(models)

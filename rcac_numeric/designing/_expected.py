@@ -1,4 +1,4 @@
-"""What a loop is expected to meet: command, disturbance and sensor noise."""
+"""The expected exogenous signals of a loop: command, disturbance and sensor noise."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Expected(Value):
 
     @property
     def disturbance_size(self) -> float:
-        """Of d alone, in units of u."""
+        """The size of d alone, in units of u."""
         return self.size if self.told is None else self.told
 
     @property
@@ -65,7 +65,7 @@ class Expected(Value):
 
     @property
     def white(self) -> float:
-        """Standard deviation of what of d is white, at least a hundredth of its size."""
+        """Standard deviation of the white part of d, at least a hundredth of its size."""
         if self.disturbance is None:
             return LITTLE * self.disturbance_size
         white = [
@@ -75,22 +75,24 @@ class Expected(Value):
 
     @property
     def lasting(self) -> float:
-        """Size of what of d stays: neither white nor a sinusoid."""
+        """Size of the lasting part of d: neither white nor a sinusoid."""
         if self.disturbance is None:
             return self.disturbance_size
-        return _kept(self.disturbance, WhiteNoise, Harmonic)
+        return _size_without(self.disturbance, WhiteNoise, Harmonic)
 
     @property
     def stays(self) -> tuple[float, float]:
-        """Sizes of what of d and of r stays and does not grow, in units of u and of y."""
+        """Sizes of the lasting parts of d and of r without ramps, in units of u and of y."""
         d, r = self.disturbance, self.command
-        of_d = self.lasting if d is None else _kept(d, WhiteNoise, Harmonic, Ramp)
-        return of_d, 0.0 if r is None else _kept(r, Ramp)
+        of_d = self.lasting if d is None else _size_without(d, WhiteNoise, Harmonic, Ramp)
+        return of_d, 0.0 if r is None else _size_without(r, Ramp)
 
     @property
     def constant_command(self) -> float:
-        """Size of what of r is neither noise, nor a sinusoid, nor a ramp; in units of y."""
-        return 0.0 if self.command is None else _kept(self.command, WhiteNoise, Harmonic, Ramp)
+        """Size of the constant part of r, without noise, sinusoids and ramps, in units of y."""
+        return (
+            0.0 if self.command is None else _size_without(self.command, WhiteNoise, Harmonic, Ramp)
+        )
 
     @property
     def largest_command(self) -> float:
@@ -99,7 +101,7 @@ class Expected(Value):
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """Growth of d, in units of u, and of r, in units of y, in a step of their ramps."""
+        """Slopes of d and of r per step, in units of u and of y."""
         of_d, of_r = (
             [abs(f * one.slope) for f, one in parts_of(signal) if isinstance(one, Ramp)]
             if signal is not None else [] for signal in (self.disturbance, self.command)
@@ -130,7 +132,7 @@ class Expected(Value):
         return exogenous(self.signals(seed, noise), steps, seed)
 
     def prior_w(self, steps: int, reads_command: bool = False) -> Array:
-        """What R_theta is made of: coloured and white noise of their size, and what is known.
+        """A draw of w for R_theta: coloured and white noise, and the known signals.
 
         The command is among them where the controller reads it.
         """
@@ -162,7 +164,7 @@ def _coloured(steps: int, rng: np.random.Generator) -> Array:
 
 
 def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
-    """The signals that a sum consists of, each with its factor."""
+    """The summands of a signal, each with its factor."""
     if isinstance(signal, Sum):
         return [found for part in signal.parts for found in parts_of(part, factor)]
     if isinstance(signal, Scaled):
@@ -170,13 +172,13 @@ def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
     return [(factor, signal)]
 
 
-def _kept(signal: Signal, *without: type[Signal]) -> float:
+def _size_without(signal: Signal, *without: type[Signal]) -> float:
     """Size of a signal without its parts of these kinds."""
     return sum(_size(f, one) for f, one in parts_of(signal) if not isinstance(one, without))
 
 
 def _size(factor: float, signal: Signal) -> float:
-    """The largest value within a trial; that of what is known of a record."""
+    """The largest value of a signal within a trial, or within a shorter record."""
     steps = 2000 if signal.steps_known is None else min(2000, signal.steps_known)
     return float(np.abs(factor * signal.samples(steps)).max(initial=0.0))
 
@@ -184,7 +186,7 @@ def _size(factor: float, signal: Signal) -> float:
 def read_expected(
     disturbance: Any, noise: float | None, command: Any, u_range: float, gain: float, m: int = 1
 ) -> tuple[Expected, tuple[str, ...]]:
-    """What is expected, and the names of what had to be assumed."""
+    """Return the expected signals, and the names of the assumed ones."""
     assumed = []
     if disturbance is None or (
         not isinstance(disturbance, Signal | str) and not number(disturbance, "disturbance")

@@ -1,4 +1,4 @@
-"""A plant from a log of u and y: a model, of an open loop or a closed one, and its evidence."""
+"""A plant model from a log of u and y, in open or closed loop, and its evidence."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LogModel = OutputErrorModel | PredictionErrorModel
 
 @dataclass(frozen=True, eq=False)
 class LoggedPlant(Result):
-    """What a log shows of a plant.
+    """A plant model from a log, with its evidence.
 
     Attributes
     ----------
@@ -81,25 +81,25 @@ class LoggedPlant(Result):
 
     @property
     def integrates(self) -> bool:
-        """Whether a pole beside those at 1 is so near 1 that the log cannot tell it from them."""
+        """Whether a further pole is so near 1 that the log cannot distinguish it from 1."""
         near = np.abs(1 - np.roots(self.model.denominator)) * len(self.model.residual) < SLOW
         return int(near.sum()) > self.model.integrators
 
     @property
     def is_closed(self) -> bool:
-        """Whether the log is one of a closed loop."""
+        """Whether the log is from a closed loop."""
         return isinstance(self.model, PredictionErrorModel)
 
     @property
     def uncertainty(self) -> Uncertainty:
-        """The usual one, with a gain as uncertain as the parts disagree."""
+        """The default uncertainty, with the range of gains of the parts."""
         usual = Uncertainty()
         gains = [one for one in self.gains if one > 0] or [1.0]
         low, high = usual.gain
         return Uncertainty(gain=(min(low, *gains), max(high, *gains)))
 
-    def held(self, compensator: Compensator) -> int:
-        """On how many parts the loop with a controller is stable with Ms < 4."""
+    def stable_parts(self, compensator: Compensator) -> int:
+        """The number of parts whose loop with a controller is stable with Ms < 4."""
         peaks = [
             sensitivity_peak(frozen_loop(part.servo(), compensator, 0))
             for part in self.parts
@@ -108,22 +108,23 @@ class LoggedPlant(Result):
         return sum(peak < ROBUST for peak in peaks)
 
     def evidence(self, compensator: Compensator) -> str:
-        """In words, for the one who is to confirm it."""
+        """The evidence in words."""
         gains = self.gains
         same = sum(one > 0 for one in gains)
         spread = f", their gains {min(gains):.3g} to {max(gains):.3g} times" if gains else ""
         evidence = [
             f"{same} of {PARTS} parts of the log have this sign{spread}",
-            f"the fixed controller holds {self.held(compensator)} of them with Ms < {ROBUST:g}",
+            f"the fixed controller stabilises {self.stable_parts(compensator)} of them with "
+            f"Ms < {ROBUST:g}",
         ]
         if self.held_out is not None:
             evidence.append(
                 f"with a pole at 1 the error on the last third is {np.sqrt(self.held_out):.3g} "
-                "times that with a free one"
+                "times that with a free pole"
             )
         if isinstance(self.model, PredictionErrorModel):
             evidence.append(
-                "its prediction errors are correlated with what moved u by "
+                "its prediction errors are correlated with the excitation of u by "
                 f"{self.model.correlation:.2g} standard errors at most"
             )
         return "; ".join(evidence)
@@ -132,7 +133,7 @@ class LoggedPlant(Result):
 def plant_from_log(
     log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0, most: int = 5
 ) -> LoggedPlant:
-    """The plant that a log shows, whether u moved by itself or answered to y.
+    """Identify a plant from a log in open or in closed loop.
 
     In an open loop by `identify_output_error`; in a closed one, where the plant may be unstable, by
     `identify_in_closed_loop`. A pole at 1 is taken where the criterion is the better for it and a
@@ -141,8 +142,8 @@ def plant_from_log(
     if log.u.shape[1] != 1 or log.y.shape[1] != 1:
         raise InputError(
             f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements; "
-            "a log takes one of each. Give design a model: identification.eigensystem_realisation "
-            "makes one of Markov parameters."
+            "design takes a log with one of each. Give design a model: "
+            "identification.eigensystem_realisation makes one from Markov parameters."
         )
     late, period = number(dead_time, "dead_time"), number(sample_time or 1.0, "sample_time")
     if late < 0 or not period > 0:
@@ -158,13 +159,13 @@ def plant_from_log(
     model: LogModel = identify(log.u, log.y, integrators=(0, 1), **known)
     verification = None
     if model.integrators:
-        verification, is_worse = _held_out(log, model)
+        verification, is_worse = _verify_integrator(log, model)
         if is_worse:
             model, verification = identify(log.u, log.y, **known), None
     if isinstance(model, PredictionErrorModel) and model.correlation > ACCIDENT:
         raise InputError(
-            f"u answers to y in {log.source}, and no model tells the plant from the loop: the "
-            "prediction errors of the best one are correlated with what moved u by "
+            f"u depends on y in {log.source}, and no model separates plant and controller: the "
+            "prediction errors of the best one are correlated with the excitation of u by "
             f"{model.correlation:.2g} standard errors. Give design a model; or record longer, with "
             "a dither on u, while neither plant nor controller changes."
         )
@@ -186,7 +187,7 @@ def plant_from_log(
 def _again(
     model: LogModel, u: Array, y: Array, integrators: int | None = None, least: int | None = None
 ) -> LogModel:
-    """A model of the same delay and kind of another record, and of its order, or a lower one."""
+    """Identify a model of the same kind and delay, of at most the same order."""
     is_closed = isinstance(model, PredictionErrorModel)
     identify = identify_in_closed_loop if is_closed else identify_output_error
     poles = model.integrators if integrators is None else integrators
@@ -194,28 +195,29 @@ def _again(
     return identify(u, y, orders=orders, delays=(model.delay,), integrators=(poles,))
 
 
-def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
-    """The mean square error on the last third with a pole at 1 over that with a free one.
+def _verify_integrator(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
+    """Compare the mean square errors on the last third with a pole at 1 and with a free pole.
 
-    And whether it is surely larger, by Diebold and Mariano's test with the means of blocks.
+    Returns their ratio, and whether it is significantly larger than 1, by Diebold and Mariano's
+    test with the means of blocks.
     """
     cut = len(log.u) - len(log.u) // HELD_OUT
     squares = []
     for poles in (1, 0):
         try:
             refitted = _again(model, log.u[:cut], log.y[:cut], poles)
-        except InputError:  # the rest shows nothing, either way
+        except InputError:  # the first two thirds have too little excitation
             return np.inf, True
         try:
             e = refitted.errors(log.u[cut:], log.y[cut:])
         except InputError as error:
             raise InputError(
-                f"the last third of {log.source}, {len(log.u) - cut} of its {len(log.u)} steps, by "
-                "which a pole of the plant at 1 is told from one near it, is too short or shows "
-                f"nothing: {error} That many in a third of the log."
+                f"the last third of {log.source}, {len(log.u) - cut} of its {len(log.u)} steps, is "
+                "needed to distinguish a pole at 1 from one near it, and is too short or not "
+                f"excited: {error} A third of the log must fulfil this."
             ) from None
         k = np.linspace(-1, 1, len(e))
-        # A pole near 1 has a state of its own to explain a drift by, one at 1 has the slope.
+        # A pole near 1 explains a drift by its state, a pole at 1 by the slope.
         squares.append((e - Legendre.fit(k, e, DRIFTS)(k)) ** 2)
     imposed, free = (np.mean(one) for one in squares)
     means = [one.mean() for one in np.array_split(squares[0] - squares[1], BLOCKS)]
@@ -231,5 +233,5 @@ def _plant_of(model: LogModel, sample_time: float | None) -> DesignPlant:
     A, B, C = balanced(A, B, C * size)
     plant = DesignPlant(A, B, C, model.delay, sample_time=sample_time)
     if not plant.low_gain > 0:
-        raise InputError("the model of the log has no gain: y does not answer to u.")
+        raise InputError("the model of the log has gain 0: u has no effect on y.")
     return plant

@@ -1,4 +1,4 @@
-"""A plant with dead time, and what it may be instead within its uncertainty."""
+"""Plants with dead time, and the variations within their uncertainty."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class Variation:
-    """One plant within an uncertainty: what its gain, dead time, time constants and noise are."""
+    """One plant within an uncertainty: its gain, dead time, time constants and noise."""
 
     name: str = "nominal"
     gain: float | tuple[float, ...] = 1.0  # several: of each input
@@ -141,7 +141,7 @@ class DesignPlant(Value):
         return self.delay + (0 if self.later is None else int(self.later.max()))
 
     def _parts_of(self, B: Array) -> Iterator[tuple[int, Array]]:
-        """Whole steps of dead time, and what of B is so late."""
+        """The dead times in whole steps, and the part of B for each."""
         if self.later is None:
             yield self.delay, B
         else:
@@ -208,7 +208,7 @@ class DesignPlant(Value):
 
     @property
     def sign(self) -> str:
-        """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
+        """The sign of the final response of y_0 to a step of u, both scalar."""
         # Several poles that are 1 to rounding may be computed inside the circle.
         if self.is_stable and np.isfinite(at_rest := self.gain_at_rest):
             return "+" if at_rest > 0 else "-"
@@ -239,7 +239,7 @@ class DesignPlant(Value):
 
 
 def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
-    """A_c and B_c per step, given or found from the sampled plant; None where there are none."""
+    """A_c and B_c per step, as given or from the sampled plant; None if there are none."""
     if plant.continuous is not None:
         return plant.continuous
     n = len(plant.A)
@@ -259,7 +259,7 @@ def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
 
 
 def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
-    """Sampled with a zero-order hold whose input is late by that fraction of a period."""
+    """Sample with a zero-order hold whose input is late by a fraction of a period."""
     if not fraction:
         return zero_order_hold(A, B, 1.0)
     late_A, late_B = zero_order_hold(A, B, fraction)
@@ -271,7 +271,7 @@ def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
 
 
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """The same system with states of like size, scaled by powers of two."""
+    """Scale the states by powers of two to similar size."""
     point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
     n, m = B.shape
     gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
@@ -283,7 +283,7 @@ def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
 
 
 def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignPlant:
-    """A plant in any form that `plant_of` reads, with its dead time apart."""
+    """Read a plant in any form that `plant_of` reads, with a separate dead time."""
     if np.ndim(dead_time):
         return _late_by_entry(plant, sample_time, real_array(dead_time, "dead_time"))
     late = number(dead_time, "dead_time")
@@ -332,7 +332,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
 
 
 def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> DesignPlant:
-    """Every output realised by itself, late to each input by what its entry says.
+    """Realise every output separately, with the dead time of each entry.
 
     What outputs share, an integrator for instance, each has for its own then.
     """
@@ -393,7 +393,7 @@ def _period(sample_time: float | None) -> float:
 
 
 def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
-    """A, B and C of a plant in continuous time; None where its time is discrete."""
+    """A, B and C of a plant in continuous time; None if its time is discrete."""
     if isinstance(plant, ContinuousPlant):
         matrices = plant.A, plant.B, plant.C
         return tuple(np.atleast_2d(np.asarray(m, dtype=np.float64)) for m in matrices)  # type: ignore[return-value]
@@ -448,7 +448,7 @@ def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
 
 
 def refuse_states(plant: DesignPlant) -> None:
-    """Refuse a plant of more states than a design takes."""
+    """Raise an error for a plant of too many states."""
     if len(plant.A) > MOST_STATES:
         raise BudgetError(
             f"the plant has {len(plant.A)} states, its float64 matrices have no truncation that is "
@@ -504,7 +504,7 @@ def _require_square(l_u: int, l_y: int) -> None:
 
 
 def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation, ...]:
-    """The plant itself, and what it may be instead: one thing changed at a time."""
+    """The nominal plant and its variations, each with one change."""
     low, high = uncertainty.gain
     changes = [Variation()]
     changes += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]

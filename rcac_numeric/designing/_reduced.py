@@ -1,4 +1,4 @@
-"""Reference controllers of another kind: a PID, an FIR filter, one that reads the command too."""
+"""Reference controllers of another structure: PID, FIR, and feedforward of the command."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._expected import Expected
 from rcac_numeric.designing._plants import DesignPlant
-from rcac_numeric.designing._reference import MOST, Ladder, Reference
+from rcac_numeric.designing._reference import MOST, Reference, WeightGrid
 
 OMEGA = np.geomspace(1e-4, np.pi, 400)  # rad/sample, at which controllers are compared
 SHARES = (1.0, 0.5, 0.2, 0.05)  # of a fitted controller: a weaker one may be stable where it is not
@@ -26,7 +26,7 @@ MOVES = 1e-2  # least weight of the steps of u, over the square of the gain, aga
 
 
 def require_reducible(structure: Structure) -> None:
-    """Refuse a structure whose poles are free, or that reads a command."""
+    """Raise an error for a structure with free poles, or that reads a command."""
     if not isinstance(structure, Structure):
         raise InputError(f"structure = {structure!r}: give one such as pid('PI') or fir(20).")
     if (structure.l_u, structure.l_y) != (1, 1):
@@ -43,8 +43,8 @@ def require_reducible(structure: Structure) -> None:
         )
 
 
-def reduced_reference(grid: Ladder, structure: Structure) -> Reference:
-    """The controller of a structure that is nearest to the LQG loops of a ladder, and improved.
+def reduced_reference(grid: WeightGrid, structure: Structure) -> Reference:
+    """Fit a structure to the LQG loops of a weight grid, and improve it by a search.
 
     Of each LQG controller C on the ladder the coefficients are fitted that minimise
 
@@ -59,7 +59,7 @@ def reduced_reference(grid: Ladder, structure: Structure) -> Reference:
     G = grid.response(OMEGA)
     spectrum = np.abs(G) ** 2 * grid.disturbance_spectrum(OMEGA) + grid.noise_variance
     candidates = []
-    for R_2, V_2, parts in grid.rungs():
+    for R_2, V_2, parts in grid.candidates():
         A, B, C, _ = parts
         z = np.exp(1j * OMEGA)[:, None, None]
         response = (C @ np.linalg.solve(z * np.eye(len(A)) - A, B[None] + 0j))[:, 0, 0]
@@ -94,7 +94,7 @@ def reduced_reference(grid: Ladder, structure: Structure) -> Reference:
 
 
 def _responses(structure: Structure) -> ComplexArray:
-    """What u is for each coefficient, y = 1, at every frequency; shape (frequencies, l_theta)."""
+    """The response of u to y per coefficient; shape (frequencies, l_theta)."""
     past = np.exp(-1j * OMEGA)
     columns = []
     for tap in structure.taps:
@@ -107,7 +107,7 @@ def _responses(structure: Structure) -> ComplexArray:
 
 
 def _fitted(columns: ComplexArray, response: ComplexArray, weight: Array) -> Array:
-    """Real coefficients of least squares over complex rows."""
+    """Solve a complex least-squares problem for real coefficients."""
     rows = np.concatenate([part * weight[:, None] for part in (columns.real, columns.imag)])
     right = np.concatenate([part * weight for part in (response.real, response.imag)])
     size = np.linalg.norm(rows, axis=0)
@@ -119,8 +119,8 @@ def _parts(structure: Structure, theta: Array) -> tuple[Array, Array, Array, Arr
     return structure.compensator(theta).state_space()
 
 
-def _improved(grid: Ladder, structure: Structure, theta: Array) -> Array:
-    """The coefficients after a search in units of what they were; no worse than before."""
+def _improved(grid: WeightGrid, structure: Structure, theta: Array) -> Array:
+    """Improve the coefficients by a search in relative units; the result is never worse."""
     size = np.where(theta == 0, np.abs(theta).max() or 1.0, theta)
 
     def cost(x: Array) -> float:
@@ -139,7 +139,7 @@ def _improved(grid: Ladder, structure: Structure, theta: Array) -> Array:
 
 
 def with_feedforward(plant: DesignPlant, reference: Reference, expected: Expected) -> Reference:
-    """The reference with a part that reads the command r, under the same denominator.
+    """Add feedforward of the command r to the reference, under the same denominator.
 
     u = D_c^-1 (N_e e + N_r r); the loop, and what it does to d and v, stays as it is. N_r minimises
     the error that a step of r leaves, abs(S (1 - G N_r/D_c) R)^2, and the steps of u that it takes.

@@ -1,4 +1,4 @@
-"""The reference loop: LQG with what the disturbance asks for, made robust."""
+"""The reference loop: a robust LQG controller with models of the disturbance."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ Models = dict[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Reference(Value):
-    """A reference loop and what it was chosen by.
+    """A reference loop and its weights.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Reference(Value):
 
     @property
     def commands(self) -> int:
-        """How many commands the compensator reads."""
+        """The number of commands that the compensator reads."""
         return self.compensator.l_y - self.lqg.plant.l_y
 
     @property
@@ -100,13 +100,13 @@ class Reference(Value):
         return FixedController(self.compensator, l_r=self.commands)
 
     def loop(self, plant: DesignPlant) -> ClosedLoop:
-        """The nominal plant in a loop with it."""
+        """The closed loop with the nominal plant."""
         return frozen_loop(plant.servo(), self.compensator, 0)
 
 
 @dataclass(frozen=True)
-class Judged:
-    """What a controller is in the loops of a ladder.
+class Evaluation:
+    """The evaluation of a controller on the plants of a weight grid.
 
     Attributes
     ----------
@@ -128,26 +128,26 @@ class Judged:
 
     @property
     def wide(self) -> float:
-        """How far u leaves the actuator: above 1 it does."""
+        """The control power over its limit; above 1 u exceeds the actuator's range."""
         return float(self.control / self.most)
 
     @property
     def safe(self) -> tuple[bool, int]:
-        """Not robust, and how far from it: what comes before any error."""
+        """The sort key of robustness, which precedes the error."""
         is_robust = self.peak <= MOST and not self.lost
         return not is_robust, 0 if is_robust else self.lost
 
     @property
     def order(self) -> tuple[bool, float, float]:
-        """What is chosen by: robust, u inside the actuator, least error; else most robust."""
+        """The sort key: robust, u in the actuator's range, least error; else most robust."""
         if self.peak <= MOST and not self.lost:
             is_wide = self.wide > 1
             return False, float(is_wide), self.control if is_wide else self.error
         return True, float(self.lost), self.peak
 
 
-class Ladder:
-    """LQG controllers of a plant for a ladder of weights, and how every controller is judged.
+class WeightGrid:
+    """The LQG controllers of a plant on a grid of weights, and their evaluation.
 
     z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
     the controller cancel b, whatever R_2 is.
@@ -176,33 +176,35 @@ class Ladder:
         self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
         self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
 
-    def judged(self, parts: StateSpace) -> Judged:
-        """A controller (A_c, B_c, C_c, D_c) from e to u, in units of the ladder."""
+    def judged(self, parts: StateSpace) -> Evaluation:
+        """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid."""
         try:
             peak = _peak(self.scaled, parts)
             lost = sum(not _radius(other, parts) < 1 for other in self.instead)
             lost += not _radius(self.scaled, parts) < SLOWEST
             if not np.isfinite(peak):
-                return Judged(lost, np.inf)
+                return Evaluation(lost, np.inf)
             noise = {**self.noise, "v": self.noise_variance}
             e, u = _powers(self.scaled, self.models, parts, noise)
         except CompensatorError:
-            return Judged(len(self.instead) + 1, np.inf)
-        return Judged(lost, peak, e, u, self.most_u**2)
+            return Evaluation(len(self.instead) + 1, np.inf)
+        return Evaluation(lost, peak, e, u, self.most_u**2)
 
-    def rungs(self) -> Iterator[tuple[float, float, StateSpace]]:
-        """R_2, V_2 and the LQG controller of every rung that has one."""
+    def candidates(self) -> Iterator[tuple[float, float, StateSpace]]:
+        """Yield R_2, V_2 and the LQG controller of every candidate that exists."""
         free = self.saturation is None
         factors = (CONTROL if free else CALMER), (NOISE if free else NOISIER)
-        yield from _rungs(self.scaled, self.models, self.noise, self.noise_variance, factors)
+        yield from _grid_candidates(
+            self.scaled, self.models, self.noise, self.noise_variance, factors
+        )
 
     def in_units(self, G_c: Compensator) -> Compensator:
-        """A controller of this ladder's units in those of the plant."""
+        """Convert a controller from units of the grid to those of the plant."""
         by = self.units[0] / self.units[1]
         return Compensator(G_c.past_u, G_c.past_y * by, self.plant.sample_time)
 
     def in_runs(self, made: Sequence[Compensator]) -> list[int]:
-        """Places of controllers, in units of the plant, from the best one on, by runs with limits.
+        """Sort controllers, in units of the plant, by runs with limits; return their indices.
 
         The first one stays the first if its error, over the nominal plant and the others, is
         within a tenth of the least. Else of those that are the one whose u moves least is: linear
@@ -222,7 +224,7 @@ class Ladder:
         return [int(i) for i in np.lexsort((np.where(near, move, error), ~near))]
 
     def _runs(self, compensators: Sequence[Compensator]) -> list[Run]:
-        """Each controller on the nominal plant and the others, for every draw, with the limits."""
+        """Run each controller with the limits, on all plants and draws."""
         draws = range(1 if self.expected.is_known else len(KINDS))
         plants = [Variation(), *self.others]
         ws = {one.noise: [self.expected.w(TRIED, LEARNING + i, one.noise) for i in draws]
@@ -236,33 +238,33 @@ class Ladder:
         ]
         return simulate_many(cases, threads=1)
 
-    def without_limits(self) -> Ladder:
-        """The same for an actuator without limits."""
-        return Ladder(self.plant, self.expected, others=self.others)
+    def without_limits(self) -> WeightGrid:
+        """Return the grid for an actuator without limits."""
+        return WeightGrid(self.plant, self.expected, others=self.others)
 
     def reaches_limits(self, G_c: Compensator) -> bool:
-        """Whether a controller's u is ever cut on one of the plants, or such a run ends early."""
+        """Whether u reaches the limits on one of the plants, or a run ends early."""
         return any(
             run.outcome != "completed" or bool((run.u != run.u_applied).any())
             for run in self._runs([G_c])
         )
 
     def best(self) -> Reference:
-        """The controller of nearly the least error whose loop is robust, else the most robust one.
+        """The robust controller with nearly the least error, else the most robust one.
 
         Of those within a tenth of the least error the one with the least u is taken; with limits
         of u, unless runs with them say otherwise.
         """
         plant, units, V = self.plant, self.units, self.noise_variance
-        rungs = {(R_2, V_2): parts for R_2, V_2, parts in self.rungs()}
-        found = [(self.judged(parts), *weights) for weights, parts in rungs.items()]
-        found = [one for one in found if np.isfinite(one[0].peak)]
+        candidates = {(R_2, V_2): parts for R_2, V_2, parts in self.candidates()}
+        evaluations = [(self.judged(parts), *weights) for weights, parts in candidates.items()]
+        evaluations = [one for one in evaluations if np.isfinite(one[0].peak)]
         obstacle: CompensatorError | None = None
-        found.sort(key=lambda one: (one[0].order, *one[1:]))
-        found = _calmest_first(found)
+        evaluations.sort(key=lambda one: (one[0].order, *one[1:]))
+        evaluations = _calmest_first(evaluations)
         if self.saturation is not None:
-            found = self._by_runs(found, rungs)
-        for judged, R_2, V_2 in found:
+            evaluations = self._by_runs(evaluations, candidates)
+        for evaluation, R_2, V_2 in evaluations:
             try:
                 noise = {**self.noise, "v": V * V_2}
                 best = lqg_controller(_weighted(self.scaled, R_2, self.models), noise=noise)
@@ -274,30 +276,30 @@ class Ladder:
             compensator = self.in_units(G_c)
             if plant.m > 1 and not (
                 sensitivity_peak(ClosedLoop(plant.servo(), compensator))
-                <= (1 + CLOSER) * judged.peak
+                <= (1 + CLOSER) * evaluation.peak
             ):
                 obstacle = NoSolutionError("rounded, the controller loses its robustness.")
                 continue
-            return Reference(best, compensator, judged.peak, R_2, V_2, units)
+            return Reference(best, compensator, evaluation.peak, R_2, V_2, units)
         _require_no_hidden_mode(plant)
         order = self.scaled.n + len(self.models) * plant.m
-        rounded = f": those of order {order} that do need more digits than it has" * bool(obstacle)
+        rounded = f": those of order {order} that do so need more digits" * bool(obstacle)
         raise NoSolutionError(
-            "no controller was found in float64 that stabilises the plant under the disturbance "
-            f"and the command as they are given{rounded}. Reduce the order of the plant or its "
-            "dead time, sample more slowly, or say less of the disturbance."
+            "no float64 controller of the weight grid stabilises the plant for this disturbance "
+            f"and this command{rounded}. Reduce the order of the plant or its dead time, sample "
+            "more slowly, or give the disturbance as its size alone."
         ) from obstacle
 
     def _by_runs(
-        self, judged: list[tuple[Judged, float, float]],
-        rungs: Mapping[tuple[float, float], StateSpace],
-    ) -> list[tuple[Judged, float, float]]:  # fmt: skip
-        """The robust rungs, or those that are nearest to it, by runs; then the others."""
+        self, judged: list[tuple[Evaluation, float, float]],
+        candidates: Mapping[tuple[float, float], StateSpace],
+    ) -> list[tuple[Evaluation, float, float]]:  # fmt: skip
+        """Sort the most robust candidates by runs; then the others."""
         first = [one for one in judged if one[0].safe == min(other[0].safe for other in judged)]
         compensators, remaining = [], []
         for one in first:
             try:
-                compensators.append(self.in_units(converted(rungs[one[1:]], CLOSE)[0]))
+                compensators.append(self.in_units(converted(candidates[one[1:]], CLOSE)[0]))
                 remaining.append(one)
             except CompensatorError:
                 continue
@@ -305,12 +307,12 @@ class Ladder:
         return best + [one for one in judged if one not in best]
 
     def response(self, omega: Array) -> ComplexArray:
-        """From u to e, both scalar, in units of the ladder."""
+        """The response from u to e, both scalar, in units of the grid."""
         to_e = -self.plant.response(omega)[:, 0, 0] * self.units[0] / self.units[1]
         return np.asarray(to_e, dtype=np.complex128)
 
     def disturbance_spectrum(self, omega: Array) -> Array:
-        """Of d, in units of the ladder: white noise, and what drives its models through them."""
+        """The spectrum of d in units of the grid: white noise and the disturbance models."""
         spectrum = np.full(len(omega), self.noise["d"])
         z = np.exp(1j * omega)
         for kind, (pole, power) in self.models.items():
@@ -324,9 +326,9 @@ class Ladder:
 
 
 def _calmest_first(
-    judged: list[tuple[Judged, float, float]],
-) -> list[tuple[Judged, float, float]]:
-    """Of the robust ones whose error is nearly the least, that with the least u comes first.
+    judged: list[tuple[Evaluation, float, float]],
+) -> list[tuple[Evaluation, float, float]]:
+    """Put the candidate with the least u first, of the robust ones with nearly the least error.
 
     The last tenth of the error is bought with a u that answers to every step of the noise.
     """
@@ -342,18 +344,18 @@ def reference_loop(
     plant: DesignPlant, expected: Expected, u_range: float = np.inf,
     others: Sequence[Variation] = (), saturation: Saturation | None = None,
 ) -> Reference:  # fmt: skip
-    """The LQG controller on a ladder of weights whose loop is robust, with nearly the least error.
+    """The robust LQG controller on a grid of weights with nearly the least error.
 
     Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Of those
     within a tenth of the least error the one with the least u is taken; where none is robust,
     the one that fails with the fewest of them, and of those the one with the smallest peak.
-    Parameters are those of `Ladder`.
+    Parameters are those of `WeightGrid`.
     """
-    return Ladder(plant, expected, u_range, others, saturation).best()
+    return WeightGrid(plant, expected, u_range, others, saturation).best()
 
 
 def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> tuple[float, ...]:
-    """Take out what a zero of the plant keeps from y; refuse what then nothing can be done about.
+    """Remove disturbance models that a plant zero blocks; raise an error if none remains possible.
 
     Through a zero at its pole a constant d leaves nothing in y at rest, and a controller that
     integrates beside that zero has a mode which nothing moves. No controller follows a command, or
@@ -369,17 +371,17 @@ def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> 
         signals = "constants" if omega == 0 else f"sinusoids of {omega:.4g} rad/step"
         raise NoSolutionError(
             f"{where} in one direction {signals} of u do not reach y: no controller rejects a "
-            "disturbance there. Choose another measurement or actuator; or, for noise alone, say "
+            "disturbance there. Choose another measurement or actuator; or, for noise alone, give "
             "disturbance=WhiteNoise(...)."
         )
     if BIAS in blocked and expected.constant_command:
         raise NoSolutionError(
-            f"{where} a constant u does not move y in the end: no controller holds y at a "
+            f"{where} a constant u has no lasting effect on y: no controller holds y at a "
             "constant command. Leave the command out, or choose another measurement or actuator."
         )
     if SLOPE in blocked:
         raise NoSolutionError(
-            f"{where} of a ramp of d a constant reaches y, which no controller rejects, and none "
+            f"{where} a ramp of d gives a constant in y, which no controller rejects, and none "
             "follows a ramp. Give the disturbance and the command without ramps, or choose another "
             "measurement or actuator."
         )
@@ -389,7 +391,7 @@ def _without_blocked(models: Models, plant: DesignPlant, expected: Expected) -> 
 
 
 def _require_no_hidden_mode(plant: DesignPlant) -> None:
-    """Refuse a plant with a mode outside the circle, or on it, that no controller reaches or sees.
+    """Raise an error for an unstable mode that is uncontrollable or unobservable.
 
     By Popov, Belevitch and Hautus: rank [A - pI, B] and [A' - pI, C'] at every such pole p.
     """
@@ -398,21 +400,21 @@ def _require_no_hidden_mode(plant: DesignPlant) -> None:
         if abs(p) < 1 - NEAR or p.imag < 0:
             continue
         for pencil, words in (
-            (np.hstack([A - p * np.eye(n), plant.B]), "u does not move"),
+            (np.hstack([A - p * np.eye(n), plant.B]), "u does not control"),
             (np.hstack([A.T - p * np.eye(n), plant.C.T]), "y does not show"),
         ):
             sizes = np.linalg.svd(pencil, compute_uv=False)
             if sizes[-1] <= HIDDEN * sizes[0]:
                 value = f"{p.real:.6g}" if abs(p.imag) <= NEAR else f"{p:.6g}"
                 raise NoSolutionError(
-                    f"the plant has a pole at z = {value} that {words}: a factor that its "
-                    "numerator and its denominator have in common, or a state beside the loop. "
-                    "Cancel the factor if it is not there; else choose another actuator or sensor."
+                    f"the plant has a pole at z = {value} that {words}: a common factor of "
+                    "numerator and denominator, or a state outside the loop. Cancel the factor if "
+                    "the plant does not have it; else choose another actuator or sensor."
                 )
 
 
 def _is_blocked(plant: DesignPlant, omega: float) -> bool:
-    """Whether a zero of the plant is at that frequency: there the gain falls with the distance."""
+    """Whether the plant has a zero at a frequency: its gain falls towards it."""
     near, far = plant.response(omega + NEAR * np.array([1.0, 10.0]))
     least = np.linalg.norm(near, -2)
     return bool(least < FALLS * np.linalg.norm(far, -2) or least < OUT_OF_REACH * plant.low_gain)
@@ -435,7 +437,7 @@ def _channels_of_d(plant: Plant) -> tuple[str, ...]:
 
 
 def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Models:
-    """From kinds to (frequency, mean square) of what each d carries beside white noise."""
+    """The disturbance models: (frequency, mean square) by kind."""
     models: Models = {}
     stays, grows = (
         max(size / unit for size, unit in zip(sizes, units, strict=True))
@@ -476,14 +478,14 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     return problem
 
 
-def _rungs(
+def _grid_candidates(
     plant: Plant,
     models: Models,
     noise: dict[str, float],
     V: float,
     factors: tuple[Sequence[float], Sequence[float]],
 ) -> Iterator[tuple[float, float, StateSpace]]:
-    """The LQG controllers of the ladder: two Riccati equations for each side, not for each rung."""
+    """The LQG controllers of the grid: one Riccati equation per weight, not per pair of weights."""
     regulators, estimators = {}, {}
     for R_2 in factors[0]:
         problem = _weighted(plant, R_2, models)
@@ -544,7 +546,7 @@ def _radius(plant: Plant, parts: StateSpace) -> float:
 def _powers(
     plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]
 ) -> tuple[float, float]:
-    """E[e_0^2] and E[(u + b)^2] under what is expected; the means of several."""
+    """E[e_0^2] and E[(u + b)^2] under the expected signals; the means of several channels."""
     problem = _weighted(plant, 1.0, models)
     m = plant.l_u
     E_0 = np.zeros((2 * m, problem.l_w))

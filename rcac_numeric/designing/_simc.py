@@ -78,7 +78,7 @@ def _reduced(
 def _without_zeros(
     k: float, lags: list[float], zeros: ComplexArray, tau_c: float
 ) -> tuple[float, list[float], float]:
-    """Gain and lags with the zeros taken into them, and how much later those make y."""
+    """Absorb the zeros into gain, lags and dead time."""
     late = 0.0
     for zero in zeros:
         T = float(1 / max(np.abs(zero), 1e-12))

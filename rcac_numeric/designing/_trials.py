@@ -1,4 +1,4 @@
-"""Controllers on plants within the uncertainty, on noise that no setting was chosen by."""
+"""Test runs of controllers on plants within the uncertainty, with new seeds."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LAST = 0.25  # of a run: where its tail is measured
 
 @dataclass(frozen=True, eq=False)
 class Trial(Value):
-    """What one controller came to on one plant, over several draws of what acts on it.
+    """The results of one controller on one plant, over several draws of w.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Trial(Value):
     Ms: tuple[float, ...]
 
     def with_draws(self, more: Trial) -> Trial:
-        """The same controller on the same plant, with further draws."""
+        """Append the results of further draws."""
         return Trial(
             self.controller, self.variation, self.stable + more.stable, self.rms + more.rms,
             self.peak + more.peak, self.Ms + more.Ms,
@@ -61,7 +61,7 @@ class Trial(Value):
 
 @dataclass(frozen=True, eq=False)
 class Trials(Value):
-    """Every controller on every plant with the same draws: a batch, and the case of each run.
+    """The test runs of every controller on every plant with the same draws.
 
     Attributes
     ----------
@@ -90,18 +90,18 @@ class Trials(Value):
     def __call__(
         self, rng: np.random.Generator, *, controller: str, plant: int, seed: int
     ) -> SimulationCase:
-        """One run: a controller by its name, a plant by its place, a draw by its seed."""
+        """Evaluate one run: a controller by name, a plant by index, a draw by seed."""
         changed = self.variations[plant]
         servo = self.plant.servo(changed)
         return self._case(servo, controller, self.expected.w(self.steps, seed, changed.noise))
 
     @property
     def runs(self) -> int:
-        """Their number."""
+        """The number of runs."""
         return len(self.controllers) * len(self.variations) * self.seeds
 
     def of(self, numbers: Iterable[tuple[float, float, float]]) -> tuple[Trial, ...]:
-        """Their outcome, of the numbers `(rms, peak, Ms)` of every run in their order."""
+        """The trials from the numbers of every run, in their order."""
         left = iter(numbers)
         trials = []
         for name in self.controllers:
@@ -113,7 +113,7 @@ class Trials(Value):
         return tuple(trials)
 
     def in_threads(self) -> tuple[Trial, ...]:
-        """All of them in one batch of this process."""
+        """Evaluate all runs in one batch of this process."""
         servos = [self.plant.servo(one) for one in self.variations]
         draws = [
             [self.expected.w(self.steps, self.first + i, one.noise) for i in range(self.seeds)]

@@ -1,4 +1,4 @@
-"""Balanced truncation: a stable system of many states as one of few, as near as it is asked."""
+"""Balanced truncation of a stable system to a requested accuracy."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RINGS = 0.9  # modulus of a pole that may show between two of them
 
 
 class Balanced:
-    """A stable system in coordinates in which each state is reached as much as it is seen.
+    """A stable system in balanced coordinates: equal controllability and observability Gramians.
 
     Source: B. C. Moore, IEEE Transactions on Automatic Control 26 (1981) 17-32; by square roots:
     M. S. Tombs and I. Postlethwaite, International Journal of Control 46 (1987) 1319-1330.
@@ -43,7 +43,7 @@ class Balanced:
 
 @dataclass(frozen=True, eq=False)
 class Truncation(Value):
-    """A plant of many states, and one of few in its place.
+    """A plant of many states and its truncation.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Truncation(Value):
     error: float
 
     def small_gain(self, controller: Compensator) -> float:
-        """What is left out times what the loop makes of it, the largest over frequency.
+        """The peak over frequency of the truncation error times K S.
 
         Below 1 the controller, of e or of [e; r], stabilises the whole plant if it stabilises the
         one of few states, since what is left out is stable; the peak Ms of the sensitivity is then
@@ -76,7 +76,7 @@ class Truncation(Value):
 
 
 def truncated(plant: DesignPlant) -> Truncation | None:
-    """The plant of least order whose response is near enough; None where the plant is to stay.
+    """The truncation of least order within the allowed error; None if the plant is kept.
 
     What is late in all of it, as in a measured impulse response, becomes dead time first. The
     error is measured: the bound by the Hankel singular values that are left out grows with their
@@ -116,7 +116,7 @@ def truncated(plant: DesignPlant) -> Truncation | None:
 
 
 def _response(plant: DesignPlant) -> tuple[Array, ComplexArray]:
-    """Frequencies, and the response there: one Schur form, then triangular systems."""
+    """Frequencies and the response there, by one Schur form and triangular systems."""
     T, Z = schur(plant.A, output="complex")
     B, C, poles = Z.conj().T @ plant.B, plant.C @ Z, np.diag(T)
     angles = np.abs(np.angle(poles[np.abs(poles) > RINGS]))

@@ -204,7 +204,7 @@ class PreparedRun:
             u=u,
             y=y,
             z=z,
-            theta=self._kept(done),
+            theta=self._recorded_theta(done),
             theta_final=self._last(outcome),
             stride=self.stride,
             outcome="interrupted" if stopped else self._name_of(outcome),
@@ -262,7 +262,7 @@ class PreparedRun:
             return "weight failed"  # the kernel was handed a NaN in its place
         return OUTCOMES[outcome]
 
-    def _kept(self, done: int) -> Array:
+    def _recorded_theta(self, done: int) -> Array:
         rows = -(-done // self.stride)
         return self._theta[:rows] if self.prepared.adapts else np.zeros((rows, 0))
 

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import gaps_as_nan, instance_of
-from rcac_numeric.arrays._values import Standing
+from rcac_numeric.arrays._values import ShowsState
 from rcac_numeric.controllers._supervision import SupervisionWarning
 from rcac_numeric.engine._controller import Controller
 
 
-class Recorder(Standing):
+class Recorder(ShowsState):
     """Drives a controller and writes its steps to a .csv file that `rcac check` reads.
 
     A row is one write to the file, so that a process that is killed leaves no half row, and lacks

@@ -9,7 +9,7 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._validation import integer, number, one_of
-from rcac_numeric.arrays._values import Result, Standing
+from rcac_numeric.arrays._values import Result, ShowsState
 from rcac_numeric.engine._changes import COVARIANCES, ControllerChange
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.identification._data_targets import DataTarget, target_from_data
@@ -42,7 +42,7 @@ class LearnedTarget(Result):
     reason: str = ""
 
 
-class TargetLearner(Standing):
+class TargetLearner(ShowsState):
     """A hook of `simulate` that identifies the NMP zeros of G_zu and gives RCAC their target model.
 
     Before every step at which it is called it identifies the last `window` samples; where they

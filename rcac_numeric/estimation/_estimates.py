@@ -75,7 +75,7 @@ class StateEstimates(Result):
         """
         present = ~np.isnan(self.nis)
         if not present.any():
-            raise InputError("no step has a measurement: there is no innovation to judge.")
+            raise InputError("no step has a measurement: there is no innovation to evaluate.")
         measured = int((~np.isnan(self.innovation[present])).sum())
         return nis_consistency(self.nis[present], measured / int(present.sum()), confidence)
 
@@ -95,7 +95,9 @@ class StateEstimates(Result):
             Where the covariances were not kept.
         """
         if not len(self.P):
-            raise InputError("there are no covariances: estimate(..., keep_covariances=True).")
+            raise InputError(
+                "the covariances were not stored: call estimate(..., keep_covariances=True)."
+            )
         error = signal_array(truth, "truth", self.x.shape[1], len(self.x)) - self.x
         return nees_consistency(error, self.P, confidence)
 
@@ -375,7 +377,7 @@ def _roots(
     for name, noise in (("Q", Q), ("R", R)):
         rows = [None] * steps if noise is None else list(real_array(noise, name))
         if len(rows) != steps:
-            raise InputError(f"{name} has {len(rows)} entries where {steps} steps are.")
+            raise InputError(f"{name} has {len(rows)} entries for {steps} steps.")
         each.append(rows)
     roots = []
     for k, (q, r) in enumerate(zip(*each, strict=True)):

@@ -9,10 +9,10 @@ from compensator_theory.errors import DivergedError, IllConditionedError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
 from rcac_numeric.arrays._validation import integer, matrix
-from rcac_numeric.arrays._values import Standing
+from rcac_numeric.arrays._values import ShowsState
 
 
-class ForwardRegulator(Standing):
+class ForwardRegulator(ShowsState):
     r"""The gain (8.95) with P propagated forward by (8.96).
 
     K(k) = -(R_2 + B'PB)^-1 B'PA and P(k+1) = (A + BK)'P(A + BK) + K'R_2 K + R_1, which is (8.96)
@@ -101,13 +101,13 @@ class ForwardRegulator(Standing):
         if not finite:
             raise DivergedError(
                 f"P left the range of float64 at step {self.k}: (A, B) is not stabilisable. See "
-                "that every growing mode feels the input."
+                "that every unstable mode is controllable."
             )
         self.P, self.k = (P + P.T) / 2, self.k + 1
         return K
 
 
-class ForwardEstimator(Standing):
+class ForwardEstimator(ShowsState):
     """The dual: the observer gain (8.99) with Q propagated forward by (8.100).
 
     F(k) = A Q C' (C Q C' + V_2)^-1 and Q(k+1) = (A - FC) Q (A - FC)' + F V_2 F' + V_1, for the
@@ -199,5 +199,5 @@ class ForwardEstimator(Standing):
         except DivergedError:
             raise DivergedError(
                 f"Q left the range of float64 at step {self.k}: (A, C) is not detectable. See that "
-                "every growing mode shows in y."
+                "every unstable mode is observable."
             ) from None

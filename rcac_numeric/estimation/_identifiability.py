@@ -46,7 +46,7 @@ class NoiseInformation(Result):
     def __str__(self) -> str:
         """What cannot be identified, in words."""
         if not self.unidentified:
-            return "every entry of Q and R that is learned shows in the measurements."
+            return "the measurements identify every learned entry of Q and R."
         words = [
             " and ".join(
                 f"{name}[{i},{j}]"
@@ -56,8 +56,8 @@ class NoiseInformation(Result):
             for pair in self.unidentified
         ]
         return (
-            f"no record tells a change of {'; nor of '.join(words)} from none: how these share "
-            "what is learned follows from what was given at first. Learn a diagonal, know some of "
+            f"no record identifies a change of {'; nor of '.join(words)}: their ratio "
+            "remains that of the initial values. Learn a diagonal, fix some of "
             "them, or measure more of x."
         )
 
@@ -178,7 +178,7 @@ def _sensitivity(
         except np.linalg.LinAlgError:
             raise IllConditionedError(
                 "the spectrum of y is singular: some combination of the measurements has no noise. "
-                "Give every measurement some noise, R > 0, or drop one that repeats."
+                "Give every measurement some noise, R > 0, or drop a redundant one."
             ) from None
         moved = G[:, None] @ dQ @ adjoint[:, None] + dR
         white = whitening[:, None] @ moved @ whitening.conj().transpose(0, 2, 1)[:, None]

@@ -91,7 +91,9 @@ class IndirectSettings(StepwiseController):
         set_("R_1", constant_weight(self.R_1, "R_1", model.n + 1, definite=False))
         set_("R_2", constant_weight(self.R_2, "R_2", model.l_w, definite=True))
         if (V_1 is None) != (V_2 is None):
-            raise InputError("an observer needs both V_1 and V_2; full-state feedback neither.")
+            raise InputError(
+                "an observer needs both V_1 and V_2; full-state feedback needs neither."
+            )
         set_("V_1", None if V_1 is None else constant_weight(V_1, "V_1", model.n, definite=False))
         set_("V_2", None if V_2 is None else constant_weight(V_2, "V_2", 1, definite=True))
         if self.has_observer:
@@ -276,6 +278,7 @@ def require_observable(settings: RCMR, C: Array) -> None:
     rank = np.linalg.matrix_rank(np.vstack(scaled), tol=1e-12)
     if rank < settings.n:
         raise NotObservableError(
-            f"C_r sees {rank} of the {settings.n} modes of the model: an observer cannot correct "
+            f"C_r observes {rank} of the {settings.n} modes of the model: an observer cannot "
+            "correct "
             "the others. Measure more, or use full-state feedback."
         )

@@ -61,15 +61,16 @@ class Observability(Result):
     def __str__(self) -> str:
         """Which directions are unseen, in words."""
         if not self.unseen:
-            return "every direction of the state shows in the measurements."
+            return "the measurements determine every direction of the state."
         words = []
         for direction in self.unseen:
             share = np.abs(direction) / np.abs(direction).max()
             parts = [name for name, s in zip(self.names, share, strict=True) if s > 1e-6]
             words.append(parts[0] if len(parts) == 1 else "a combination of " + ", ".join(parts))
         return (
-            f"the measurements of {self.steps} steps say nothing about {'; '.join(words)}: what is "
-            "estimated there is what was believed at first. Excite or measure it, or take it as "
+            f"the measurements of {self.steps} steps contain no information on "
+            f"{'; '.join(words)}: the "
+            "estimate remains the initial one. Excite or measure it, or take it as "
             "known."
         )
 

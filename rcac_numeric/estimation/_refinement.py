@@ -413,7 +413,8 @@ def refined_record(
         kernel.run(inputs, outputs, states, theta, z, u)
     except EstimationError:
         raise DivergedError(
-            f"the refined model left the range of float64 at step {kernel.k}: run freely, it went "
+            f"the refined model left the range of float64 at step {kernel.k}: in free run it "
+            "became "
             "unstable. Give the states x that were measured, use a smaller beta, or other delays."
         ) from None
     P = np.asarray(kernel.P)

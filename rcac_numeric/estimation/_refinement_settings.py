@@ -145,12 +145,14 @@ class RCMR(Value):
         E_1: ArrayLike | None = self.E_1
         if isinstance(part, FIRSubsystem):
             if B is None or E_1 is None:
-                raise InputError("an FIRSubsystem needs B, where it acts, and E_1, what it reads.")
+                raise InputError("an FIRSubsystem needs B (where it acts) and E_1 (its inputs).")
             set_("B", matrix(_column(B, n), "B", (n, None)))
             set_("E_1", matrix(_row(E_1), "E_1", (None, n)))
             return
         if B is not None or E_1 is not None:
-            raise InputError("RepeatedParameters say themselves where they act: no B, no E_1.")
+            raise InputError(
+                "RepeatedParameters contain their inputs and outputs: leave out B and E_1."
+            )
         wide = part.D.shape[2] in (0, self.l_w)
         if part.A.shape[1] != n or not wide:
             raise InputError(

@@ -159,7 +159,7 @@ def _forward(
             if not scale.min() > 1e-14 * scale.max():
                 raise IllConditionedError(
                     f"the covariance of the innovation is singular at step {k}: give every "
-                    "measurement some noise, R > 0, or drop one that repeats."
+                    "measurement some noise, R > 0, or drop a redundant one."
                 )
             white = np.linalg.solve(L_y, innovation)
             x = x + L[p:, :p] @ white

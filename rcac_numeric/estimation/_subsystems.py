@@ -90,7 +90,7 @@ class RepeatedParameters(Value):
         set_("D", D)
         for j in range(l_theta):
             if not (read[j].any() or D[j].any()):
-                raise InputError(f"parameter {j} stands neither in A nor in D; leave it out.")
+                raise InputError(f"parameter {j} occurs neither in A nor in D; leave it out.")
 
     @property
     def l_theta(self) -> int:

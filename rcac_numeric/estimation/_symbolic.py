@@ -86,7 +86,7 @@ class SymbolicModel(Value):
             set_("step", sympy.Dummy("k"))
         twice = {s for s in known if known.count(s) > 1}
         if twice:
-            raise InputError(f"{', '.join(map(str, twice))}: a symbol stands twice in the model.")
+            raise InputError(f"{', '.join(map(str, twice))}: a symbol occurs twice in the model.")
         if not self.states or not self.output or len(self.dynamics) != len(self.states):
             raise InputError(
                 f"{len(self.states)} states, {len(self.dynamics)} expressions in dynamics and "

@@ -25,7 +25,7 @@ def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequ
     """A program, or with the flag -shared a library, of C sources."""
     cc = compiler()
     if cc is None:
-        raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")
+        raise InputError("no C compiler found: there is no cc, gcc or clang, and CC is empty.")
     command = [cc, *FLAGS, *flags, *(f"-I{path}" for path in includes)]
     done = run_program([*command, *map(str, sources), "-o", str(program)])
     if done.returncode:

@@ -70,7 +70,7 @@ class Export(Truth):
         return bool(self.replay)
 
     def __str__(self) -> str:
-        sentence = self.replay or "not compiled: there is no C compiler here"
+        sentence = self.replay or "not compiled: there is no C compiler on this machine"
         return (
             f"{self.folder}: {len(self.files)} files, {self.real}, {self.state_bytes} bytes of "
             f"RAM; {sentence}"
@@ -196,7 +196,7 @@ def _verified(texts: Mapping[str, str], prefix: str) -> str:
         agrees, sentence = replayed(place / "src", place / "test", prefix)
     if not agrees:
         raise InputError(
-            f"the exported code does not do what its source does: {sentence}. Nothing was written. "
+            f"the exported code differs from its source: {sentence}. Nothing was written. "
             "Please report it, with the settings."
         )
     return sentence
@@ -294,7 +294,7 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
     largest = max(float(np.abs(s).max(initial=0.0)) for s in (source.y, source.u))
     if ratio > WORST_RATIO and rms - rms_64 > 1e-6 * largest:
         raise InputError(
-            f"in float32 the loop does not do over {source.steps} steps what it does in float64: "
+            f"in float32 the loop differs from that in float64 over {source.steps} steps: "
             f"{sentence}. Use float64, or a larger R_theta."
         )
     return recording, sentence
@@ -313,13 +313,14 @@ def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[
     ranges = []
     if largest > LARGEST_R_THETA:
         ranges.append(
-            f"R_theta = {largest:.3g} is above {LARGEST_R_THETA:g}, which was not measured."
+            f"R_theta = {largest:.3g} is above {LARGEST_R_THETA:g}, for which float32 was not "
+            "tested."
         )
     floor = 1e-12 * _largest_row(controller, recording)
     if smallest < floor:
         ranges.append(
             f"R_theta = {smallest:.3g} is below {floor:.3g} = 1e-12 W max phi_f^2: rounding may "
-            "decide updates, and RCAC_UNSUPPORTED says when."
+            "decide updates; the status RCAC_UNSUPPORTED reports it."
         )
     return tuple(ranges)
 

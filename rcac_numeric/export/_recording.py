@@ -45,8 +45,8 @@ class Recording:
         return len(self.u)
 
 
-class _Given:
-    """The signals of a run as they were."""
+class _RunSignals:
+    """The recorded signals of a run."""
 
     def __init__(self, run: Run, l_r: int) -> None:
         first = command_position(run.plant, l_r)
@@ -58,11 +58,11 @@ class _Given:
         return self.y[k], self.z[k], self.r[k]
 
     def move(self, k: int, u: Array) -> None:
-        """A run has moved already."""
+        """Do nothing: the signals of a run are recorded."""
 
 
-class _Loop(_Given):
-    """The plant of a run, anew."""
+class _Loop(_RunSignals):
+    """The plant of a run, simulated again."""
 
     def __init__(self, run: Run, l_r: int) -> None:
         super().__init__(run, l_r)
@@ -76,7 +76,7 @@ class _Loop(_Given):
         self.body.advance(u, self.w[k])
 
 
-class _StandIn(_Given):
+class _PlaceholderSignals(_RunSignals):
     """x(k+1) = 0.8 x(k) + 0.1 sum u(k) + noise; y and z are x with noise of their own."""
 
     def __init__(self, t: CoreTables) -> None:
@@ -98,7 +98,7 @@ class _StandIn(_Given):
 
 
 def usable(run: Run | None) -> Run | None:
-    """The run, where its signals can be replayed from the first step on."""
+    """Return the run if its signals can be replayed from the first step on."""
     fits = run is not None and run.first_step == 0 and not run.changes and run.steps > 0
     return run if fits else None
 
@@ -109,20 +109,20 @@ def recorded(
     saturation: Saturation | None = None,
     run: Run | None = None,
 ) -> Recording:
-    """What the engine's plain instruction set makes of the inputs of a run, or of a small loop."""
+    """Record the engine with the plain instruction set on a run's inputs, or in a small loop."""
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
     if saturation is not None and not tables.strictly_proper:
         raise InputError(
-            "a saturation with a target model that is not strictly proper cannot be held against "
+            "a saturation with a target model that is not strictly proper cannot be compared with "
             "the engine step by step; leave the saturation to the host."
         )
     run = usable(run)
     kernel = compiled_controller(controller, tables.l_z, Failures(), "plain")
     if run is None:
-        signals: _Given = _StandIn(tables)
+        signals: _RunSignals = _PlaceholderSignals(tables)
     elif run.plant.y_needs_u or run.plant.z_needs_u:
-        signals = _Given(run, tables.l_r)
+        signals = _RunSignals(run, tables.l_r)
     else:
         signals = _Loop(run, tables.l_r)
     limits = _Limits(saturation, tables.l_u)
@@ -151,15 +151,15 @@ def recorded(
 
 
 def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps: int) -> Recording:
-    """What the compiled core in float32 makes of the same loop, closed around it."""
+    """Record the compiled core in float32 in the same closed loop."""
     t, run = tables, usable(run)
-    signals = _StandIn(t) if run is None else _Loop(run, t.l_r)
+    signals = _PlaceholderSignals(t) if run is None else _Loop(run, t.l_r)
     rows: Rows = []
     theta = np.array(t.theta_0, dtype=np.float32)
     with subprocess.Popen([str(program)], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdin is not None and process.stdout is not None
 
-        def given(k: int, u: Array | None) -> tuple[Any, ...]:
+        def send(k: int, u: Array | None) -> tuple[Any, ...]:
             row = [np.asarray(v, dtype=np.float32) for v in signals.measured(k, u)]
             if not t.adapts:
                 row[1] = np.zeros(1, dtype=np.float32)
@@ -169,13 +169,13 @@ def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps
 
         for k in range(steps):
             if t.measures_first:
-                given(k, None)
+                send(k, None)
             u = np.frombuffer(process.stdout.read(4 * t.l_u), dtype=np.float32)
-            row = given(k, u.astype(np.float64))
+            row = send(k, u.astype(np.float64))
             status = int.from_bytes(process.stdout.read(4), "little")
             if status & LEFT_RANGE:
                 process.kill()
-                raise DivergedError(f"in float32 it leaves the range of its numbers at step {k}.")
+                raise DivergedError(f"in float32 the controller overflows at step {k}.")
             theta = np.frombuffer(process.stdout.read(4 * t.l_theta), dtype=np.float32)
             rows.append((*row, u))
             signals.move(k, u.astype(np.float64))
@@ -187,8 +187,8 @@ def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps
 def _recording(rows: Rows, theta: Any, run: Run | None) -> Recording:
     if not rows:
         raise DivergedError(
-            "the controller leaves the range of float64 within its first steps, so that there is "
-            "nothing to hold an export against."
+            "the controller leaves the range of float64 within its first steps: there is no "
+            "reference for the export."
         )
     y, z, r, u = (np.array(column) for column in zip(*rows, strict=True))
     source = "a stand-in plant" if run is None else "the run"

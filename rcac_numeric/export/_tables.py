@@ -243,7 +243,7 @@ def core_tables(
     if isinstance(controller, Decentralized):
         raise InputError(
             "a Decentralized is several controllers; export each of its `controllers`, with a "
-            "prefix of its own."
+            "separate prefix."
         )
     if not isinstance(controller, ControllerSettings | FixedController):
         raise InputError(
@@ -418,7 +418,7 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
         refuse(name, "use a number, a schedule or VariableRateForgetting")
     if settings.learning is not None:
         refuse("DataDriven learning of the target model",
-               "export with the model that was learnt, and live_order")  # fmt: skip
+               "export with the identified model, and live_order")  # fmt: skip
     if settings.reflect_poles:
         refuse("reflect_poles, which needs complex roots,", "use bounds on theta")
     for name, value in (("R_z", settings.R_z), ("R_u", settings.R_u)):
@@ -445,7 +445,7 @@ def _supervision(supervision: Supervision | None, adapts: bool) -> tuple[float, 
         raise InputError("a fixed compensator has no P to supervise; leave supervision out.")
     if supervision.policy != "warn":
         raise InputError(
-            f'the policy "{supervision.policy}" is not in the stand-alone core, which notes and '
+            f'the policy "{supervision.policy}" is not in the stand-alone core, which reports and '
             "does not "
             'act; use Supervision("warn"), and act on its status in your program.'
         )

@@ -190,7 +190,7 @@ def target_from_data(
         named = f"the zero {plain_number(zero):.6g} has the modulus {abs(zero):.6g} +- {error:.2g}"
         if phase == "undecided":
             raise InputError(
-                f"{named}, so that the data do not say whether it is inside the unit circle at "
+                f"{named}: the data do not decide whether it is inside the unit circle at "
                 f"the level {level:g}. Keep the target; record more data, or a stronger input."
             )
         if phase == "nonminimum phase" and error > largest_error * abs(zero):

@@ -111,7 +111,7 @@ def directions_from_data(
     if least <= max(3 * deviation, 1e-9 * float(np.abs(B).max())):
         raise InputError(
             f"B_1 has the singular value {least:.2g} with the standard error {deviation:.2g}: the "
-            "relative degree is not 1 in every channel, or the data are too few to say so."
+            "relative degree is not 1 in every channel, or there are too few data to show it."
         )
     zeros, errors = _zeros(B, noise, spread)
     width = number(level, "level")
@@ -121,8 +121,8 @@ def directions_from_data(
             continue
         if abs(z0) - width * spread_of <= 1 or spread_of > number(largest_error, "largest_error"):
             raise InputError(
-                f"the zero {z0:.4g} has the standard error {spread_of:.2g}: the data do not say on "
-                "which side of the unit circle it is, or not where. Record more, or perturb u more."
+                f"the zero {z0:.4g} has the standard error {spread_of:.2g}: the data do not decide "
+                "where it is, inside or outside the unit circle. Record more, or perturb u more."
             )
         value = scipy.linalg.solve(_at(A, z0), _at(B, z0) / z0)
         eta = np.linalg.svd(value)[0][:, -1].conj()

@@ -83,7 +83,7 @@ def modelling_information_from_markov(
     if not cleared.any():
         raise InputError(
             f"none of the {len(cleared)} Markov parameters exceeds {significance:g} standard "
-            "errors: the data do not show that u acts on z. Record more data, or a stronger input."
+            "errors: the data show no effect of u on z. Record more data, or a stronger input."
         )
     d_zu = int(np.flatnonzero(cleared)[0])
     leading = float(cleared[d_zu, 0, 0])

@@ -144,7 +144,7 @@ def identify_output_error(
     least = information_criterion(_residual(record, (0, 0, 0), np.zeros(0)), 1, PENALTY)
     if not _criterion(e, shape) < least:
         raise InputError(
-            "the record does not show that y answers to u: no model is better than a constant. "
+            "the record shows no effect of u on y: no model is better than a constant. "
             "Excite u more, record longer, or try longer delays."
         )
     A, b = np.r_[1.0, coefficients[: n - sums]], coefficients[n - sums :]

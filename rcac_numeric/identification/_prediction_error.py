@@ -146,14 +146,15 @@ def identify_in_closed_loop(
     alone, stirring = _regressed(scalar_signal(u, "u"), scalar_signal(y, "y"), PAST_U + 1)
     if not np.std(alone) > STIRRED * record.units[0]:
         raise InputError(
-            f"u follows from its own past from step {PAST_U} on, as a sinusoid does, or a step "
-            "that came before: such a record does not show what u answers to. If the loop was "
+            f"u is determined by its own past from step {PAST_U} on, as a sinusoid is, or a "
+            "constant: "
+            "the record does not show how u depends on y. If the loop was "
             "open, use identify_output_error; if it was closed, add a dither to u, or move the "
             "command, and record again."
         )
     if not np.std(stirring) > STIRRED * record.units[0]:
         raise InputError(
-            "u follows from y: such a record shows the controller and not the plant. Add a dither "
+            "u is determined by y: the record shows the controller, not the plant. Add a dither "
             "to u, or move the command, and record again."
         )
     best = None
@@ -164,7 +165,7 @@ def identify_in_closed_loop(
     assert best is not None
     if not best.value < _least(_Differenced(record, best.shape[-1]), best.shape):
         raise InputError(
-            "the record does not show that y answers to u: y is predicted as well without it. "
+            "the record shows no effect of u on y: y is predicted as well without u. "
             "Excite u more, record longer, or try longer delays."
         )
     return _model(best, record, stirring)
@@ -198,9 +199,9 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
 def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
     """What the past of u leaves of it, and what so many values of y leave of that."""
     if len(u) != len(y):
-        raise InputError(f"u has {len(u)} steps and y {len(y)}; they belong together.")
+        raise InputError(f"u has {len(u)} steps and y {len(y)}; they must be equally long.")
     if len(u) < 5 * PAST_U:
-        raise InputError(f"there are {len(u)} steps; {5 * PAST_U} or more tell what u answers to.")
+        raise InputError(f"there are {len(u)} steps; at least {5 * PAST_U} are needed.")
     now = _unit(lagged(u[:, None], PAST_U + 1))
     past = _unit(lagged(y[:, None], PAST_U + 1)[:, :count])
     scale = float(np.std(u))
@@ -238,7 +239,7 @@ class _Differenced:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Candidate:
     """Coefficients of A, B and c, those of C and of D; and the criterion."""
 
     shape: Shape
@@ -256,7 +257,7 @@ class _Found:
         return integrated_share(np.r_[1.0, A], B)
 
 
-def _best(data: _Differenced, candidates: list[Shape]) -> _Found:
+def _best(data: _Differenced, candidates: list[Shape]) -> _Candidate:
     e = _innovations(data)
     fits = [_started(data, shape, e) for shape in candidates]
     fits.sort(key=lambda one: one.value)
@@ -281,24 +282,24 @@ def _innovations(data: _Differenced) -> Array:
     return np.zeros_like(y) if innovations is None else innovations[1]
 
 
-def _started(data: _Differenced, shape: Shape, e: Array) -> _Found:
+def _started(data: _Differenced, shape: Shape, e: Array) -> _Candidate:
     """A, B and C by one regression on the innovations of the long model."""
     n, d, _ = shape
     y, rows = data.rows(n, d)
     past = np.stack([late(e, i)[-len(y) :] for i in range(1, n + 1)], axis=1)
     fitted = np.asarray(np.linalg.lstsq(np.hstack([rows, past]), y, rcond=None)[0], np.float64)
     C = inside(np.r_[1.0, fitted[rows.shape[1] :]])
-    return _judged(data, shape, fitted[: rows.shape[1]], C, np.ones(1))
+    return _evaluated(data, shape, fitted[: rows.shape[1]], C, np.ones(1))
 
 
-def _judged(data: _Differenced, shape: Shape, linear: Array, C: Array, D: Array) -> _Found:
+def _evaluated(data: _Differenced, shape: Shape, linear: Array, C: Array, D: Array) -> _Candidate:
     y, rows = data.rows(*shape[:2])
     e = lfilter(D, C, y - rows @ linear)
     parameters = len(linear) + len(C) + len(D) - 2
-    return _Found(shape, linear, C, D, e, information_criterion(e, parameters, PENALTY))
+    return _Candidate(shape, linear, C, D, e, information_criterion(e, parameters, PENALTY))
 
 
-def _refined(data: _Differenced, start: _Found, D: Array) -> _Found:
+def _refined(data: _Differenced, start: _Candidate, D: Array) -> _Candidate:
     """The smallest prediction error beside a start, by its gradients."""
     y, rows = data.rows(*start.shape[:2])
     n_l, n_C = rows.shape[1], len(start.C) - 1
@@ -325,7 +326,7 @@ def _refined(data: _Differenced, start: _Found, D: Array) -> _Found:
         errors, theta, slopes, x_scale="jac", max_nfev=40, ftol=1e-10, xtol=1e-10, gtol=1e-12
     ).x  # fmt: skip
     linear, C, D = parts(np.asarray(optimum))
-    return _judged(data, start.shape, linear, C, inside(D))
+    return _evaluated(data, start.shape, linear, C, inside(D))
 
 
 def _least(data: _Differenced, shape: Shape) -> float:
@@ -339,12 +340,12 @@ def _least(data: _Differenced, shape: Shape) -> float:
                          sums)  # fmt: skip
     linear = np.concatenate([start[:-1], np.zeros(n), start[-1:]])
     refined = _refined(
-        alone, _judged(alone, shape, np.asarray(linear), C, np.ones(1)), np.array([1.0, 0])
+        alone, _evaluated(alone, shape, np.asarray(linear), C, np.ones(1)), np.array([1.0, 0])
     )
     return information_criterion(refined.e, 2 * n + 1 - sums, PENALTY)
 
 
-def _model(best: _Found, record: ScalarRecord, stirring: Array) -> PredictionErrorModel:
+def _model(best: _Candidate, record: ScalarRecord, stirring: Array) -> PredictionErrorModel:
     n, d, sums = best.shape
     A = np.r_[1.0, best.linear[: n - sums]]
     for _ in range(sums):

@@ -127,8 +127,9 @@ class RecursiveARX(RecursiveRegression):
             )
         if self.excitation() > 0.1:
             raise InputError(
-                "the data do not excite every coefficient of u: of the worst, more than a tenth of "
-                "what is known comes from R_theta. Perturb u (a dither), or choose a smaller "
+                "the data do not excite every coefficient of u: for the worst, more than a tenth "
+                "of "
+                "the information comes from R_theta. Perturb u (a dither), or choose a smaller "
                 "R_theta or order."
             )
         estimate = self.estimate(level, d_zu)
@@ -137,6 +138,6 @@ class RecursiveARX(RecursiveRegression):
                 f"the residuals of the ARX({self.order}) are not white (probability "
                 f"{estimate.whiteness:.1g}): the order is below that of the plant and its "
                 "noise, and "
-                "the zeros may be anywhere. Choose a larger order."
+                "the zeros are not reliable. Choose a larger order."
             )
         return estimate

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import integer, number, vector
-from rcac_numeric.arrays._values import Standing
+from rcac_numeric.arrays._values import ShowsState
 
 
-class RecursiveMarkov(Standing):
+class RecursiveMarkov(ShowsState):
     """The least squares of (3.8), one sample at a time, with exponential forgetting.
 
     minimise sum_k lambda^(K-k) norm(y(k) - theta phi(k))^2

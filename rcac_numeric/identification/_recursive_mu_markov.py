@@ -148,8 +148,8 @@ class RecursiveMuMarkov(RecursiveRegression):
             )
         if self.excitation() > 0.1:
             raise InputError(
-                "the data do not excite every combination of the Markov parameters: of the worst, "
-                "more than a tenth of what is known comes from R_theta. Perturb u (a dither), or "
+                "the data do not excite every combination of the Markov parameters: for the worst, "
+                "more than a tenth of the information comes from R_theta. Perturb u (a dither), or "
                 "choose a smaller R_theta, mu or n_mod."
             )
         freedom = self.samples - len(theta)
@@ -194,7 +194,8 @@ class RecursiveMuMarkov(RecursiveRegression):
         if probability < WHITE and errors @ errors > self.variance:
             raise InputError(
                 f"the residuals are not white (probability {probability:.1g}), so that the H_j are "
-                "correlated otherwise than the recursion knows and the zeros' errors would be "
+                "correlated in a way that the recursion does not model, and the zeros' errors "
+                "would be "
                 "wrong. Record a window and give identify_markov_parameters(u, z, mu, n_mod) to "
                 "identified_zeros, or raise n_mod if it is below the plant's order."
             )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number, real_array
-from rcac_numeric.arrays._values import Standing
+from rcac_numeric.arrays._values import ShowsState
 from rcac_numeric.compiled._estimators import Arx
 
 
@@ -22,7 +22,7 @@ def floor_of(R_theta: float) -> float:
     return value
 
 
-class RecursiveRegression(Standing):
+class RecursiveRegression(ShowsState):
     """z(k) = phi(k) theta + e(k) by the controller's own update, UD recursive least squares."""
 
     SHOWN: ClassVar[tuple[str, ...]] = ("k",)

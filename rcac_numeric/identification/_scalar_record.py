@@ -73,16 +73,19 @@ def scalar_record(
     """The record of one u and one y, for models of orders and delays of `longest` together."""
     control, output = scalar_signal(u, "u"), scalar_signal(y, "y")
     if len(control) != len(output):
-        raise InputError(f"u has {len(control)} steps and y {len(output)}; they belong together.")
+        raise InputError(
+            f"u has {len(control)} steps and y {len(output)}; they must be equally long."
+        )
     if len(control) < STEPS_EACH * (longest + 2):
         raise InputError(
             f"there are {len(control)} steps, and for orders and delays of {longest} together at "
-            f"least {STEPS_EACH * (longest + 2)} are needed. Record more, or try less."
+            f"least {STEPS_EACH * (longest + 2)} are needed. Record more, or reduce orders or "
+            "delays."
         )
     units = float(np.std(control)), float(np.std(output))
     for name, one in zip("uy", units, strict=True):
         if not one > 0:
-            raise InputError(f"{name} does not move: the record shows nothing of the plant.")
+            raise InputError(f"{name} is constant: the record does not show the plant.")
     return ScalarRecord(
         (control - control.mean()) / units[0], (output - output.mean()) / units[1], units, longest,
         drifts,
@@ -96,7 +99,9 @@ def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[i
     poles = [integer(i, "integrators", at_most=1) for i in items(integrators, "integrators")]
     candidates = [(n, d, i) for i in poles for n in ns for d in ds]
     if not candidates:
-        raise InputError("there is nothing to try: give an order, a delay, and integrators (0,).")
+        raise InputError(
+            "there is no candidate model: give an order, a delay, and integrators (0,)."
+        )
     return candidates
 
 

@@ -139,8 +139,8 @@ def identified_zeros(
     l_y, l_u = H.shape[1:]
     if l_y != l_u:
         raise InputError(
-            f"the identified map is {l_y} x {l_u}; a map that is not square has zeros by accident "
-            "only. Choose as many outputs as inputs."
+            f"the identified map is {l_y} x {l_u}; a map that is not square has no zeros "
+            "in general. Choose as many outputs as inputs."
         )
     first = leading_index(markov, significance) if d_zu is None else integer(d_zu, "d_zu")
     if first >= len(H) - 2:
@@ -173,7 +173,7 @@ def leading_index(markov: IdentifiedMarkovParameters, significance: float) -> in
     if not cleared.any():
         raise InputError(
             f"none of the {markov.mu} Markov parameters exceeds {significance:g} standard errors: "
-            "the data do not show that u acts on y. Record more data, or a stronger input."
+            "the data show no effect of u on y. Record more data, or a stronger input."
         )
     return int(np.flatnonzero(cleared)[0])
 
@@ -183,7 +183,7 @@ def _require_invertible(leading: Array, error: Array, index: int) -> None:
     if smallest <= float(np.linalg.norm(error)):
         raise InputError(
             f"the smallest singular value of H_{index} is {smallest:.3g}, within "
-            f"{float(np.linalg.norm(error)):.3g}, what its error allows, so that no zeros follow. "
+            f"{float(np.linalg.norm(error)):.3g}, its possible error: it determines no zeros. "
             "Give d_zu, take outputs of one relative degree, or record more data."
         )
 

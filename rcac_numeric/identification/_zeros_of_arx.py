@@ -81,7 +81,7 @@ def zeros_of(
         if significant.size == 0:
             raise InputError(
                 f"none of the {len(b)} coefficients of u exceeds {SIGNIFICANCE:g} standard errors: "
-                "the data do not show that u acts on z. Perturb u more, or wait."
+                "the data show no effect of u on z. Perturb u more, or wait."
             )
         d_zu = int(significant[0]) + 1
     numerator, part = b[d_zu - 1 :], covariance[d_zu - 1 :, d_zu - 1 :]

@@ -30,7 +30,7 @@ def plot_design(design: Design) -> Figure:
     error.set_title(str(design.verdict), fontsize=9, loc="left", wrap=True)
     error.set_ylabel("$e_0$")
     error.legend(fontsize=8, loc="upper right")
-    control.set(ylabel="$u$", xlabel="step $k$ of a held-out run with the nominal plant")
+    control.set(ylabel="$u$", xlabel="step $k$ of a test run with the nominal plant")
     plants = list(dict.fromkeys(trial.variation.name for trial in design.evidence))
     for i, name in enumerate(names):
         trials = [t for t in design.evidence if t.controller == name]

@@ -20,7 +20,7 @@ from rcac_numeric.plots._style import (
     REACHED,
     SECOND,
     WANTED,
-    axes_given,
+    axes_of,
     checked_width,
     figure_of,
     tidy,
@@ -80,7 +80,7 @@ def plot_disk_margin(
     if not np.isfinite(margin.alpha):
         raise InputError("no factor makes the loop unstable: the disk margin is infinite.")
     if ax is not None:
-        (axis,) = axes_given(ax, 1)
+        (axis,) = axes_of(ax, 1)
         draw_disk_region(axis, margin.alpha)
         return figure_of(axis)
     width = checked_width(width)
@@ -97,7 +97,7 @@ def plot_loop(
     if view not in VIEWS:
         raise InputError(f"view = {view!r} is none of {', '.join(VIEWS)}.")
     if ax is not None:
-        axes = axes_given(ax, VIEWS[view])
+        axes = axes_of(ax, VIEWS[view])
         _draw(axes, view, curve)
         return figure_of(axes[0])
     width = checked_width(width)
@@ -216,7 +216,7 @@ def _show_half_turns(phase: Axes, degrees: Any) -> None:
 def draw_disk(axis: Axes, curve: LoopCurve) -> None:
     """Draw the gains and turns that together leave the loop stable, by its disk margin."""
     if curve.disk is None:
-        raise InputError("there is no disk margin: the loop is unstable, or none was asked for.")
+        raise InputError("there is no disk margin: the loop is unstable, or none was requested.")
     draw_disk_region(axis, curve.disk)
     for _, factor in curve.gains:
         axis.plot(factor, 0, "s", mfc="none", mec=SECOND, ms=7, label="gain margins")

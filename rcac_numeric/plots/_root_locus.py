@@ -15,7 +15,7 @@ from rcac_numeric.plots._style import (
     QUIET,
     SECOND,
     WANTED,
-    axes_given,
+    axes_of,
     checked_width,
     draw_circle,
     figure_of,
@@ -31,7 +31,7 @@ def plot_root_locus(
 ) -> Figure:
     """Draw the branches for positive gains, as `RootLocus.plot` says."""
     if ax is not None:
-        (axis,) = axes_given(ax, 1)
+        (axis,) = axes_of(ax, 1)
         _draw(axis, locus)
         return figure_of(axis)
     width = checked_width(width)

@@ -16,7 +16,7 @@ from rcac_numeric.plots._style import (
     INK,
     NARROW,
     NARROWEST,
-    axes_given,
+    axes_of,
     draw_over_decades,
     figure_of,
     label_words,
@@ -110,7 +110,7 @@ def plot_runs(
         raise InputError("signals is empty, or no run adapts: there is nothing to draw.")
     period = _period(runs)
     if ax is not None:
-        axes = axes_given(ax, len(panels))
+        axes = axes_of(ax, len(panels))
         figure = figure_of(axes[0])
         room = axes[0].get_position().width * figure.get_figwidth()
         _draw_panels(axes, panels, runs, names, period, room if room < NARROW else 0.0)

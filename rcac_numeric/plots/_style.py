@@ -158,7 +158,7 @@ def widen(axis: Axes, factor: float) -> None:
         axis.set_ylim(middle / factor**0.5, middle * factor**0.5)
 
 
-def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
+def axes_of(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
     """Return the axes that somebody gave to be drawn in, as many as are drawn."""
     axes = list(np.ravel(np.array(ax, dtype=object)))
     if len(axes) != count:

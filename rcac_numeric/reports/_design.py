@@ -43,7 +43,7 @@ def design_sheet(design: Design) -> Sheet:
         words = f"The adapted controllers have Ms = {verdict.Ms:.3g}: their loops are not robust."
         lines.append(Text(words, "warning"))
     lines += [
-        Text(f"Assumed: {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
+        Text(f"Assumed for {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
     ]
     if verdict.use == RCAC:
         lines += poles_reached(design.runs[RCAC], design.health)

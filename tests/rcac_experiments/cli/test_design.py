@@ -79,7 +79,7 @@ def test_no_disturbance_can_be_said(said):
     argument = ("--noise", "0.01", "--u-limits", "none", "--seeds", "1", "--command", "1")
     result = run(*LAG, "--disturbance", said, *argument)
     assert result.exit_code == 0, result.output
-    assert "Assumed: disturbance" not in result.output
+    assert "Assumed for disturbance" not in result.output
     nothing = run(*LAG, "--disturbance", said, *argument[:-2])
     assert nothing.exit_code == 2 and "nothing to control" in nothing.stderr
 

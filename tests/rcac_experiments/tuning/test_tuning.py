@@ -15,9 +15,9 @@ from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.tuning._tuning import LEARNING, RULE, Candidate, _judged, drawn
 from rcac_numeric import Uncertainty, design, pid
 from rcac_numeric.arrays._values import equal, replaced
+from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._design import compared
 from rcac_numeric.designing._plants import read_plant
-from rcac_numeric.designing._road import Knobs, settings_of
 from rcac_numeric.designing._trials import FIXED, RCAC, Trials
 
 PLANT = "1/(q - 0.9)"
@@ -44,7 +44,7 @@ def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
     better = [one for one in last if one.order < tuned.chosen.order]
     assert not better or tuned.chosen.name == RULE
     assert by_name[FIXED].beside.ratio == 1 and by_name[FIXED].beside.stable[1] == 24 * 7
-    assert by_name[RULE].knobs == Knobs()
+    assert by_name[RULE].knobs == TuningParameters()
 
 
 def test_a_candidate_is_what_its_knobs_make_on_the_draws_of_learning(found, tuned):
@@ -74,7 +74,7 @@ def test_the_seed_repeats_it(found):
     one, again, other = (tune(found, 1, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
     assert again.candidates == one.candidates and equal(again.settings, one.settings)
     assert {c.knobs for c in other.candidates} & {c.knobs for c in one.candidates} == {
-        None, Knobs()
+        None, TuningParameters()
     }  # fmt: skip
 
 
@@ -187,7 +187,7 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
 
 @pytest.mark.parametrize("run", [(np.inf, np.inf, np.inf), (1.1, 1.0, 1.5)])  # lost, or worse
 def test_what_does_not_carry_over_to_other_plants_gives_way_to_the_rule(found, tuned, run):
-    knobs = {RULE: Knobs(), "1": Knobs(samples=10.0)}
+    knobs = {RULE: TuningParameters(), "1": TuningParameters(samples=10.0)}
     made = {FIXED: found.fixed} | {
         name: settings_of(found.model, found.reference, found.expected, one)
         for name, one in knobs.items()

@@ -31,11 +31,11 @@ from rcac_numeric import (
 )
 from rcac_numeric.analysis._noise import with_oscillation
 from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._design import verdict_of
 from rcac_numeric.designing._expected import KINDS, read_expected
 from rcac_numeric.designing._plants import Variation, read_plant
-from rcac_numeric.designing._reference import MOST, Ladder, reference_loop, sensitivity_peak
-from rcac_numeric.designing._road import Knobs, settings_of
+from rcac_numeric.designing._reference import MOST, WeightGrid, reference_loop, sensitivity_peak
 from rcac_numeric.designing._trials import FIXED, PID, RCAC, Trial
 
 QUICK = {"seeds": 1, "steps": 300}
@@ -114,7 +114,7 @@ def test_what_a_zero_keeps_from_y_has_no_integrator_in_the_controller(G, sample_
     for disturbance in (Step(1.0), "unknown"):
         plant = read_plant(G, sample_time, 0.0)
         expected, _ = read_expected(disturbance, 0.01, None, np.inf, plant.low_gain)
-        grid = Ladder(plant, expected)
+        grid = WeightGrid(plant, expected)
         assert grid.blocked == (0.0,) and not grid.models
         result = grid.best()
         assert result.loop(plant).spectral_radius < 1 - 1e-4
@@ -147,9 +147,9 @@ def test_through_a_zero_no_controller_follows_a_command():
 def test_a_sinusoid_at_a_zero_has_no_oscillator_in_the_controller(omega):
     plant = read_plant(f"(q^2 - {2 * np.cos(omega):.17g}*q + 1)/(q - 0.5)^3", None, 0.0)
     expected, _ = read_expected(Harmonic(omega, 0.5), 0.01, None, np.inf, plant.low_gain)
-    grid = Ladder(plant, expected)
+    grid = WeightGrid(plant, expected)
     assert grid.blocked == (omega,) and not grid.models
-    assert Ladder(plant, read_expected(Step(1.0), 0.01, None, np.inf, 1.0)[0]).blocked == ()
+    assert WeightGrid(plant, read_expected(Step(1.0), 0.01, None, np.inf, 1.0)[0]).blocked == ()
 
 
 # A refusal speaks of the plant, the disturbance, the command and the limits: nobody gave a target
@@ -229,7 +229,7 @@ def test_frozen_rcac_is_the_fixed_controller():
 
 def test_spare_order_is_the_same_controller():
     plant, expected, result = reference_of("1/(8*s + 1)", Step(0.5), 0.01, 1.0)
-    wide = settings_of(plant, result, expected, Knobs(spare=3))
+    wide = settings_of(plant, result, expected, TuningParameters(spare=3))
     assert wide.structure.n_c == result.compensator.n_c + 3
     loop = ClosedLoop(plant.servo(), wide.compensator_of(wide.theta_0))
     assert intercalated_match(loop, wide.target).worst < 1e-6
@@ -305,8 +305,8 @@ def test_the_reference_keeps_to_the_actuator():
 def test_the_reference_is_the_calmest_of_nearly_the_least_error(limits):
     plant = read_plant("1/(8*s + 1)", 1.0, 0.0)
     expected, _ = read_expected(Step(0.3), 0.01, None, np.inf, plant.low_gain)
-    grid = Ladder(plant, expected, saturation=limits)
-    result = {(R_2, V_2): grid.judged(parts) for R_2, V_2, parts in grid.rungs()}
+    grid = WeightGrid(plant, expected, saturation=limits)
+    result = {(R_2, V_2): grid.judged(parts) for R_2, V_2, parts in grid.candidates()}
     robust = [one for one in result.values() if one.peak <= MOST]
     best = grid.best()
     elapsed = result[best.R_2, best.V_2]

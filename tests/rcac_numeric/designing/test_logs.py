@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._logs import PARTS, plant_from_log
 from rcac_numeric.designing._plants import read_plant
-from rcac_numeric.designing._reference import Ladder, sensitivity_peak
+from rcac_numeric.designing._reference import WeightGrid, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}
@@ -40,7 +40,7 @@ def test_the_controller_is_one_for_the_plant_of_the_log(found):
 
 def test_what_the_log_shows_of_itself_is_evidence(found):
     logged = found.logged
-    assert logged.held(found.fixed.compensator) == PARTS and len(logged.gains) == PARTS
+    assert logged.stable_parts(found.fixed.compensator) == PARTS and len(logged.gains) == PARTS
     assert all(0.7 < gain < 1.4 for gain in logged.gains)
     low, high = found.uncertainty.gain
     assert low <= min(0.8, *logged.gains) and high >= max(1.25, *logged.gains)
@@ -107,14 +107,14 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
 
 @pytest.mark.costly
 def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
-    best = Ladder.best
+    best = WeightGrid.best
 
     def of_order_1(ladder):
         if len(ladder.plant.A) > least:
             raise NoSolutionError("no such controller")
         return best(ladder)
 
-    monkeypatch.setattr(Ladder, "best", of_order_1)
+    monkeypatch.setattr(WeightGrid, "best", of_order_1)
     least = 1
     lower = rn.design(log_of(), **QUICK)
     assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2

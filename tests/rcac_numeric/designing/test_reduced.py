@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 import rcac_numeric as rn
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.analysis._closed_loop import frozen_loop
+from rcac_numeric.designing._closed_loop_design import settings_of
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant, variations
 from rcac_numeric.designing._reduced import reduced_reference, with_feedforward
-from rcac_numeric.designing._reference import MOST, Ladder, reference_loop, sensitivity_peak
-from rcac_numeric.designing._road import settings_of
+from rcac_numeric.designing._reference import MOST, WeightGrid, reference_loop, sensitivity_peak
 from rcac_numeric.designing._trials import FULL, measured
 from rcac_numeric.targets import DirectionInformation
 
@@ -23,14 +23,12 @@ OWN = rn.Structure(
 )  # fmt: skip
 
 
-def ladder_of(
-    G, disturbance=rn.Step(0.5), noise=0.01, command=None, dead_time=3.0, saturation=None
-):
+def grid_of(G, disturbance=rn.Step(0.5), noise=0.01, command=None, dead_time=3.0, saturation=None):
     plant = read_plant(G, 1.0, dead_time)
     half = np.inf if saturation is None else 1.0
     expected, _ = read_expected(disturbance, noise, command, half, plant.low_gain)
     others = variations(plant, rn.Uncertainty())
-    return Ladder(plant, expected, half, others, saturation)
+    return WeightGrid(plant, expected, half, others, saturation)
 
 
 # A structure.
@@ -41,7 +39,7 @@ def ladder_of(
     "structure", [rn.pid("PI"), rn.pid("PID"), rn.fir_integrator(8), rn.fir(15), OWN]
 )
 def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
-    grid = ladder_of(LAGS)
+    grid = grid_of(LAGS)
     result = reduced_reference(grid, structure)
     again = structure.compensator(result.theta)
     assert np.allclose(again.past_u, result.compensator.past_u)
@@ -53,7 +51,7 @@ def test_a_reduced_reference_is_robust_and_of_that_structure(structure):
 
 
 def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
-    grid = ladder_of(LAGS)
+    grid = grid_of(LAGS)
     w, errors = grid.expected.w(2000, seed=5), []
     for one in (grid.best(), reduced_reference(grid, rn.fir_integrator(20))):
         errors.append(measured(rn.simulate(grid.plant.servo(), one.fixed, w))[1])
@@ -64,7 +62,7 @@ def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
 @pytest.mark.parametrize("structure", [rn.pid("PI"), OWN])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
     """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
-    grid = ladder_of(LAGS, dead_time=1.0)
+    grid = grid_of(LAGS, dead_time=1.0)
     result = reduced_reference(grid, structure)
     settings = settings_of(grid.plant, result, grid.expected)
     servo, steps = grid.plant.servo(), 200
@@ -81,7 +79,7 @@ def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says
 
 def test_a_structure_that_cannot_hold_the_plant_is_refused_by_name():
     with pytest.raises(NoSolutionError, match="no PI controller"):
-        reduced_reference(ladder_of("1/s**2", dead_time=0.0), rn.pid("PI"))
+        reduced_reference(grid_of("1/s**2", dead_time=0.0), rn.pid("PI"))
 
 
 @pytest.mark.parametrize(
@@ -111,7 +109,7 @@ def test_a_reduced_design_has_lqg_beside_it(structure):
 
 
 def test_feedforward_leaves_the_loop_and_lowers_the_error_of_a_step():
-    grid = ladder_of(LAGS, command=rn.Step(1.0))
+    grid = grid_of(LAGS, command=rn.Step(1.0))
     plain = grid.best()
     result = with_feedforward(grid.plant, plain, grid.expected)
     w = np.zeros((300, 3))
@@ -168,7 +166,7 @@ def test_with_limits_the_controller_is_one_that_works_at_them():
     limits = rn.Saturation(low=-1.5, high=1.5)
     G = "1/((30*s + 1)*(20*s + 1))"
     free, stored = (
-        ladder_of(G, rn.Step(0.3), 1e-4, rn.Step(1.0), 0.0, one) for one in (None, limits)
+        grid_of(G, rn.Step(0.3), 1e-4, rn.Step(1.0), 0.0, one) for one in (None, limits)
     )  # fmt: skip
     w = stored.expected.w(600, seed=3)
     ours, theirs = (

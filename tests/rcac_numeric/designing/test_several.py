@@ -16,10 +16,10 @@ from rcac_numeric import (
     intercalated_match,
 )
 from rcac_numeric.arrays._values import equal
+from rcac_numeric.designing._closed_loop_design import advanced, miss, settings_of
 from rcac_numeric.designing._expected import read_expected
 from rcac_numeric.designing._plants import read_plant
 from rcac_numeric.designing._reference import MOST, reference_loop
-from rcac_numeric.designing._road import advanced, miss, settings_of
 from rcac_numeric.designing._trials import FIXED, PID, RCAC
 
 TWO = [["2/(10*s + 1)", "0.5/(6*s + 1)"], ["-0.4/(5*s + 1)", "1/(8*s + 1)"]]

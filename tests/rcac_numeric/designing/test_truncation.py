@@ -141,6 +141,6 @@ def poles_on_a_circle(n, radius):
 def test_more_states_than_a_design_takes_are_refused_before_an_equation_is_solved(
     plant, monkeypatch
 ):
-    monkeypatch.setattr("rcac_numeric.designing._design.Ladder", None)
+    monkeypatch.setattr("rcac_numeric.designing._design.WeightGrid", None)
     with pytest.raises(BudgetError, match=r"the plant has \d+ states.*Reduce its order"):
         design(plant)

@@ -1,4 +1,4 @@
-"""The settings of RCAC that a reference loop leads to: target, start, prior and bounds."""
+"""RCAC settings from a reference loop: target, theta(0), prior and bounds."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel, from_transfer_function
 
-STEPS = 4000  # of the run of the reference loop that R_theta is made of
+STEPS = 4000  # of the run of the reference loop from which R_theta follows
 KNOWN, UNKNOWN = 1000.0, 300.0  # samples that the prior is worth, with the spectrum known or not
 WIDTH = 0.2  # of the bounds, over the rms of the reference's coefficients of u or of y
-# Shares of the largest Hankel singular value: with less left out float64 coefficients are too few.
+# Shares of the largest Hankel singular value that a truncation leaves out; less needs more digits.
 LEFT_OUT = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
-# What of the response to u is near nothing, and what a target may miss of it in an octave at most.
-HEARD, MISSED = 0.03, 0.1
+# Shares of the response to u: a smaller one is negligible; the most that a target may miss.
+NEGLIGIBLE, MISSED = 0.03, 0.1
 SLOWER = 1.0  # nu times the size of z
 
 
 @dataclass(frozen=True)
-class Knobs:
-    """What of the settings is a choice, and what the road chooses.
+class TuningParameters:
+    """The tuning parameters of a closed-loop design, and their defaults.
 
     Attributes
     ----------
@@ -67,12 +67,15 @@ class Knobs:
     forgetting: float = 1.0
 
     def worth(self, expected: Expected) -> float:
-        """N_0, in samples."""
+        """The prior weight N_0 in samples."""
         return self.samples or (KNOWN if expected.is_known else UNKNOWN) * expected.m**2
 
 
 def settings_of(
-    plant: DesignPlant, reference: Reference, expected: Expected, parameters: Knobs | None = None
+    plant: DesignPlant,
+    reference: Reference,
+    expected: Expected,
+    parameters: TuningParameters | None = None,
 ) -> ControllerSettings:
     """RCAC's settings from a reference loop.
 
@@ -80,7 +83,7 @@ def settings_of(
     theta(0) the reference controller; R_theta = N_0 mean(Phi_f' Phi_f) in the reference loop under
     the expected signals, so that the prior is worth N_0 samples.
     """
-    parameters = Knobs() if parameters is None else parameters
+    parameters = TuningParameters() if parameters is None else parameters
     G_c, servo, l_r = reference.compensator, plant.servo(), reference.commands
     if reference.structure is not None and reference.theta is not None:
         structure, theta_0 = reference.structure, reference.theta
@@ -106,7 +109,7 @@ def settings_of(
 def intercalated_target(
     servo: Plant, G_c: Compensator, u: Array, structure: Structure | None = None
 ) -> TargetModel:
-    """(4.18) of a loop, each coefficient rounded once; (4.16) over one denominator for several.
+    """The target model (4.18) of a loop, each coefficient rounded once; (4.16) for several inputs.
 
     The latter is close where u has power, and its delay exact. What a structure integrates by
     itself is not in its regressor of u: u~ enters behind it, and G_f has a zero at each pole of a
@@ -132,17 +135,18 @@ def intercalated_target(
 
 
 def _marginal(radius: float) -> NoSolutionError:
-    """The loop of the fixed controller is stable by less than rounding."""
+    """The error for a loop whose stability is within rounding."""
     return NoSolutionError(
         f"the best loop around this plant has a pole of modulus {radius:.9g}, which rounding moves "
-        "out of the unit circle: a pole of the plant is beside one of its zeros near z = 1, or its "
-        "dynamics are slow beside the sample time. Sample more slowly; give the disturbance as "
-        "noise, WhiteNoise(...), if nothing of it lasts; or leave the slow pole out of the plant."
+        "out of the unit circle: a pole of the plant is close to a zero near z = 1, or its "
+        "dynamics are slow for the sample time. Sample more slowly; give the disturbance as "
+        "noise, WhiteNoise(...), if it has no constant part; or leave the slow pole out of the "
+        "plant."
     )
 
 
 def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetModel:
-    """(4.16) over one denominator, of an order that float64 coefficients can have.
+    """Return (4.16) over one denominator, of an order that float64 coefficients support.
 
     Its delay is kept, and what follows it truncated in balanced coordinates: to the highest order
     whose `miss` is below 0.03, or that of the least, below 0.1.
@@ -162,19 +166,19 @@ def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetMode
         except CompensatorError:  # rounded to float64 it is unstable
             continue
         coefficients.append((miss(one.frequency_response(omega), response, u), one))
-        if coefficients[-1][0] < HEARD:
+        if coefficients[-1][0] < NEGLIGIBLE:
             return one
     least, target = min(coefficients, key=lambda one: one[0], default=(np.inf, None))
     if target is None or not least < MISSED:
         raise NoSolutionError(
-            f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
-            "plant; sample more slowly, or take a fixed controller, `lqg_controller`."
+            f"no target model with float64 coefficients is close to the loop of order {len(A)} of "
+            "this plant; sample more slowly, or take a fixed controller, `lqg_controller`."
         )
     return target
 
 
 def miss(response: ComplexArray, reference: ComplexArray, u: Array) -> float:
-    """How far a response to u is from the one that is wanted, over its size, in any octave.
+    """Return the relative error of a response to u against the target, the largest of all octaves.
 
     max over octaves of norm((G - G_wanted) U)/norm(G_wanted U), and the same over all frequencies;
     octaves with less than 0.03 of the response count in the latter alone.
@@ -186,13 +190,13 @@ def miss(response: ComplexArray, reference: ComplexArray, u: Array) -> float:
     k = np.maximum(np.arange(len(U)), 1)
     octave = np.floor(np.log2(k[-1] / k)).astype(int)
     errors, sizes = (np.bincount(octave, one) for one in (error, size))
-    heard = sizes > HEARD**2 * sizes.sum()
-    worst = max(errors.sum() / sizes.sum(), np.max(errors[heard] / sizes[heard]))
+    is_significant = sizes > NEGLIGIBLE**2 * sizes.sum()
+    worst = max(errors.sum() / sizes.sum(), np.max(errors[is_significant] / sizes[is_significant]))
     return float(np.sqrt(worst))
 
 
 def advanced(A: Array, B: Array, C: Array, share: float) -> StateSpace:
-    """C(qI - A)^-1 B q, with no more than a share of its largest Hankel singular value left out.
+    """Realise C(qI - A)^-1 B q without states below a share of the largest Hankel singular value.
 
     In balanced coordinates: the states that are reached and seen least are left out, and what is
     left is stable.
@@ -204,7 +208,7 @@ def advanced(A: Array, B: Array, C: Array, share: float) -> StateSpace:
 
 
 def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
-    """q^-delay (D + C(qI - A)^-1 B), each coefficient found exactly and rounded once."""
+    """Return q^-delay (D + C(qI - A)^-1 B), each coefficient computed exactly and rounded once."""
     a, b, c, d = (
         Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
         for m in parts
@@ -220,7 +224,7 @@ def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
 
 
 def coefficients_of(G_c: Compensator, l_y: int) -> Array:
-    """The theta of a strictly proper compensator: for each tap those of every u.
+    """Return theta of a strictly proper compensator: for each tap the coefficients of every u.
 
     Its taps are past u, past y, and the past commands behind the l_y measurements.
     """
@@ -229,7 +233,7 @@ def coefficients_of(G_c: Compensator, l_y: int) -> Array:
 
 
 def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
-    """The same controller of a higher order: its new poles and zeros are at 0."""
+    """Raise the order of a controller by poles and zeros at 0."""
     if not spare:
         return G_c
     padding = [(0, spare), (0, 0), (0, 0)]
@@ -237,7 +241,7 @@ def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
 
 
 def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBounds:
-    """theta(0) with a margin of the rms of the coefficients of its signal: u, y, r, an integral."""
+    """Bounds around theta(0), wide in proportion to the rms of the coefficients of each signal."""
     groups = [(tap.signal, tap.component * (tap.signal == "derived")) for tap in structure.taps]
     rows = theta_0.reshape(-1, structure.l_u)
     margin = np.zeros_like(rows)

@@ -3,7 +3,7 @@
 import pytest
 
 import rcac_numeric as rn
-from rcac_numeric.checks._rules import what_to_expect
+from rcac_numeric.checks._rules import fir_target_obstacle
 
 DAMPED = rn.servo_plant("0.01/((q**2 - 1.9*q + 0.98)*q**5)")
 W = rn.exogenous([rn.Step(1.0), rn.WhiteNoise(0.1), rn.WhiteNoise(0.01)], 400)
@@ -36,4 +36,4 @@ def test_a_run_that_began_at_a_controller_does_not():
 )
 def test_nothing_is_said_of_what_fir_suits_or_of_slower_poles(G, poles):
     plant = rn.servo_plant(G)
-    assert what_to_expect(plant, rn.pole_placement_target(plant, poles)) == ""
+    assert fir_target_obstacle(plant, rn.pole_placement_target(plant, poles)) == ""
