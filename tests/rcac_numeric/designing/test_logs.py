@@ -80,7 +80,7 @@ def test_a_log_of_two_inputs_or_of_none_is_refused():
     two = np.random.default_rng(1).standard_normal((500, 2))
     with pytest.raises(InputError, match="2 controls"):
         rn.design(rn.ControllerLog(two, two[:, 0]), **QUICK)
-    with pytest.raises(InputError, match="does not show"):
+    with pytest.raises(InputError, match="no effect of u"):
         rn.design(rn.ControllerLog(two[:, 0], two[:, 1]), **QUICK)
 
 
@@ -167,7 +167,7 @@ def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, pe
 @pytest.mark.costly
 def test_a_loop_that_nothing_moves_shows_no_plant():
     u, y, *_ = looped(dither=0.0)
-    with pytest.raises(InputError, match="u follows from y"):
+    with pytest.raises(InputError, match="u is determined by y"):
         rn.design(rn.ControllerLog(u, y), **QUICK)
 
 
@@ -180,7 +180,7 @@ def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
     for k in range(2000):
         y[k] = 0.5 * e[k] + (0.5 * y[k - 1] + u[k - 1] + u[k - 19] if k > 19 else 0.0)
         u[k] = r[k] - 0.1 * y[k]
-    with pytest.raises(InputError, match="no model tells the plant from the loop"):
+    with pytest.raises(InputError, match="no model separates plant and controller"):
         plant_from_log(rn.ControllerLog(u, y, r=r))
 
 

@@ -123,7 +123,7 @@ def test_an_export_that_does_not_agree_is_refused(tmp_path, monkeypatch):
     texts = dict(folder.core_texts())
     texts["rcac.c"] = texts["rcac.c"].replace("d * (before[c] / after[c])", "d * 0.999")
     monkeypatch.setattr(folder, "core_texts", lambda: texts)
-    with pytest.raises(InputError, match="does not do what its source does"):
+    with pytest.raises(InputError, match="differs from its source"):
         export_controller(SETTINGS, tmp_path)
 
 

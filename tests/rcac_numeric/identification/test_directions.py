@@ -82,7 +82,7 @@ def test_a_zero_near_the_circle_is_lost_to_the_bias_of_a_low_order():
 
 def test_refusals():
     _, u, z = record(POLES["two"], 0, 400)
-    with pytest.raises(InputError, match="which side"):
+    with pytest.raises(InputError, match="inside or outside"):
         directions_from_data(u[:60], z[:60], order=4)
     with pytest.raises(InputError, match="too few"):
         directions_from_data(u[:20], z[:20], order=4)

@@ -83,7 +83,7 @@ def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
         (np.ones(20), np.ones(20), "at least"),
         (np.ones(500), np.ones(400), "belong together"),
         (np.ones((500, 2)), np.ones(500), "2 columns"),
-        (*np.random.default_rng(1).standard_normal((2, 500)), "does not show"),
+        (*np.random.default_rng(1).standard_normal((2, 500)), "no effect of u"),
     ],
 )
 def test_a_record_of_nothing_is_refused(u, y, words):

@@ -136,8 +136,8 @@ NOISE = np.random.default_rng(1).standard_normal((2, 500))
 @pytest.mark.parametrize(
     ("u", "y", "words"),
     [
-        (-0.5 * NOISE[0], NOISE[0], "u follows from y.*dither"),
-        (*NOISE, "does not show"),
+        (-0.5 * NOISE[0], NOISE[0], "u is determined by y.*dither"),
+        (*NOISE, "no effect of u"),
         (1.0 * (np.arange(500) > 5), NOISE[0], "its own past.*identify_output_error"),
         (np.sin(0.3 * np.arange(500)), NOISE[0], "its own past.*identify_output_error"),
         (np.ones(500), NOISE[0], "u does not move"),
@@ -154,5 +154,5 @@ def test_a_record_of_nothing_is_refused(u, y, words):
 
 def test_the_noise_of_the_loop_alone_shows_the_controller():
     u, y, *_ = looped([1.0, -1.1], [0.5], 0.8, noise=0.3, dither=0.0)
-    with pytest.raises(InputError, match="the controller and not the plant"):
+    with pytest.raises(InputError, match="the controller, not the plant"):
         identify_in_closed_loop(u, y)

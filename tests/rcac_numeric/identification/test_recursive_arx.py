@@ -93,7 +93,7 @@ def test_poor_data_are_refused_by_name():
         still.zeros()
     deaf = RecursiveARX(4)
     deaf.update(u, np.random.default_rng(3).standard_normal(2000))
-    with pytest.raises(InputError, match="do not show"):
+    with pytest.raises(InputError, match="no effect of u"):
         deaf.zeros()
     for arguments in ({"order": 0}, {"order": 2, "R_theta": 0}, {"order": 2, "lambda_": 1.5}):
         with pytest.raises(InputError):

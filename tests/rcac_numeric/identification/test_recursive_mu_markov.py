@@ -165,7 +165,7 @@ def test_poor_data_and_settings_are_refused_by_name():
         fitted(4, 0, np.zeros(500), z[:500]).parameters()
     with pytest.raises(InputError, match="excite"):  # each H_j by itself would pass at 0.1
         fitted(40, 0, np.sign(np.sin(np.arange(2000) * np.pi / 20 + 0.1)), z).parameters()
-    with pytest.raises(InputError, match="do not show"):
+    with pytest.raises(InputError, match="no effect of u"):
         fitted(6, 2, u, np.random.default_rng(3).standard_normal(2000)).zeros()
     wrong = {"mu": (0, 1001, 1.5), "n_mod": (-1, 501), "R_theta": (0, np.nan), "lambda_": (0, 1.1)}
     for name, value in ((name, value) for name, values in wrong.items() for value in values):
