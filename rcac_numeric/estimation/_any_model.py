@@ -1,4 +1,4 @@
-"""What every model of an estimator has."""
+"""The protocol of the models of estimators."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class AnyModel(Protocol):
 
 
 def places_of_angles(value: Iterable[int], l_y: int) -> tuple[int, ...]:
-    """Which measurements are angles in radians, in order."""
+    """The indices of the measurements that are angles in radians."""
     places = tuple(integer(place, "angles") for place in items(value, "angles"))
     for place in places:
         if not 0 <= place < l_y:
@@ -43,7 +43,7 @@ def places_of_angles(value: Iterable[int], l_y: int) -> tuple[int, ...]:
 
 
 def any_model(value: object) -> AnyModel:
-    """`value` if it has what a model has."""
+    """Return `value` if it is a model, else raise an error."""
     if isinstance(value, type) or not isinstance(value, AnyModel):
         raise InputError(
             f"model = {value!r} is no model: use LinearModel, SymbolicModel or NonlinearModel."

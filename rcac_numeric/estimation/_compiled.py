@@ -1,4 +1,4 @@
-"""From a model as data to a model that the kernel runs.
+"""Conversion of models to the kernel's form.
 
 A new kind of model is registered here: `@compiled_model.register(YourModel)`.
 """
@@ -95,7 +95,7 @@ SMALL_POWERS = range(2, 9)
 
 
 class NoTapeError(Exception):
-    """An expression holds what the kernel has no operation for."""
+    """An expression contains an operation that the kernel does not have."""
 
 
 class Writer:
@@ -121,13 +121,13 @@ class Writer:
         return "step", len(self.steps) - 1
 
     def place(self, expression: Any) -> tuple[str, int]:
-        """The register that holds the expression, written if it is not there yet."""
+        """Return the register of an expression, and write it if it is new."""
         if expression not in self.places:
             self.places[expression] = self.written(expression)
         return self.places[expression]
 
     def written(self, expression: Any) -> tuple[str, int]:
-        """The same for an expression that is not there yet."""
+        """Write a new expression and return its register."""
         if expression.is_number:
             try:
                 return self.constant(float(expression))

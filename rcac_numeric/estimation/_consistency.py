@@ -1,4 +1,4 @@
-"""Whether a filter's errors are as large as it says: NEES and NIS with their intervals."""
+"""Consistency of a filter: NEES and NIS with their intervals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rcac_numeric.arrays._values import Result
 
 @dataclass(frozen=True, eq=False)
 class Consistency(Result):
-    """The mean of a normalised squared error, and where it should lie.
+    """The mean of a normalised squared error, and its interval.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Consistency(Result):
 
 
 def chi_square_interval(degrees: float, samples: int, confidence: float) -> tuple[float, float]:
-    """Where the mean of independent chi-square numbers lies."""
+    """The interval of the mean of independent chi-square variables."""
     samples = integer(samples, "samples", 1)
     if not number(degrees, "degrees") > 0:
         raise InputError(f"degrees = {degrees} must be positive.")

@@ -35,7 +35,7 @@ from rcac_numeric.estimation._settings import EKF, IMM, UKF, AdaptiveNoises, Any
 
 @dataclass(frozen=True, eq=False)
 class StateEstimates(Result):
-    """What a Kalman filter made of a record.
+    """The estimates of a Kalman filter over a record.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class StateEstimates(Result):
     observability: Observability
 
     def nis_consistency(self, confidence: float = 0.95) -> Consistency:
-        """Whether the innovations are as large as the filter says.
+        """Test whether the innovations agree with the filter's covariance.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class StateEstimates(Result):
         return nis_consistency(self.nis[present], measured / int(present.sum()), confidence)
 
     def nees_consistency(self, truth: ArrayLike, confidence: float = 0.95) -> Consistency:
-        """Whether the errors are as large as the filter says; needs covariances.
+        """Test whether the errors agree with the filter's covariance; needs covariances.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class StateEstimates(Result):
 
 @dataclass(frozen=True, eq=False)
 class AdaptedEstimates(StateEstimates):
-    """What a Kalman filter that learns its noises made of a record.
+    """The estimates of a Kalman filter that learns its noises, over a record.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class AdaptedEstimates(StateEstimates):
 
 @dataclass(frozen=True, eq=False)
 class ModeEstimates(Result):
-    """What an interacting multiple model filter made of a record.
+    """The estimates of an interacting multiple model filter over a record.
 
     Attributes
     ----------
@@ -294,7 +294,7 @@ def estimated_record(
     R: ArrayLike | None = None,
     keep_covariances: bool = False,
 ) -> StateEstimates | ModeEstimates:
-    """As `estimate`, without the warnings: for who reads `observability`."""
+    """As `estimate`, without the warnings, for callers that read `observability`."""
     kernel, compiled = compiled_filter(settings)
     model = settings.model
     outputs, inputs = record_of(model, y, u, measured)
@@ -359,7 +359,7 @@ def record_of(
 def _learned(
     settings: AdaptiveNoises, learned: list[tuple[Array, Array]]
 ) -> tuple[Array, Array, NoiseInformation | None]:
-    """Every Q and R, and what a window says of the last ones."""
+    """Every Q and R, and the information in a window on the last ones."""
     Q, R = (np.array(each) for each in zip(*learned, strict=True))
     if not isinstance(settings.model, LinearModel):
         return Q, R, None

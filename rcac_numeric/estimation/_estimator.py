@@ -53,7 +53,7 @@ def compiled_filter(settings: AnyFilter) -> tuple[Filter, EstimationModel]:
 def _arguments(
     settings: EKF | UKF,
 ) -> tuple[str, EstimationModel, Array, Array, Array, Array, float, float]:
-    """What the kernel makes one filter of."""
+    """The arguments of the kernel's filter."""
     kind, alpha, beta = "unscented", 1.0, 0.0
     if isinstance(settings, UKF):
         alpha, beta = settings.alpha, settings.beta
@@ -64,7 +64,7 @@ def _arguments(
 
 
 class Estimator(Resumable[AnyFilter]):
-    """A Kalman filter that runs beside a simulator or a device.
+    """A Kalman filter for a simulator or a device, one step at a time.
 
     `step(y, u)` is one step: y(k) corrects the belief about x(k), then u(k) moves it to step k+1.
     Where u(k) is computed from the estimate, call `correct`, read `x`, and call `predict`.
@@ -138,7 +138,7 @@ class Estimator(Resumable[AnyFilter]):
         return np.asarray(self._kernel.corrected) if before is None else before
 
     def correct(self, y: ArrayLike, u: ArrayLike | None = None) -> Array:
-        """Correct the belief about x(k) with y(k); u(k) matters where h reads it.
+        """Correct the estimate of x(k) with y(k); u(k) matters if h depends on it.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class Estimator(Resumable[AnyFilter]):
         return self.x
 
     def predict(self, u: ArrayLike | None = None) -> Array:
-        """Move the belief to step k + 1 with u(k).
+        """Predict the estimate of step k + 1 with u(k).
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Estimator(Resumable[AnyFilter]):
         return self.x
 
     def _move_with(self, noises: tuple[Array, Array], y: Any, u: Any) -> None:
-        """A step with noises of its own."""
+        """Take a step with separate noises."""
         self._kernel.set_noises(*noises)
         try:
             self._move(y, u, corrects=y is not None, predicts=True)
@@ -216,7 +216,7 @@ class Estimator(Resumable[AnyFilter]):
 
     @property
     def probabilities(self) -> Array:
-        """Those of the modes of an IMM at the step of `x`, shape (M,); empty without modes."""
+        """Mode probabilities of an IMM at the step of `x`, shape (M,); empty without modes."""
         return np.asarray(self._kernel.probabilities)
 
     @property
@@ -258,14 +258,14 @@ class Estimator(Resumable[AnyFilter]):
         return np.asarray(self._kernel.save())
 
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave."""
+        """Continue from a saved state."""
         self._kernel.restore(values)
 
 
 def noises_of_steps(
     settings: AnyFilter, Q: ArrayLike | None = None, R: ArrayLike | None = None
 ) -> tuple[Array, Array]:
-    """Square roots of Q and R of one step, where a step may have its own."""
+    """Square roots of Q and R of one step, if it has separate ones."""
     if not isinstance(settings, EKF | UKF):
         raise InputError(
             f"Q and R of single steps are for an EKF or a UKF: a {type(settings).__name__} has its "

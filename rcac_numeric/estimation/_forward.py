@@ -1,4 +1,4 @@
-"""Forward-propagating Riccati gains: LQR and its dual for a plant that is known only at present."""
+"""Forward-propagating Riccati gains: LQR and its dual for a plant known only at present."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What measurements can say of the covariances of noises: Fisher's information by Whittle."""
+"""Identifiability of noise covariances: Fisher's information by Whittle."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROUNDING = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class NoiseInformation(Result):
-    """Which combinations of Q and R measurements can tell, and how closely.
+    """The identifiable combinations of Q and R, and their accuracy.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class NoiseInformation(Result):
     steps: int
 
     def __str__(self) -> str:
-        """What cannot be identified, in words."""
+        """Describe the unidentifiable directions."""
         if not self.unidentified:
             return "the measurements identify every learned entry of Q and R."
         words = [
@@ -65,7 +65,7 @@ class NoiseInformation(Result):
 def noise_information(
     settings: EKF, steps: int, *, learn: Iterable[str] = ("Q", "R"), diagonal: bool = False
 ) -> NoiseInformation:
-    r"""What a long record says of the covariances of noises.
+    r"""Compute the information of a long record on the covariances of noises.
 
     With G = C (z I - A)^-1 and the spectrum Phi = G Q G* + R of y, the information of each step on
     parameters a and b of Q and R is the mean over the unit circle of

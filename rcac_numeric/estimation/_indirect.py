@@ -1,4 +1,4 @@
-"""Indirect adaptive command following: RCMR finds the plant, forward Riccati gains control it."""
+"""Indirect adaptive command following: RCMR and forward Riccati gains."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class IndirectSettings(StepwiseController):
 
     @property
     def has_observer(self) -> bool:
-        """Whether it measures C_r x alone."""
+        """Whether the controller measures C_r x alone, and has an observer."""
         return self.V_1 is not None
 
     @property
@@ -217,7 +217,7 @@ class IndirectController(Resumable[IndirectSettings]):
 
     @property
     def theta(self) -> Array:
-        """The parameters that RCMR has found."""
+        """The parameters that RCMR has identified."""
         return self.refinement.theta
 
     def save(self) -> Array:
@@ -228,7 +228,7 @@ class IndirectController(Resumable[IndirectSettings]):
         return np.concatenate([*parts, self.refinement.save()])
 
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave."""
+        """Continue from a saved state."""
         n, read = self.settings.model.n, iter(np.split(values, self._ends()))
         k, gamma = next(read)
         x_c, P = next(read).copy(), next(read).reshape(n + 1, n + 1)
@@ -240,7 +240,7 @@ class IndirectController(Resumable[IndirectSettings]):
             self.estimator.go_on(Q, self._k)
 
     def _ends(self) -> list[int]:
-        """Where the parts of `save` end."""
+        """The ends of the parts of `save`."""
         n = self.settings.model.n
         widths = [2, n, (n + 1) ** 2, *([] if self.estimator is None else [n * n])]
         return [sum(widths[: i + 1]) for i in range(len(widths))]

@@ -1,4 +1,4 @@
-"""Which directions of a state a record of measurements can tell apart."""
+"""Observable directions of a state along a record."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Observability(Result):
     steps: int
 
     def __str__(self) -> str:
-        """Which directions are unseen, in words."""
+        """Describe the unobservable directions."""
         if not self.unseen:
             return "the measurements determine every direction of the state."
         words = []

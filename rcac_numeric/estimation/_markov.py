@@ -1,4 +1,4 @@
-"""H~, the Markov parameters through which RCMR looks back, and whether it can."""
+"""The matrix H~ of Markov parameters of RCMR, and its solvability."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def retrospective_matrix(
 
 
 def require_solvable(H: Array, method: str, eta_bar: float, delays: Sequence[int]) -> None:
-    """Raise where the reconstruction has no answer."""
+    """Raise an error if the reconstruction has no solution."""
     values = np.linalg.svd(H, compute_uv=False)
     rank = int((values > ROUNDING * values.max(initial=0.0)).sum())
     if not np.isfinite(H).all():

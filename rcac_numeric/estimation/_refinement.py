@@ -1,4 +1,4 @@
-"""RCMR beside a simulator or a device, one step at a time, and over a whole record."""
+"""RCMR for a simulator or a device, one step at a time, and over a whole record."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DETERMINED = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Evidence(Result):
-    """How much of theta is still its initial estimate, per direction.
+    """The share of the initial estimate in theta, per direction.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Evidence(Result):
         return self.directions[self.kept > DETERMINED]
 
     def __str__(self) -> str:
-        """What is undetermined, in words."""
+        """Describe the undetermined directions."""
         unknown = self.undetermined
         if not len(unknown):
             return "the data determine every coefficient."
@@ -78,7 +78,7 @@ def evidence(settings: RCMR, P: Array, k: int) -> Evidence:
 
 
 class ModelRefinement(Resumable[RCMR]):
-    """RCMR that runs beside a simulator or a device.
+    """RCMR for a simulator or a device, one step at a time.
 
     One step: z(k) = C x^(k) - y(k), the update to theta(k), u^(k) = Phi(k) theta(k), and the
     model's step to k + 1.
@@ -187,7 +187,7 @@ class ModelRefinement(Resumable[RCMR]):
         self._measured = False
 
     def _read(self, w: Any, y: Any, x: Any) -> tuple[Array | None, ...]:
-        """The arguments as arrays; raises where one is not what it should be."""
+        """Return the arguments as arrays, or raise an error."""
         settings = self.settings
         return (
             None if w is None else vector(w, "w", settings.l_w),
@@ -264,7 +264,7 @@ class ModelRefinement(Resumable[RCMR]):
 
     @property
     def evidence(self) -> Evidence:
-        """Which directions of theta the data so far have determined."""
+        """The directions of theta that the data determine so far."""
         return evidence(self.settings, self.P, self.k)
 
     def save(self) -> Array:
@@ -273,7 +273,7 @@ class ModelRefinement(Resumable[RCMR]):
         return np.asarray(self._kernel.save())
 
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave."""
+        """Continue from a saved state."""
         self._kernel.restore(values)
         self._broken, self._measured = "", False
 
@@ -324,7 +324,7 @@ def compiled_refinement(settings: RCMR) -> Refinement:
 
 @dataclass(frozen=True, eq=False)
 class RefinementRun(Result):
-    """What RCMR made of a record.
+    """The results of RCMR over a record.
 
     Attributes
     ----------
@@ -401,7 +401,7 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
 def refined_record(
     settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None
 ) -> RefinementRun:
-    """As `refine`, without the warning: for who reads `evidence`."""
+    """As `refine`, without the warning, for callers that read `evidence`."""
     kernel = compiled_refinement(settings)
     outputs = signal_array(y, "y", settings.l_y)
     steps = len(outputs)

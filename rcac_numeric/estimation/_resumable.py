@@ -1,4 +1,4 @@
-"""What runs step by step, can be saved, and goes on bit for bit."""
+"""Step-by-step objects that can be saved and continue bit for bit."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Resumable(ABC, Generic[S]):
         return f"{type(self).__name__}(k={self.k}, {type(self.settings).__name__})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how far it is, and its settings."""
+        """The progress and the settings as HTML for a notebook."""
         return html_table(
             type(self).__name__, [("k", str(self.k)), ("settings", str(self.settings))]
         )
@@ -40,7 +40,7 @@ class Resumable(ABC, Generic[S]):
 
     @abstractmethod
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave; ValueError where it is something else."""
+        """Continue from a saved state; ValueError if it does not fit."""
 
     @property
     def state(self) -> SavedState:

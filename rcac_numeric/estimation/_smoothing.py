@@ -17,7 +17,7 @@ from rcac_numeric.estimation._settings import EKF, square_root
 
 @dataclass(frozen=True, eq=False)
 class SmoothedStates(Result):
-    """What a whole record, or the next steps of it, say of every state.
+    """The estimates of every state from a whole record, or from its next steps.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ def _backward(
     filtered: Array, S: Array, predicted: Array, gains: Array, roots: Array, last: int,
     count: int, first: int = 0,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """From step `last` back to `first`; what is before or after is what the filter says."""
+    """Smooth from step `last` back to `first`; other steps keep the filter's estimates."""
     x, root = filtered.copy(), S.copy()
     for k in range(last - 1, max(first, last - count) - 1, -1):
         x[k] = filtered[k] + gains[k] @ (x[k + 1] - predicted[k])

@@ -1,4 +1,4 @@
-"""Markov parameters and realisations identified from data, and what targets need of them."""
+"""Identification of Markov parameters, realisations and modelling information from data."""
 
 import lazy_loader
 

@@ -37,7 +37,7 @@ class BootstrapZeros(Result):
 
     @property
     def covariance(self) -> Array:
-        """Of the real and imaginary part of each zero, shape (n, 2, 2)."""
+        """The covariance of real and imaginary part of each zero, shape (n, 2, 2)."""
         gaps = self.draws - self.draws.mean(axis=0)
         parts = np.stack([gaps.real, gaps.imag], axis=2)
         return np.asarray(np.einsum("rni,rnj->nij", parts, parts) / (len(parts) - 1))

@@ -1,4 +1,4 @@
-"""The target model that a record of data can carry, or the reason why it carries none."""
+"""The target model that a record supports, or the reason why it supports none."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rcac_numeric.targets._pole_placement import fir_target
 
 @dataclass(frozen=True)
 class DataFact(Truth):
-    """One thing that data say of a plant, and how sure that is.
+    """A property of a plant from data, with its probability.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class DataTarget(Result):
 
     @property
     def facts(self) -> tuple[DataFact, ...]:
-        """Relative degree, sign of the leading coefficient and NMP zeros, and how sure each is.
+        """Relative degree, leading sign and NMP zeros, each with its probability.
 
         The first significant Markov parameter is never too early and often too late: a plant of
         slow lags hardly answers in its first step. What can be told from data is how small the

@@ -21,7 +21,7 @@ FARTHEST = 10.0
 
 @dataclass(frozen=True, eq=False)
 class DirectionsFromData(Result):
-    """What a record says of G_zu, with its evidence.
+    """The identified G_zu of a record, with its evidence.
 
     Attributes
     ----------
@@ -140,13 +140,13 @@ def _blocks(theta: Array, p: int, size: int) -> Array:
 
 
 def _at(blocks: Array, z0: complex) -> ComplexArray:
-    """The first block plus the others times powers of 1/z0."""
+    """Evaluate a polynomial in 1/q at z0."""
     powers = z0 ** -np.arange(len(blocks), dtype=float)
     return np.asarray(np.tensordot(powers, blocks, 1))
 
 
 def _zeros(B: Array, noise: Array, spread: Array) -> tuple[ComplexArray, Array]:
-    """The roots of det B, and how far the noise of the fit moves each, to first order.
+    """The roots of det B and their standard errors, to first order.
 
     With eta' B(z0) = 0 and B(z0) v = 0: dz0 = -eta' dB(z0) v / eta' B'(z0) v.
     """

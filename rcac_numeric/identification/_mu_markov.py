@@ -212,7 +212,7 @@ def _least_norm(columns: Array, target: Array) -> Array:
 
 
 def _of_parameters(spread: Array, mu: int, l_u: int, rounding: float) -> Array:
-    """From theta, whose rows are (lag, input), to H.ravel(), that is (lag, output, input)."""
+    """Reorder theta with rows (lag, input) to H.ravel(), in the order (lag, output, input)."""
     l_y = spread.shape[1]
     sixfold = spread.reshape(mu, l_u, l_y, mu, l_u, l_y).transpose(0, 2, 1, 3, 5, 4)
     covariance = sixfold.reshape(mu * l_y * l_u, mu * l_y * l_u)

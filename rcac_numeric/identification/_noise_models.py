@@ -1,4 +1,4 @@
-"""What is assumed of the noise when standard errors are computed from a residual."""
+"""Noise models for standard errors from a residual."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class NeweyWest:
             integer(self.lags, "lags")
 
     def chosen_lags(self, rows: int) -> int:
-        """The lags that are set, or those for this number of equations."""
+        """The lags as set, or by default for the number of equations."""
         chosen = math.ceil(1.3 * math.sqrt(rows)) if self.lags is None else self.lags
         return min(chosen, rows - 1)
 
@@ -73,7 +73,7 @@ def coefficient_covariance(
 
 
 def degrees_of_freedom(rows: int, freedom: int, noise: NeweyWest | None) -> float:
-    """How many independent squares the covariance is worth."""
+    """The degrees of freedom of the covariance."""
     if noise is None:
         return float(freedom)
     return max(2.0, min(float(freedom), 1.5 * rows / max(noise.chosen_lags(rows), 1)))

@@ -1,4 +1,4 @@
-"""How many states the singular values of a Hankel matrix carry."""
+"""The order of a model from the singular values of a Hankel matrix."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def hankel_matrix(parameters: Array, first: int, rows: int, columns: int) -> Arr
 def order_from_singular_values(
     H: Array, error: Array, order: int | None = None
 ) -> tuple[int, Array]:
-    """The order that the Hankel matrix of H_1, H_2, ... shows, and its singular values.
+    """The order from the Hankel matrix of H_1, H_2, ..., and its singular values.
 
     n = number of singular values above the Frobenius norm of the matrix of standard errors
     """

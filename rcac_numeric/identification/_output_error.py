@@ -66,7 +66,7 @@ class OutputErrorModel(ScalarModel, Truth):
     integrators: int = 0
 
     def errors(self, u: ArrayLike, y: ArrayLike) -> Array:
-        """What the model, with a state, offset and slope of its own, leaves of another record."""
+        """The residual of the model on another record, with fitted state, offset and slope."""
         record = scalar_record(u, y, self.order + self.delay, drifts=True)
         A = self.denominator
         for _ in range(self.integrators):
@@ -87,7 +87,7 @@ def identify_output_error(
     u: ArrayLike, y: ArrayLike, *, orders: Iterable[int] = range(1, 6),
     delays: Iterable[int] = range(12), integrators: Iterable[int] = (0,),
 ) -> OutputErrorModel:  # fmt: skip
-    """The output-error model of the order and delay that a record supports.
+    """Identify the output-error model of the order and delay that a record supports.
 
     Steiglitz and McBride's iteration: least squares of A y_f = q^-delay B u_f + c, both filtered by
     1/A of the round before; of the best, least squares of the error of the output itself. Of all
@@ -165,7 +165,7 @@ def _criterion(e: Array, shape: Shape) -> float:
 def _of_two(
     record: ScalarRecord, free: tuple[Shape, Array], imposed: tuple[Shape, Array]
 ) -> tuple[Shape, Array]:
-    """The better one of a model with free poles and one with a pole at 1."""
+    """The better of a model with free poles and one with a pole at 1."""
     shape, coefficients = imposed
     A, B = np.split(coefficients, [shape[0] - 1])
     if not integrated_share(np.r_[1.0, A], B) > SHARE:
@@ -181,7 +181,7 @@ def _of_two(
 
 
 def _fitted(record: ScalarRecord, candidates: list[Shape], free: Found) -> Found:
-    """The best of these shapes, refined, all of one number of integrators.
+    """The best refined model of some shapes with one number of integrators.
 
     Where `free` has models without a pole at 1 they are tried with their slowest pole put there.
     """
@@ -214,12 +214,12 @@ def _without_slowest(coefficients: Array) -> Array:
 
 
 def _driving(record: ScalarRecord, sums: int) -> Array:
-    """U, or its sum where a pole at 1 is imposed."""
+    """The input u, or its sum if a pole at 1 is imposed."""
     return np.cumsum(record.u) if sums else record.u
 
 
 def _share_poles(record: ScalarRecord, fits: Found) -> None:
-    """At every delay the poles of the best one of that order, where they do better."""
+    """Try the poles of the best model of an order at every delay."""
     for n, sums in sorted({(n, sums) for n, _, sums in fits}):
         alike = [one for one in fits if one[0] == n]
         best = min(alike, key=lambda one: fits[one][0])
@@ -236,7 +236,7 @@ def _share_poles(record: ScalarRecord, fits: Found) -> None:
 
 
 def _iterated(record: ScalarRecord, shape: Shape) -> Array:
-    """a_1, ..., b_1, ..., b_n where Steiglitz and McBride's iteration ends."""
+    """The coefficients a_1, ..., b_1, ..., b_n after Steiglitz and McBride's iteration."""
     n, d, sums = shape
     poles = n - sums
     A = np.zeros(poles + 1)
@@ -258,7 +258,7 @@ def _iterated(record: ScalarRecord, shape: Shape) -> Array:
 
 
 def _residual(record: ScalarRecord, shape: Shape, coefficients: Array) -> Array:
-    """What B/A u, the offset and the initial state, fitted, leave of y."""
+    """The residual of y after B/A u, the offset and the initial state."""
     n, d, sums = shape
     A, B = inside(np.r_[1.0, coefficients[: n - sums]]), np.r_[0.0, coefficients[n - sums :]]
     columns = np.stack(_free(A, len(record.last_y), record.drifts), axis=1)
@@ -267,7 +267,7 @@ def _residual(record: ScalarRecord, shape: Shape, coefficients: Array) -> Array:
 
 
 def _free(A: Array, steps: int, drifts: bool) -> list[Array]:
-    """What y may be without u: an offset, a slope, and the responses to the initial state."""
+    """The free responses: an offset, a slope, and the responses to the initial state."""
     impulse = np.zeros(steps)
     impulse[0] = 1.0
     free = lfilter([1.0], A, impulse)
@@ -276,7 +276,7 @@ def _free(A: Array, steps: int, drifts: bool) -> list[Array]:
 
 
 def _refined(record: ScalarRecord, shape: Shape, start: Array) -> Array:
-    """The smallest output error beside where the iteration ended."""
+    """Minimise the output error from the result of the iteration."""
     poles = shape[0] - shape[2]
     optimum = least_squares(
         lambda one: _residual(record, shape, one), start, x_scale="jac", max_nfev=25,

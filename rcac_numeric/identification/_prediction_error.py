@@ -1,4 +1,4 @@
-"""Models of scalar data from a closed loop: the prediction error of a predictor that is stable."""
+"""Prediction-error models of scalar closed-loop data, with a stable predictor."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def identify_in_closed_loop(
     u: ArrayLike, y: ArrayLike, *, orders: Iterable[int] = range(1, 6),
     delays: Iterable[int] = range(12), integrators: Iterable[int] = (0,),
 ) -> PredictionErrorModel:  # fmt: skip
-    """The model of a plant, stable or not, from a record in which u answers to y.
+    """Identify a plant, stable or not, from a record of a closed loop.
 
     The direct method: e = (D/C)(A y - q^-delay B u - c) is the error of a predictor that is stable
     for every A, since A and B only multiply; the smallest mean square of e is the plant itself as
@@ -172,7 +172,7 @@ def identify_in_closed_loop(
 
 
 def excitation(u: ArrayLike, y: ArrayLike) -> Array:
-    """What of u does not follow from its past and from y: a dither, or a command at work.
+    """The part of u that its past and y do not determine: a dither or a command.
 
     u(k) less its regression on u(k-1), ..., u(k-20) and y(k), ..., y(k-20).
     """
@@ -180,7 +180,7 @@ def excitation(u: ArrayLike, y: ArrayLike) -> Array:
 
 
 def answers(u: ArrayLike, y: ArrayLike) -> bool:
-    """Whether u is predicted better by y than by its own past: a closed loop.
+    """Whether y improves the prediction of u: a closed loop.
 
     By BIC with three times its penalty: u on u(k-1), ..., u(k-20), and on y(k), ..., y(k-3) beside.
 
@@ -197,7 +197,7 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
 
 
 def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
-    """What the past of u leaves of it, and what so many values of y leave of that."""
+    """The residuals of u after its own past, and after past y too."""
     if len(u) != len(y):
         raise InputError(f"u has {len(u)} steps and y {len(y)}; they must be equally long.")
     if len(u) < 5 * PAST_U:
@@ -213,14 +213,14 @@ def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
 
 
 def _unit(columns: Array) -> Array:
-    """Columns less their means, all by one factor."""
+    """Centre the columns and scale them by one factor."""
     moved = columns - columns.mean(axis=0)
     return np.asarray(moved / (float(np.std(moved)) or 1.0))
 
 
 @dataclass(frozen=True)
 class _Differenced:
-    """A record whose y is differenced once for a pole at 1: the noise model takes that back."""
+    """A record with y differenced once for a pole at 1, which the noise model compensates."""
 
     record: ScalarRecord
     sums: int
@@ -231,7 +231,7 @@ class _Differenced:
         return np.diff(y, prepend=y[0]) if self.sums else y
 
     def rows(self, n: int, d: int) -> tuple[Array, Array]:
-        """y(k), and [-y(k-1), ..., u(k-d-1), ..., 1], for every k that all models have."""
+        """The equations y(k) = [-y(k-1), ..., u(k-d-1), ..., 1] theta, for the k of all models."""
         poles, first, y = n - self.sums, self.record.first + 1, self.y
         columns = [-late(y, i) for i in range(1, poles + 1)]
         columns += [late(self.record.u, d + i) for i in range(1, n + 1)]
@@ -240,7 +240,7 @@ class _Differenced:
 
 @dataclass(frozen=True)
 class _Candidate:
-    """Coefficients of A, B and c, those of C and of D; and the criterion."""
+    """A candidate model: coefficients of A, B and c, of C and of D; its residual and criterion."""
 
     shape: Shape
     linear: Array
@@ -251,7 +251,7 @@ class _Candidate:
 
     @property
     def share(self) -> float:
-        """What a pole at 1 makes of the gain."""
+        """The share of the gain that comes from a pole at 1."""
         n, _, sums = self.shape
         A, B, _ = np.split(self.linear, [n - sums, 2 * n - sums])
         return integrated_share(np.r_[1.0, A], B)
@@ -268,7 +268,7 @@ def _best(data: _Differenced, candidates: list[Shape]) -> _Candidate:
 
 
 def _innovations(data: _Differenced) -> Array:
-    """E of the long ARX model that BIC chooses, as long as y, zero where it has no past."""
+    """The innovations of the long ARX model that BIC selects, as long as y, zero at the start."""
     y, u = data.y, data.record.u
     innovations = None
     for p in [p for p in LONG if 10 * p <= len(y)]:
@@ -283,7 +283,7 @@ def _innovations(data: _Differenced) -> Array:
 
 
 def _started(data: _Differenced, shape: Shape, e: Array) -> _Candidate:
-    """A, B and C by one regression on the innovations of the long model."""
+    """Estimate A, B and C by one regression on the innovations of the long model."""
     n, d, _ = shape
     y, rows = data.rows(n, d)
     past = np.stack([late(e, i)[-len(y) :] for i in range(1, n + 1)], axis=1)
@@ -300,7 +300,7 @@ def _evaluated(data: _Differenced, shape: Shape, linear: Array, C: Array, D: Arr
 
 
 def _refined(data: _Differenced, start: _Candidate, D: Array) -> _Candidate:
-    """The smallest prediction error beside a start, by its gradients."""
+    """Minimise the prediction error from a start, by gradients."""
     y, rows = data.rows(*start.shape[:2])
     n_l, n_C = rows.shape[1], len(start.C) - 1
 
@@ -330,7 +330,7 @@ def _refined(data: _Differenced, start: _Candidate, D: Array) -> _Candidate:
 
 
 def _least(data: _Differenced, shape: Shape) -> float:
-    """The criterion of y predicted by its own past alone."""
+    """The criterion of the prediction of y from its own past alone."""
     n, d, sums = shape
     y, rows = data.rows(n, d)
     local_rows = np.hstack([rows[:, : n - sums], rows[:, -1:]])
@@ -364,7 +364,7 @@ def _model(best: _Candidate, record: ScalarRecord, stirring: Array) -> Predictio
 
 
 def _correlation(e: Array, stirring: Array) -> float:
-    """The largest correlation of e with what stirred u before, over 1/sqrt(N)."""
+    """The largest correlation of e with the past excitation of u, over 1/sqrt(N)."""
     if not np.std(e) > EXACT:
         return 0.0
     steps = min(len(e), len(stirring))

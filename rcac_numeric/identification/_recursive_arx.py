@@ -1,4 +1,4 @@
-"""An ARX model from data that arrive step by step, on the controller's own update."""
+"""A recursive ARX model, with the update of the controller."""
 
 from __future__ import annotations
 
@@ -75,11 +75,11 @@ class RecursiveARX(RecursiveRegression):
 
     @property
     def P(self) -> Array:
-        """Of the update: the covariance of (b, a) divided by `variance`; shape (2p, 2p)."""
+        """The covariance of (b, a) divided by `variance`; shape (2p, 2p)."""
         return super().P
 
     def excitation(self) -> float:
-        """The share of R_theta in what is known of the worst known coefficient of u.
+        """The share of R_theta in the information on the least excited coefficient of u.
 
         max_i P_ii R_theta over the b_i: 1 where nothing was learnt of one, near 0 where all are
         known from the data.
@@ -87,7 +87,7 @@ class RecursiveARX(RecursiveRegression):
         return float(np.max(np.diag(self.P)[: self.order])) * self.R_theta
 
     def estimate(self, level: float = 1.96, d_zu: int | None = None) -> OnlineZeros:
-        """What the model says, whether or not the data carry it; see `zeros`.
+        """The estimate, whether or not the data support it; see `zeros`.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class RecursiveARX(RecursiveRegression):
         )
 
     def zeros(self, level: float = 1.96, d_zu: int | None = None) -> OnlineZeros:
-        """Relative degree, leading coefficient and zeros with their errors, where the data do.
+        """Relative degree, leading coefficient and zeros, if the data support them.
 
         Parameters
         ----------

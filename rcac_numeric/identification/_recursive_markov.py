@@ -1,4 +1,4 @@
-"""Markov parameters from data that arrive step by step."""
+"""Recursive estimation of Markov parameters."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ class RecursiveMarkov(ShowsState):
 
     @property
     def samples(self) -> float:
-        """Equations so far, old ones counted by their weight."""
+        """The number of equations so far, old ones by their weight."""
         return self._weight
 
     def update(self, u: ArrayLike, y: ArrayLike) -> None:
-        """Take in u(k) and y(k)."""
+        """Update with u(k) and y(k)."""
         window = self.mu + self.n_mod
         now = vector(u, "u", self.l_u), vector(y, "y", self.l_y)
         self._past_u = [now[0], *self._past_u][:window]
@@ -100,7 +100,7 @@ class RecursiveMarkov(ShowsState):
 
     @property
     def standard_error(self) -> Array:
-        """Of each entry of H, by Newey-West with these lags."""
+        """The standard error of each entry of H, by Newey-West with these lags."""
         self._require_determined()
         R = self._R[: self._p, : self._p]
         inverse = np.linalg.inv(R.T @ R)

@@ -1,4 +1,4 @@
-"""Markov parameters from data that arrive step by step, on the controller's own update."""
+"""Recursive Markov parameters, with the update of the controller."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class RecursiveMuMarkov(RecursiveRegression):
 
     @property
     def H(self) -> Array:
-        """H_0, ..., H_(mu-1) as they are now, whether or not the data carry them; shape (mu,)."""
+        """The current H_0, ..., H_(mu-1), whether or not the data support them; shape (mu,)."""
         return np.asarray(self._kernel.theta[: self.mu])
 
     @property
@@ -107,11 +107,11 @@ class RecursiveMuMarkov(RecursiveRegression):
 
     @property
     def samples(self) -> float:
-        """Equations that it remembers, old ones counted by their weight."""
+        """The number of equations in memory, old ones by their weight."""
         return float(self._kernel.weight)
 
     def excitation(self) -> float:
-        """The share of R_theta in what is known of the worst known combination of the H_j.
+        """The share of R_theta in the information on the least excited combination of the H_j.
 
         R_theta times the largest eigenvalue of P_HH: 1 where the data say nothing of one, near 0
         where they show all.
@@ -213,7 +213,7 @@ def _finite(P: Array) -> Array:
 
 
 def _condition(P: Array) -> float:
-    """Of the regressors of H, from the covariance that they leave to H."""
+    """The condition number of the regressors of H, from its covariance."""
     size = np.linalg.eigvalsh(P)
     # Below that eigvalsh shows its own rounding.
     return float(np.sqrt(size[-1] / max(size[0], np.finfo(float).eps * size[-1])))

@@ -1,4 +1,4 @@
-"""What the recursive fits have in common: steps in, states out, how far to believe theta."""
+"""The base of recursive fits: updates, states, and the accuracy of theta."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rcac_numeric.compiled._estimators import Arx
 
 
 def floor_of(R_theta: float) -> float:
-    """R_theta, positive and with a reciprocal in float64, or a refusal."""
+    """Return R_theta; raise an error unless it is positive with a reciprocal in float64."""
     value = number(R_theta, "R_theta")
     if not 1e-300 < value < 1e300:
         raise InputError(f"R_theta = {value:g} must be positive.")
@@ -31,7 +31,7 @@ class RecursiveRegression(ShowsState):
         self._kernel, self._settings = kernel, settings
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are fits of their own in the same state."""
+        """Copy and pickle as an independent fit in the same state."""
         if not np.isfinite(self.P).all():
             raise DivergedError(
                 "the identification left the range of float64, so that there is no state to copy; "
@@ -40,7 +40,7 @@ class RecursiveRegression(ShowsState):
         return _rebuilt, (type(self), self._settings, self.state)
 
     def update(self, u: ArrayLike, z: ArrayLike) -> None:
-        """Take in u(k) and z(k) of one step or of several, in their order."""
+        """Update with u(k) and z(k) of one step or of several."""
         one, other = (real_array(v, name).reshape(-1) for v, name in ((u, "u"), (z, "z")))
         if one.size != other.size:
             raise InputError(f"u has {one.size} values and z {other.size}; one of each a step.")
@@ -49,17 +49,17 @@ class RecursiveRegression(ShowsState):
 
     @property
     def k(self) -> int:
-        """Steps taken in."""
+        """The number of steps so far."""
         return int(self._kernel.k)
 
     @property
     def P(self) -> Array:
-        """Of the update: the covariance of theta divided by `variance`, which is for white e."""
+        """The covariance of theta divided by `variance`, for white e."""
         return np.asarray(self._kernel.P)
 
     @property
     def variance(self) -> float:
-        """Of the equation's error e, over the steps that are remembered."""
+        """The variance of the equation error e, over the steps in memory."""
         return float(self._kernel.variance)
 
     @property

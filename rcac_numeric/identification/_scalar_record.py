@@ -1,4 +1,4 @@
-"""A record of scalar u and y in units of its own, and the models of it that are tried."""
+"""A scaled record of scalar u and y, and its candidate models."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class ScalarRecord:
 
     @property
     def last_y(self) -> Array:
-        """Y from `first` on."""
+        """The output y from `first` on."""
         return self.y[self.first :]
 
 
@@ -93,7 +93,7 @@ def scalar_record(
 
 
 def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[int]) -> list[Shape]:
-    """What is tried: every order, delay and number of integrators that go together."""
+    """The candidate models: every order, delay and number of integrators that are compatible."""
     ns = [integer(n, "order", at_least=1) for n in items(orders, "orders")]
     ds = [integer(d, "delay") for d in items(delays, "delays")]
     poles = [integer(i, "integrators", at_most=1) for i in items(integrators, "integrators")]
@@ -114,12 +114,12 @@ def scalar_signal(values: ArrayLike, name: str) -> Array:
 
 
 def late(signal: Array, steps: int) -> Array:
-    """The signal so many steps later, at rest before."""
+    """Delay a signal by some steps, with zeros before."""
     return signal if not steps else np.r_[np.zeros(steps), signal[:-steps]]
 
 
 def inside(A: Array) -> Array:
-    """A, in powers of q^-1 from 1 on, with every root outside the circle reflected into it."""
+    """Reflect the roots of A outside the unit circle into it; powers of q^-1 from 1 on."""
     A = np.asarray(A, dtype=np.float64)
     roots = np.roots(A)
     size = np.abs(roots)
@@ -136,7 +136,7 @@ def information_criterion(e: Array, parameters: int, penalty: float) -> float:
 
 
 def integrated_share(A: Array, B: Array) -> float:
-    """What the pole at 1 of B/((1 - q^-1) A) makes of the gain at 0.02 rad/step.
+    """The share of the pole at 1 of B/((1 - q^-1) A) in the gain at 0.02 rad/step.
 
     Its residue over 0.02 abs(G): 1 for an integrator alone, 0 where a zero cancels it.
     """

@@ -20,7 +20,7 @@ from rcac_numeric.identification._zeros import IdentifiedZeros, identified_zeros
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedWindow(Value):
-    """What one window of a record shows.
+    """The identification result of one window of a record.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Zeros of a realisation of Markov parameters, and how they move with each parameter."""
+"""Zeros of a realisation of Markov parameters, and their gradients."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class _Pencil:
         return zeros, w / root[:, None], v / root[:, None]
 
     def gradient(self, zero: complex, w: ComplexArray, v: ComplexArray) -> ComplexArray:
-        """By H; w' S v = 1."""
+        """The gradient of a zero by H; w' S v = 1."""
         n, K_0 = self.order, self.K_0
         U_1, U_2, V_1, V_2 = self.U[:, :n], self.U[:, n:], self.V[:, :n], self.V[:, n:]
         l_, r = U_1 @ w, V_1 @ v

@@ -17,7 +17,7 @@ from rcac_numeric.identification._zero_gradients import zeros_and_gradients
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedZeros(Result):
-    """Zeros of a model identified from data, and how far to believe them.
+    """Zeros of a model identified from data, and their accuracy.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class IdentifiedZeros(Result):
         return bool(distance <= 2 * nu / (nu - 1) * fisher.ppf(_level(level), 2, nu - 1))
 
     def phases(self, level: float = 0.95) -> tuple[str, ...]:
-        """Of each zero "nonminimum phase", "minimum phase" or, at this level, "undecided"."""
+        """Classify zeros: "nonminimum phase", "minimum phase" or, at this level, "undecided"."""
         limit = _student(level, self.freedom)
         distance, error = np.abs(self.zeros) - 1, limit * self.modulus_error
         return tuple(
@@ -168,7 +168,7 @@ def identified_zeros(
 
 
 def leading_index(markov: IdentifiedMarkovParameters, significance: float) -> int:
-    """The index of the first significant Markov parameter, or a refusal."""
+    """Return the index of the first significant Markov parameter, or raise an error."""
     cleared = markov.cleared(significance).any(axis=(1, 2))
     if not cleared.any():
         raise InputError(

@@ -1,4 +1,4 @@
-"""The zeros of an identified ARX model, with their errors and what they decide."""
+"""The zeros of an identified ARX model, with their errors and phases."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LAGS_OF_WHITENESS = 20
 
 @dataclass(frozen=True, eq=False)
 class OnlineZeros(Result):
-    """What an ARX model of u -> z says of relative degree, leading coefficient and zeros.
+    """Relative degree, leading coefficient and zeros of an ARX model of u -> z.
 
     Attributes
     ----------

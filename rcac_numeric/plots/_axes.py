@@ -1,4 +1,4 @@
-"""What the pictures of a run are made of: control, poles and zeros, changes, legends."""
+"""Elements of figures of runs: control, poles and zeros, changes, legends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rcac_numeric.plots._style import INK, REACHED, SECOND, WANTED, draw_history
 
 
 def draw_control(axis: Axes, run: Run) -> None:
-    """What the controller asked for and, where that differs, what the actuator applied."""
+    """Draw the control u and, if different, the applied control."""
     draw_history(axis, run.u, "control $u$", "u")
     if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
         return
@@ -30,7 +30,7 @@ def draw_control(axis: Axes, run: Run) -> None:
 
 
 def mark_changes(axis: Axes, runs: Iterable[Run], first: int, last: int | None) -> None:
-    """A line at each step that is shown at which the plant of one of the runs changes."""
+    """Draw a line at each step at which the plant of a run changes."""
     end = np.inf if last is None else last
     starts = {
         change.start
@@ -45,7 +45,7 @@ def mark_changes(axis: Axes, runs: Iterable[Run], first: int, last: int | None) 
 
 
 def legend_below(figure: Figure, *, always: bool = False) -> None:
-    """One legend for all axes, below them, where it hides nothing; none for one line."""
+    """Draw one legend for all axes below them; none for one line."""
     handles: dict[str, Any] = {}
     for axis in figure.axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
@@ -63,7 +63,7 @@ def legend_below(figure: Figure, *, always: bool = False) -> None:
 
 
 def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True) -> None:
-    """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
+    """Draw closed-loop poles and zeros of the final controller, and the target poles of G_f."""
     comparison, _ = attempted(lambda: repetition.comparison)
     nothing = np.zeros(0, dtype=np.complex128)
     requested, zeros = nothing, nothing
@@ -83,7 +83,7 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
 def draw_poles(
     axis: Axes, poles: ComplexArray, requested: ComplexArray, zeros: ComplexArray
 ) -> None:
-    """Poles reached beside those asked for, and zeros from w to z."""
+    """Draw closed-loop poles, target poles, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
         PoleGroup("asked for", "asked for", requested, "s", WANTED, 10),

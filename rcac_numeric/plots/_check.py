@@ -1,4 +1,4 @@
-"""One sheet on a controller that was checked."""
+"""The figure of a controller check."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _coefficients(axis: Axes, check: ControllerCheck) -> None:
 
 
 def _names(check: ControllerCheck, count: int) -> list[str]:
-    """What each coefficient weighs, where the structure is known."""
+    """The name of each coefficient, if the structure is known."""
     if check.structure is not None and check.structure.l_theta == count:
         return structure_names(check.structure)
     return [rf"\theta_{{{i + 1}}}" for i in range(count)]
@@ -117,7 +117,7 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
 
 
 def _match(gain: Axes, phase: Axes, check: ControllerCheck) -> None:
-    """The match with G_f; without a target model the response from w to z."""
+    """Draw the match with G_f; without a target model the response from w to z."""
     assert check.loop is not None
     if check.match is not None:
         draw_magnitude(gain, check.match)

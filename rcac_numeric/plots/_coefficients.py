@@ -1,4 +1,4 @@
-"""The coefficients theta over the step, each line with the tap of the regressor that it weighs."""
+"""Figures of theta over the step, each line labelled by its tap of the regressor."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 
 def coefficient_names(run: Run) -> list[str]:
-    """What each entry of theta multiplies, such as u(k-1); one name for each."""
+    """The tap of each entry of theta, such as u(k-1)."""
     if isinstance(run.settings, StepwiseController):
         return [rf"\theta_{{{i + 1}}}" for i in range(run.theta.shape[1])]
     return [
@@ -33,7 +33,7 @@ def coefficient_names(run: Run) -> list[str]:
 
 
 def structure_names(structure: Structure) -> list[str]:
-    """The same of one structure, in the order of its coefficients."""
+    """The taps of one structure, in the order of its coefficients."""
     if structure.name in GAINS and structure.l_theta == len(structure.name):
         return [f"K_{letter}" for letter in structure.name]
     widths = {"u": structure.l_u, "y": structure.l_y, "r": structure.l_r}
@@ -53,7 +53,7 @@ def draw_theta(
     axis: Axes, run: Run, title: str = "", shown: np.ndarray | None = None, *,
     legend: bool = True, above: float = 0.0, period: float = 1.0,
 ) -> None:  # fmt: skip
-    """Theta over the step times a period, or at those of its rows that are shown.
+    """Draw theta over the step times a period.
 
     Its lines are named by `coefficient_names`.
     The legend stands beside the axes or, in a picture that is `above` inches wide, above them.
@@ -73,7 +73,7 @@ def draw_theta(
 
 
 def legend_above(axis: Axes, width: float, title: str = "") -> None:
-    """The legend in rows above the axes, where a narrow picture has room, under their title.
+    """Draw the legend in rows above the axes, under their title.
 
     `width` is that of the picture in inches.
     """
@@ -90,7 +90,7 @@ def legend_above(axis: Axes, width: float, title: str = "") -> None:
 def draw_coefficients(
     axis: Axes, k: np.ndarray, theta: Array, names: list[str], *, legend: bool = True
 ) -> None:
-    """A line for each coefficient, with a legend of its names.
+    """Draw a line for each coefficient, with a legend.
 
     Where they are many, one of the signals that they weigh.
     """

@@ -1,4 +1,4 @@
-"""Pictures of a design: a nominal run of each controller, the rms on every plant; and of tuning."""
+"""Figures of a design and of tuning: a nominal run, the rms on every plant."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rcac_numeric.plots._style import line_style
 
 
 def plot_design(design: Design) -> Figure:
-    """Above the error and the control of a nominal run, below the rms on held-out runs."""
+    """Plot error and control of a nominal run, and below the rms of the test runs."""
     figure = Figure(figsize=(9, 7.5), layout="constrained")
     error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
     error.sharex(control)

@@ -1,4 +1,4 @@
-"""The files that pictures are saved in."""
+"""File formats of figures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FORMATS = (".pdf", ".png", ".svg")
 
 
 def require_picture_format(picture: Path) -> None:
-    """Refuse what could not be drawn, or not into this file, before anything long is run."""
+    """Raise an error for an unsupported file before a long run."""
     require_library("matplotlib")
     if picture.suffix.lower() not in FORMATS:
         raise InputError(f"--plot {picture}: the name must end in one of {', '.join(FORMATS)}.")
@@ -23,7 +23,7 @@ def require_picture_format(picture: Path) -> None:
 
 
 def save(figure: figures.Figure, picture: Path) -> None:
-    """Save a figure; what was in the file stays whole until the new one is."""
+    """Save a figure; the old file stays until the new one is complete."""
     drawn = io.BytesIO()  # matplotlib's writers do not say in their own words that a disk is full
     figure.savefig(drawn, format=picture.suffix[1:].lower(), dpi=130)
     with replacing(picture) as new:

@@ -1,4 +1,4 @@
-"""What the pictures take from Matplotlib; where it is missing, what installs it."""
+"""Imports from Matplotlib, with an install hint if it is missing."""
 
 from compensator_theory.libraries import require_library
 
@@ -11,7 +11,7 @@ except ModuleNotFoundError as error:
         raise
 
     class Axes:  # type: ignore[no-redef]
-        """Stands where a class of Matplotlib would, and says what is missing when one is made."""
+        """Placeholder of a Matplotlib class; raises the install hint when used."""
 
         def __init__(self, *given: object, **named: object) -> None:
             require_library("matplotlib")

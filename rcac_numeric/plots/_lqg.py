@@ -1,4 +1,4 @@
-"""A picture of an LQG controller: whose poles the loop has, and the controller's response."""
+"""The figure of an LQG controller: poles of the loop and response of the controller."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circl
 
 
 def plot_lqg(design: LQG) -> Figure:
-    """Left the poles of regulator and estimator, right gain and phase of the controller."""
+    """Plot the poles of regulator and estimator, and gain and phase of the controller."""
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
     poles, gain = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])

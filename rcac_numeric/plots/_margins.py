@@ -200,7 +200,7 @@ def draw_bode(gain: Axes, phase: Axes, curve: LoopCurve) -> None:
 
 
 def _show_half_turns(phase: Axes, degrees: Any) -> None:
-    """Lines where L is real and negative, ticks at quarters of a turn."""
+    """Draw lines at odd multiples of 180 degrees, and ticks at multiples of 90 degrees."""
     low, high = (degrees.min(), degrees.max()) if len(degrees) else (-180.0, 0.0)
     step = 45 if high - low < 300 else 90 * (1 + int((high - low) / 720))
     bottom, top = np.floor(low / step - 0.1) * step, np.ceil(high / step + 0.1) * step
@@ -258,7 +258,7 @@ def _frequencies(curve: LoopCurve) -> Any:
 
 
 def _exact_curve(margins: StabilityMargins) -> LoopCurve:
-    """What is drawn of exact margins, rounded once."""
+    """The curve of exact margins, rounded once."""
     N, D = ([float(c) for c in p.all_coeffs()] for p in (margins.numerator, margins.denominator))
     discrete = margins.time == "discrete"
 
@@ -293,7 +293,7 @@ def _exact_curve(margins: StabilityMargins) -> LoopCurve:
 
 
 def loop_curve(margins: Margins) -> LoopCurve:
-    """What is drawn of a loop and its margins."""
+    """The curve of a loop and its margins."""
     crossovers = (*margins.gain_crossovers, *margins.phase_crossovers)
     low = min([1e-2, *(float(w) / 10 for w in crossovers if w > 0)])
     ends = [b for b in (margins.gain_down, margins.gain_up) if b is not None]

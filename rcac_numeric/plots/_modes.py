@@ -1,4 +1,4 @@
-"""The picture of an estimate of modes."""
+"""The figure of mode estimates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rcac_numeric.plots._style import line_style
 
 
 def plot_modes(estimates: ModeEstimates) -> Figure:
-    """Above, each entry of x with two deviations on either side; below, the probabilities."""
+    """Plot each entry of x with +- two standard deviations, and the probabilities below."""
     n = estimates.x.shape[1]
     figure = Figure(figsize=(9, 2 + 1.6 * n), layout="constrained")
     axes = figure.subplots(n + 1, 1, sharex=True)

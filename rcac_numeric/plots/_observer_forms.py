@@ -1,4 +1,4 @@
-"""A picture of observer-based forms: how each divides the closed-loop roots."""
+"""The figure of observer-based forms: how each divides the closed-loop roots."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MANY = 40  # forms that have a row each
 
 
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:
-    """Left the roots, those of the best conditioned regulator circled; right each cond(T)."""
+    """Plot the roots, with the best conditioned regulator circled, and cond(T) of each form."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     roots, worth = figure.subplots(1, 2)
     everything = np.unique(np.round(np.concatenate(

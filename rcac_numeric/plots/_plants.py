@@ -1,4 +1,4 @@
-"""Pictures of plants: zeros along their way, those that data show, and plants of the gallery."""
+"""Figures of plants: moving zeros, identified zeros, and plants of the gallery."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
 
 
 def plot_zero_path(path: ZeroPath) -> Figure:
-    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5."""
+    """Plot the zeros of a changing plant in the plane and by modulus, figures 3.4 and 3.5."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     plane, moduli = figure.subplots(1, 2)
     draw_zeros(plane, list(path.zeros))
@@ -27,7 +27,7 @@ def plot_zero_path(path: ZeroPath) -> Figure:
 
 
 def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> Figure:
-    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant."""
+    """Plot poles and zeros in the s-plane, step responses, and the sampled plant's zeros."""
     figure = Figure(figsize=(12, 4), layout="constrained")
     plane, response, sampled = figure.subplots(1, 3)
     poles, zeros = plant.poles(), plant.zeros()
@@ -50,7 +50,7 @@ def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> F
 
 
 def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> None:
-    """Over some time constants of the slowest pole, or of the growth of the fastest unstable."""
+    """The step response over some time constants of the slowest or the fastest unstable pole."""
     growing, size = poles.real[poles.real > 1e-6], np.abs(poles[np.abs(poles) > 1e-6])
     decay = -poles.real[poles.real < -1e-6]
     slow, fast = min(size, default=1.0), max(size, default=1.0)
@@ -73,7 +73,7 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
 
 
 def draw_zeros(axis: Axes, zeros: Sequence[ComplexArray]) -> None:
-    """Zeros in the plane, the first ones as rings and the last ones filled."""
+    """Draw zeros in the plane, the first ones as rings and the last ones filled."""
     draw_circle(axis)
     every = np.concatenate([np.zeros(0), *zeros])
     near = every[np.abs(every) <= FARTHEST]
@@ -96,7 +96,7 @@ def draw_zeros(axis: Axes, zeros: Sequence[ComplexArray]) -> None:
 
 
 def draw_moduli(axis: Axes, where: np.ndarray, zeros: Sequence[ComplexArray], label: str) -> None:
-    """Moduli of zeros over steps or periods, a point each, and the unit circle."""
+    """Draw moduli of zeros over steps or periods, and the unit circle."""
     axis.axhline(1, color=INK, linewidth=0.7)
     at = np.concatenate(
         [np.zeros(0), *(np.full(len(z), k) for k, z in zip(where, zeros, strict=True))]

@@ -1,4 +1,4 @@
-"""Poles and zeros in the plane; what lies far out is an arrow at the rim, with its value."""
+"""Pole-zero maps; distant points are arrows at the rim, with their values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NAMED = 3  # values at one arrow
 
 
 class PoleGroup(NamedTuple):
-    """Points of one group: the words of the legend, one word for the rim, how they are drawn."""
+    """One group of points: its legend, its label at the rim, its style."""
 
     label: str
     word: str
@@ -35,7 +35,7 @@ class PoleGroup(NamedTuple):
 
 
 def draw_plane(axis: Axes, groups: Sequence[PoleGroup], reach: float = REACH) -> None:
-    r"""Points near the unit circle, and arrows at the rim towards those beyond."""
+    r"""Draw points near the unit circle, and arrows at the rim for distant ones."""
     far = _far(groups, reach)
     draw_circle(axis)
     for group in groups:
@@ -53,12 +53,12 @@ def draw_plane(axis: Axes, groups: Sequence[PoleGroup], reach: float = REACH) ->
 
 
 def complex_word(value: complex) -> str:
-    """A point of the plane in three digits."""
+    """A complex number in three digits."""
     return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"
 
 
 def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
-    """Points of several maps in one picture: each as often as in the map that has it most often."""
+    """Merge the points of several maps, each with its largest multiplicity."""
     most: Counter[complex] = Counter()
     for values in channels:
         most |= Counter(np.round(values.astype(np.complex128), DIGITS).tolist())
@@ -66,7 +66,7 @@ def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
 
 
 def _far(groups: Sequence[PoleGroup], reach: float) -> list[tuple[float, list[str], str]]:
-    """Direction, words and colour of each arrow; points in one direction share it."""
+    """Direction, label and colour of each arrow; points in one direction share it."""
     points = []
     for group in groups:
         beyond = group.values[np.abs(group.values) > reach]
@@ -109,7 +109,7 @@ LETTERS = 11  # of a title, for each inch
 
 
 def draw_pole_maps(figure: Figure, runs: Mapping[str, LoopAnalysis]) -> None:
-    """A map for each run; what was asked for is drawn where the loop is scalar."""
+    """Draw a map for each run, with target poles of scalar loops."""
     width = figure.get_figwidth()
     columns = min(int(width // NARROWEST), len(runs))
     rows = -(-len(runs) // columns)

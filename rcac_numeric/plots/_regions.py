@@ -1,4 +1,4 @@
-"""The pairs of two gains for which a loop is stable, as a picture of the exact region."""
+"""The figure of an exact stability region of two gains."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COLUMNS = 25
 def plot_stability_region(
     region: exact.results.StabilityRegion, first: tuple[float, float], second: tuple[float, float]
 ) -> Figure:
-    """Shade the pairs of two gains for which all roots are stable.
+    """Shade the pairs of gains for which all roots are stable.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _draw_slab(
     across: tuple[float, float],
     shown: tuple[float, float],
 ) -> None:
-    """Fill between the ends of each interval; in a slab there are as many everywhere."""
+    """Fill between the ends of each interval of a slab."""
     margin = (across[1] - across[0]) * 1e-6
     places = np.linspace(across[0] + margin, across[1] - margin, COLUMNS)
     sections = (region.section(Fraction(float(place))) for place in places)

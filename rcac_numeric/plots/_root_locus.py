@@ -1,4 +1,4 @@
-"""A root locus: branches by python-control, and what is exact about them marked."""
+"""The figure of a root locus: branches by python-control, exact points marked."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def _draw(axis: Axes, locus: RootLocus) -> None:
 
 
 def _mark(axis: Axes, place: complex, gain: float, marker: str, colour: str, label: str) -> None:
-    """A point and, conjugate, its twin; the gain is written at the upper one."""
+    """Mark a point and its conjugate, with the gain at the upper one."""
     places = np.array([place, place.conjugate()] if place.imag else [place])
     axis.plot(places.real, places.imag, marker, mfc="none", mec=colour, ms=7, mew=1.5, label=label,
               linestyle="none")  # fmt: skip
@@ -110,7 +110,7 @@ def _draw_asymptotes(axis: Axes, locus: RootLocus) -> None:
 
 
 def _limit(axis: Axes, shown: Any, discrete: bool) -> None:
-    """Let the picture show what is marked, with one scale in both directions."""
+    """Limit the axes to the marked points, with equal scales."""
     if discrete:
         shown = np.concatenate([shown, [1 + 1j, -1 - 1j]])
     middle = (shown.real.max() + shown.real.min()) / 2
@@ -125,6 +125,6 @@ def _places(crossings: Any, discrete: bool) -> list[complex]:
 
 
 def _gain(point: Any) -> float:
-    """The gain of a break, rounded; a CRootOf's own value sets mpmath's precision."""
+    """The gain of a breakaway point, rounded; evaluating a CRootOf sets mpmath's precision."""
     exact = point.gain
     return float(exact.eval_rational(n=20) if hasattr(exact, "eval_rational") else exact)

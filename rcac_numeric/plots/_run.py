@@ -1,4 +1,4 @@
-"""Pictures of a run: response, controller, poles and zeros, and the intercalated match."""
+"""Figures of a run: response, controller, poles and zeros, and the match with G_f."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WIDE = 10.5  # inches
 
 
 def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
-    """One sheet on one run.
+    """Plot one run on one sheet.
 
     Left, over the step k: performance z, control u and controller coefficients theta. Right:
     closed-loop poles and zeros beside the poles that the target asks for, and the frequency
@@ -82,7 +82,7 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
 
 
 def _sheet_of_loop(loop: LoopAnalysis, title: str) -> Figure:
-    """The right half of the sheet: no run is known."""
+    """Plot the right half of the sheet, for a loop without a run."""
     figure = Figure(figsize=(6, 8.5), layout="constrained")
     axes = figure.subplots(3, 1, height_ratios=[1.25, 1, 1])
     if title:
@@ -106,7 +106,7 @@ def _draw_match(above: Axes, below: Axes, analysis: LoopAnalysis) -> None:
 
 
 def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figure:
-    """Where the poles are beside where the exact prediction has them."""
+    """Plot closed-loop poles and their exact prediction."""
     inches = checked_width(width)
     figure = Figure(figsize=(inches, 1.08 * inches), layout="constrained")
     axis = figure.subplots()
@@ -118,7 +118,7 @@ def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figur
 
 
 def plot_match(match: IntercalatedMatch) -> Figure:
-    """Gain and phase of G_f and of the intercalated transfer function, one above the other."""
+    """Plot gain and phase of G_f and of the intercalated transfer function."""
     figure = Figure(figsize=(7, 5), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True)
     draw_magnitude(above, match)

@@ -1,4 +1,4 @@
-"""Runs, one or several: z and u in common axes, theta with its taps."""
+"""Figures of one or several runs: z and u in common axes, theta with its taps."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def plot_runs(
     signals: Sequence[str] = ("z", "u", "theta"),
     ax: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """Several runs in one figure: their z and u in common axes, their theta one below the other.
+    """Plot several runs in one figure: z and u in common axes, theta below each other.
 
     Over the step k, or in seconds where all runs have one sample time.
 
@@ -136,7 +136,7 @@ def plot_runs(
 
 
 def _period(runs: Sequence[Run]) -> float | None:
-    """The sample time that all runs have; None where they have none, or different ones."""
+    """The common sample time of the runs; None without one."""
     periods = {run.sample_time for run in runs}
     return periods.pop() if len(periods) == 1 else None
 

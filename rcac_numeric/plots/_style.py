@@ -1,4 +1,4 @@
-"""What several pictures are made of: the colours, a signal over time, a frequency response."""
+"""Elements of several figures: colours, a signal over time, a frequency response."""
 
 from __future__ import annotations
 
@@ -35,23 +35,23 @@ def line_style(index: int) -> dict[str, Any]:
 
 
 def label_words(name: str) -> str:
-    r"""A name of a user as a label: in one line, no command, and its dollars are no mathematics."""
+    r"""Make a label of a user's name: one line, no control characters, no mathematics."""
     return in_a_line(name).replace("$", r"\$")
 
 
 def draw_circle(axis: Axes) -> None:
-    """The unit circle."""
+    """Draw the unit circle."""
     axis.plot(CIRCLE.real, CIRCLE.imag, color=INK, linewidth=0.7)
 
 
 def draw_title(figure: Figure, title: str) -> None:
-    """Words of a user above a picture: as they are, dollars and backslashes too."""
+    """Draw a user's title literally, dollars and backslashes too."""
     words = shortened(in_a_line(title), 120)
     figure.suptitle(words, fontsize=12, fontweight="bold", parse_math=False)
 
 
 def draw_history(axis: Axes, values: Array, label: str, symbol: str) -> None:
-    """A signal over the step k, one line for each component."""
+    """Draw a signal over the step k, one line for each component."""
     for i, column in enumerate(values.T):
         axis.step(np.arange(len(column)), column, where="post", linewidth=1.1,
                   label=f"${symbol}_{i + 1}$", **line_style(i))  # fmt: skip
@@ -62,7 +62,7 @@ def draw_history(axis: Axes, values: Array, label: str, symbol: str) -> None:
 
 
 class SpacedDecades(SymmetricalLogLocator):
-    """Zero and decades on both sides of it, none so near another that their labels overlap.
+    """Ticks at zero and at decades on both sides, without overlapping labels.
 
     It is asked when the picture is drawn, so that it fits whatever size the picture then has.
     """
@@ -86,7 +86,7 @@ class SpacedDecades(SymmetricalLogLocator):
 
 
 def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
-    """Decades above what is usual, a straight axis below, where a peak is a thousand times that."""
+    """Use a symmetric logarithmic axis if the peak is a thousand times the usual size."""
     sizes = np.abs(np.concatenate([part.ravel() for part in parts]))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
     if not len(sizes):
@@ -100,7 +100,7 @@ def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
 
 
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
-    """The gain of G_f and of the intercalated transfer function."""
+    """Draw the gain of G_f and of the intercalated transfer function."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
         axis.semilogy(match.omega, np.abs(match.wanted[:, i, j]), color=WANTED, linewidth=3.5,
                       alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
@@ -115,7 +115,7 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
 
 
 def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
-    """Their phase, in radians: equal responses are drawn on each other."""
+    """Draw their phases in radians, on one branch."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
         requested, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
         axis.plot(match.omega, requested, color=WANTED, linewidth=3.5, alpha=0.45)
@@ -144,14 +144,14 @@ def phases(requested: ComplexArray, reached: ComplexArray) -> tuple[Array, Array
 
 
 def centre_at_least(axis: Axes, span: float) -> None:
-    """Let an axis show at least so much, so that rounding looks like rounding."""
+    """Give an axis a least range, so that rounding is not magnified."""
     low, high = axis.get_ylim()
     if high - low < span:
         axis.set_ylim((low + high - span) / 2, (low + high + span) / 2)
 
 
 def widen(axis: Axes, factor: float) -> None:
-    """The same of a logarithmic axis: from its lower to its upper end at least this factor."""
+    """Give a logarithmic axis a least ratio of its ends."""
     low, high = axis.get_ylim()
     if 0 < low < high < factor * low:
         middle = (low * high) ** 0.5
@@ -159,7 +159,7 @@ def widen(axis: Axes, factor: float) -> None:
 
 
 def axes_of(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
-    """Return the axes that somebody gave to be drawn in, as many as are drawn."""
+    """Return the user's axes; raise an error unless their number fits."""
     axes = list(np.ravel(np.array(ax, dtype=object)))
     if len(axes) != count:
         raise InputError(f"ax has {len(axes)} axes; {count} are drawn, one for each.")
@@ -167,7 +167,7 @@ def axes_of(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
 
 
 def figure_of(axis: Axes) -> Figure:
-    """The whole figure that axes stand in, of which they may be in a part."""
+    """Return the figure of axes, which may be in a subfigure."""
     part = axis.figure
     assert part is not None
     whole: Figure = part.figure  # of the root, itself

@@ -1,4 +1,4 @@
-"""Long signals with fewer points."""
+"""Decimation of long signals for figures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MANY = 2000  # points of a line; of longer signals each point is the largest of 
 
 
 def thinned(k: np.ndarray, values: Array) -> tuple[np.ndarray, Array]:
-    """Blocks of a long signal by their largest and smallest value: peaks stay."""
+    """Replace blocks of a long signal by their largest and smallest value; peaks stay."""
     size = len(values) // (MANY // 2)
     if size < 2:
         return k, values

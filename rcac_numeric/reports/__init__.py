@@ -1,1 +1,1 @@
-"""What is said of a result, and how: in the terminal, as JSON."""
+"""Reports of results: in a terminal, as JSON, in a page."""

@@ -1,4 +1,4 @@
-"""What a notebook shows of a result, and who draws those of the exact half."""
+"""Notebook output of results, and figures of exact results."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rcac_numeric.reports._svg import svg_of
 
 
 def picture_of(result: object, **options: Any) -> figures.Figure:
-    """The picture of a result of the exact half, which asks the entry points for it."""
+    """Return the figure of an exact result; an entry point names this function."""
     if isinstance(result, StabilityMargins):
         from rcac_numeric.plots._margins import plot_stability_margins
 
@@ -44,7 +44,7 @@ _numbers = count()
 
 
 def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None) -> str:
-    """A report in the ink of the notebook that it stands in, and a picture below it.
+    """A report in the colours of a notebook, and its figure below.
 
     Without Matplotlib it is the report alone.
     """

@@ -1,4 +1,4 @@
-"""What is said of an LQG controller."""
+"""The report of an LQG controller."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rcac_numeric.reports._sheet import Fact, Section, Sheet
 
 
 def lqg_sheet(design: LQG) -> Sheet:
-    """The cost with its evidence, how far the poles are inside, and the controller itself."""
+    """The cost with its evidence, and the radii of all poles."""
     radii = {
         name: float(np.abs(part.poles).max(initial=0.0))
         for name, part in (("regulator", design.regulator), ("estimator", design.estimator))
@@ -17,7 +17,9 @@ def lqg_sheet(design: LQG) -> Sheet:
     radius = design.spectral_radius
     facts = (
         Fact(
-            "cost J", f"{design.cost.value:.6g}, by the Riccati solutions {design.cost_gap:.1e} off"
+            "cost J",
+            f"{design.cost.value:.6g}; relative difference to the Riccati solutions "
+            "{design.cost_gap:.1e}",
         ),
         *(Fact(f"{name}'s poles", f"radius {radius:.6g}") for name, radius in radii.items()),
         Fact("controller's poles", f"radius {radius:.6g}", "plain" if radius < 1 else "warning"),

@@ -1,4 +1,4 @@
-"""Whether a compensator is observer-based, and all its forms, as a report."""
+"""The report of the observer-based forms of a compensator."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Decisions = dict[str, exact.results.ObserverDecision]
 def observer_sheet(
     plant: str | exact.TransferFunction, compensator: str | exact.TransferFunction, feedback: int
 ) -> Sheet:
-    """The answers to the three readings of the question, and the observer-based forms."""
+    """The decisions on three definitions, and the observer-based forms."""
     G, G_c = siso_loop(plant, compensator, feedback)
     decisions: Decisions = {
         "pair": exact.observers.pair_is_observer_based(G, G_c, feedback=feedback),

@@ -1,4 +1,4 @@
-"""An exact pole placement as a report, with what float64 would have kept of it."""
+"""The report of an exact pole placement, with the accuracy of float64."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rcac_numeric.reports._sheet import Section, Sheet, Text
 
 
 def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
-    """The compensator, how many there are, and what the same solve in float64 is worth."""
+    """The compensator, the number of solutions, and the accuracy of the float64 solution."""
     section = _conditioning(placement)
     lines = [Text(line) for line in str(placement).splitlines()]
     if placement.numerator.is_zero:
@@ -45,23 +45,25 @@ def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
     if section is not None and not section.target_is_stable:
         z = placement.target.gen
         where = "left of the imaginary axis" if z.name == "s" else "inside the unit circle"
-        health = (Text(f"The loop is UNSTABLE as asked for: poles in {z} belong {where}.", "bad"),)
+        health = (
+            Text(f"The requested closed loop is UNSTABLE: stable poles in {z} are {where}.", "bad"),
+        )
     return Sheet(
         f"G = {placement.plant}", health=health, sections=(Section("", tuple(lines), record),)
     )
 
 
 def _of_zero(placement: exact.results.PolePlacement) -> str:
-    """What G_c = 0 means: nobody who asks for a compensator expects none."""
+    """Explain the result G_c = 0, which a user does not expect."""
     n, n_c = placement.plant.denominator.degree(), placement.denominator.degree()
-    parts = [f"the plant alone has {n} of the poles asked for"] * (n > 0)
+    parts = [f"the plant alone has {n} of the requested poles"] * (n > 0)
     parts += [f"D_c has {'the others' if n else 'them'}"] * (n_c > 0)
-    several = "" if placement.is_unique else " is one of several answers and"
-    return f"G_c = 0{several} places them: {', '.join(parts)}. Nothing is fed back."
+    several = "" if placement.is_unique else ", one of several solutions,"
+    return f"G_c = 0{several} places the poles: {', '.join(parts)}. There is no feedback."
 
 
 def _conditioning(placement: exact.results.PolePlacement) -> PlacementConditioning | None:
-    """What the float64 solve is worth; None where the question makes no sense."""
+    """The accuracy of the float64 solution; None if it is undefined."""
     try:
         return compared_solves(placement)
     except CompensatorError:

@@ -1,4 +1,4 @@
-"""Pages from templates: every word of others is escaped, and one script and one style may run."""
+"""Pages from templates: texts are escaped, and only one script and one style may run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def whole_page(
 
 
 def write_page(page: str, path: str | Path) -> None:
-    """Write a page; the file that was there stays whole until the new one is."""
+    """Write a page; the old file stays until the new one is complete."""
     with replacing(path) as new:
         new.write_text(page, encoding="utf-8")
 
@@ -78,7 +78,7 @@ def _environment(home: str) -> Environment:
 
 
 def _printable(value: object) -> object:
-    """Text without control characters; what is markup already was made of such."""
+    """Remove control characters from text; markup is safe already."""
     if isinstance(value, Markup) or not isinstance(value, str):
         return value
     return printable(value)
@@ -101,11 +101,11 @@ def sheet_html(sheet: Sheet, level: int = 3) -> str:
 
 
 def words(text: str) -> str:
-    """Words of others as text of a page: no markup, no control characters."""
+    """Escape a text for a page: no markup, no control characters."""
     return escape(printable(text))
 
 
 def _groups(section: Section) -> list[tuple[str, list[object]]]:
-    """Its blocks by their kind: facts that follow each other are one list."""
+    """Group the blocks by kind: successive facts are one list."""
     grouped = groupby(section.blocks, lambda block: type(block).__name__)
     return [(kind, list(blocks)) for kind, blocks in grouped]

@@ -1,4 +1,4 @@
-"""Pictures as SVG inside a page: in the page's colours, light or dark, and small."""
+"""Figures as small SVG inside a page, in the page's colours."""
 
 from __future__ import annotations
 
@@ -57,21 +57,21 @@ def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
 
 
 def _in_colours(text: str) -> str:
-    """With the page's variables for the colours that we draw in."""
+    """Replace colours by the variables of the page."""
     for colour, variable in COLOURS.items():
         text = text.replace(colour, variable)
     return text
 
 
 def _with_own_ids(text: str, prefix: str) -> str:
-    """Ids that are used get the prefix, the others go: two pictures must not share one."""
+    """Prefix the used ids and remove the others: two figures must not share an id."""
     used = set(_REFERENCE.findall(text))
     text = _ID.sub(lambda m: f'id="{prefix}-{m[1]}"' if m[1] in used else "", text)
     return _REFERENCE.sub(lambda m: m[0].removesuffix(m[1]) + f"{prefix}-{m[1]}", text)
 
 
 def _small(text: str) -> str:
-    """Tenths of a point are enough; what is no picture goes, and the style that a page has."""
+    """Shorten the SVG: tenths of a point, no metadata, no style."""
     text = re.sub(
         r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<style.*?</style>",
         "",

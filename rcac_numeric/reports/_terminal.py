@@ -1,4 +1,4 @@
-"""A report for people: on a terminal in colours, elsewhere as plain text."""
+"""Reports in a terminal with colours, elsewhere as plain text."""
 
 from __future__ import annotations
 
@@ -23,18 +23,17 @@ STYLES: dict[Level, str] = {
 
 
 class _Output(Console):
-    """A console that leaves a closed pipe to the command, which knows how to end."""
+    """A console that leaves a closed pipe to the command."""
 
     def on_broken_pipe(self) -> None:
-        """Raise what rich would turn into an exit status of its own."""
+        """Raise the error that rich would turn into an exit status."""
         raise BrokenPipeError
 
 
 def print_sheet(sheet: Sheet, console: Console | None = None) -> None:
-    """Write a report to a terminal, or whatever standard output is.
+    """Print a report to standard output.
 
-    Only a terminal, or a console that is given, breaks sentences into lines: who reads a pipe
-    searches it for words.
+    Only a terminal, or the given console, wraps sentences: a pipe is searched for words.
     """
     out = console or _Output(highlight=False)
     wraps = console is not None or out.is_terminal

@@ -159,9 +159,9 @@ def test_poles_are_given_by_their_polynomial_too(rcac):
 
 def test_no_feedback_is_said_in_words(rcac):
     plant = ("place", "--plant", "4/((s + 1)*(s + 3))", "--poles")
-    assert "Nothing is fed back" in rcac(*plant, "-1, -3").output
+    assert "There is no feedback" in rcac(*plant, "-1, -3").output
     assert "D_c has the others" in rcac(*plant, "-1, -3, -7").output
-    assert "Nothing is fed back" not in rcac(*plant, "-1, -3.5").output
+    assert "There is no feedback" not in rcac(*plant, "-1, -3.5").output
 
 
 def test_a_constant_is_given_its_variable(rcac):
@@ -178,7 +178,7 @@ def test_a_constant_is_given_its_variable(rcac):
 )
 def test_poles_that_are_unstable_where_they_are_asked_for_are_said_first(rcac, plant, poles, words):
     first = rcac("place", "--plant", plant, "--poles", poles).output.splitlines()[1]
-    assert "UNSTABLE as asked for" in first and words in first
+    assert "requested closed loop is UNSTABLE" in first and words in first
     assert "UNSTABLE" not in rcac("place", "--plant", plant, "--poles", "-1/2, -1/3").output
 
 
