@@ -56,8 +56,8 @@ class NoiseInformation(Result):
             for pair in self.unidentified
         ]
         return (
-            f"no record identifies a change of {'; nor of '.join(words)}: their ratio "
-            "remains that of the initial values. Learn a diagonal, fix some of "
+            f"no record identifies a change of {'; nor of '.join(words)}: their shares "
+            "remain those of the initial values. Learn a diagonal, fix some of "
             "them, or measure more of x."
         )
 

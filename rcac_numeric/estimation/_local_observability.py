@@ -108,7 +108,7 @@ def observability(
     >>> from rcac_numeric.estimation import LinearModel, observability
     >>> apart = LinearModel(A=[[0.5, 0], [0, 0.9]], C=[[1, 0]])
     >>> print(observability(apart, x=[[0, 0]] * 5))
-    the measurements of 5 steps say nothing about x[1]: ...
+    the measurements of 5 steps contain no information on x[1]: ...
     """
     any_model(model)
     states = signal_array(x, "x", model.n)

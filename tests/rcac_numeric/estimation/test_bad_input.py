@@ -49,7 +49,7 @@ FLAT = {"A": [[0.5, 1], [0, 0.2]], "D_1": [0, 1], "C": [1, 0], "E_1": [1, 0]}
         (lambda: NonlinearModel(abs, abs, 0, 1), "n_x = 0 must be at least 1"),
         (lambda: NonlinearModel(abs, abs, 1, 1, scale=[0]), "positive numbers"),
         (lambda: SymbolicModel([X * P], [X], [X]), "p has no value"),
-        (lambda: SymbolicModel([X], [X], [X], [X]), "x: a symbol stands twice"),
+        (lambda: SymbolicModel([X], [X], [X], [X]), "x: a symbol occurs twice"),
         (lambda: SymbolicModel([X, X], [X], [X]), "one expression for each state"),
         (lambda: SymbolicModel(["x"], [X], [X]), "'x', which is no SymPy expression"),
         (lambda: SymbolicModel([X], [X], [X**2]), "which is no symbol"),
@@ -85,10 +85,10 @@ FLAT = {"A": [[0.5, 1], [0, 0.2]], "D_1": [0, 1], "C": [1, 0], "E_1": [1, 0]}
         (lambda: RCMR(**ONE, delays=(1, 2), d=3), "d = 3 is none of the delays"),
         (lambda: RCMR(**ONE, eta_bar=-1), "must not be negative"),
         (lambda: RCMR(**ONE, method="other"), "method = 'other' is not known"),
-        (lambda: RCMR(**ONE, subsystem=RepeatedParameters([[[1]]])), "no B, no E_1"),
+        (lambda: RCMR(**ONE, subsystem=RepeatedParameters([[[1]]])), "leave out B and E_1"),
         (lambda: RCMR(1, 1, 1, subsystem=RepeatedParameters([np.eye(2)])), "A_j of size 2"),
         (lambda: FIRSubsystem(0), "n_c = 0 must be at least 1"),
-        (lambda: RepeatedParameters([[[0]]]), "stands neither in A nor in D"),
+        (lambda: RepeatedParameters([[[0]]]), "occurs neither in A nor in D"),
         (lambda: RepeatedParameters([[1]]), r"\(l_theta, n, n\) is needed"),
         (
             lambda: repeated_parameters(sympy.Matrix([X * P]), sympy.Matrix([1]), [P], [1], 0.1),
@@ -205,7 +205,7 @@ def test_a_refined_model_that_diverges_is_no_longer_used():
 
 def test_an_unobservable_state_is_named():
     apart = LinearModel(A=[[0.5, 0], [0, 0.9]], C=[[1, 0]])
-    with pytest.warns(UnobservableWarning, match=r"say nothing about x\[1\]:"):
+    with pytest.warns(UnobservableWarning, match=r"contain no information on x\[1\]:"):
         estimates = estimate(EKF(apart, Q=0.1, R=1), np.ones(30))
     assert len(estimates.observability.unseen) == 1
 
@@ -215,13 +215,13 @@ def test_parameters_that_cannot_be_told_apart_are_named():
     q = sympy.Symbol("q")
     model = SymbolicModel([X / 2 + U], [X * (P + q)], [X], [U], [P, q])
     u = np.random.default_rng(0).standard_normal(50)
-    with pytest.warns(UnobservableWarning, match="about a combination of p, q"):
+    with pytest.warns(UnobservableWarning, match="on a combination of p, q"):
         estimate(EKF(model, Q=0, R=1, x_0=[0, 1, 1]), u, u)
 
 
 def test_a_parameter_that_nothing_excites_is_named():
     model = SymbolicModel([P * X], [X], [X], parameters=[P])
-    with pytest.warns(UnobservableWarning, match="nothing about p:"):
+    with pytest.warns(UnobservableWarning, match="no information on p:"):
         estimate(EKF(model, Q=0, R=1), np.zeros(20))
     with pytest.warns(UnidentifiableWarning, match="do not determine theta"):
         refine(RCMR(**ONE), np.zeros(20), np.zeros(20))

@@ -228,7 +228,7 @@ def controller_of(**changes):
         (
             lambda: IndirectSettings(model(1, theta_0=[0], A=np.diag([0.9, 0.8, 0.7, 0.6])),
                                        FOLLOWED, 1, 1, V_1=1, V_2=1),
-            NotObservableError, "sees 1 of the 4 modes",
+            NotObservableError, "observes 1 of the 4 modes",
         ),
         (lambda: controller_of().step([1, 2], 0), InputError, "y has 2"),
         (

@@ -230,7 +230,7 @@ def test_what_cannot_be_told_leaves_the_spectrum_as_it_is(seed):
             G = np.linalg.solve((z * np.eye(n) - model.A).T, model.C.T).T
             size = np.abs(G).max() ** 2
             assert abs(G @ dQ @ G.conj().T + dR).max() < 1e-6 * size
-    assert "no record tells a change of Q[0,0]" in str(information)
+    assert "no record identifies a change of Q[0,0]" in str(information)
 
 
 def test_a_track_tells_one_combination_less_and_its_diagonal_whole():

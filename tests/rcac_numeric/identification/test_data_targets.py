@@ -47,7 +47,7 @@ CONSTANT = np.ones(400)
 @pytest.mark.parametrize(
     ("u", "z", "options", "message"),
     [
-        (*noisy(1.02, 300, 0), {}, "do not say whether it is inside .* Keep the target"),
+        (*noisy(1.02, 300, 0), {}, "do not decide whether it is inside .* Keep the target"),
         (U, Z, {"largest_error": 1e-4}, "more than 0.0001 of it. Keep the target"),
         (CONSTANT, Z, {}, "persistently exciting of order 1"),
         (U[:12], Z[:12], {}, "equations for"),

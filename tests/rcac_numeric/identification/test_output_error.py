@@ -78,10 +78,10 @@ def test_the_estimate_is_as_good_as_cramer_and_rao_allow():
 @pytest.mark.parametrize(
     ("u", "y", "words"),
     [
-        (np.zeros(500), np.ones(500), "does not move"),
-        (np.arange(500.0), np.ones(500), "y does not move"),
+        (np.zeros(500), np.ones(500), "is constant"),
+        (np.arange(500.0), np.ones(500), "y is constant"),
         (np.ones(20), np.ones(20), "at least"),
-        (np.ones(500), np.ones(400), "belong together"),
+        (np.ones(500), np.ones(400), "equally long"),
         (np.ones((500, 2)), np.ones(500), "2 columns"),
         (*np.random.default_rng(1).standard_normal((2, 500)), "no effect of u"),
     ],

@@ -140,10 +140,10 @@ NOISE = np.random.default_rng(1).standard_normal((2, 500))
         (*NOISE, "no effect of u"),
         (1.0 * (np.arange(500) > 5), NOISE[0], "its own past.*identify_output_error"),
         (np.sin(0.3 * np.arange(500)), NOISE[0], "its own past.*identify_output_error"),
-        (np.ones(500), NOISE[0], "u does not move"),
-        (NOISE[0], np.ones(500), "y does not move"),
+        (np.ones(500), NOISE[0], "u is constant"),
+        (NOISE[0], np.ones(500), "y is constant"),
         (NOISE[0][:20], NOISE[1][:20], "at least"),
-        (NOISE[0], NOISE[1][:400], "belong together"),
+        (NOISE[0], NOISE[1][:400], "equally long"),
         (NOISE.T, NOISE[0], "2 columns"),
     ],
 )

@@ -199,7 +199,7 @@ U, Y = noisy(REAL, 200, 0)
         (lambda: identified_zeros(markov(U, Y), order=4), "order = 4, but 5 Markov .* larger mu"),
         (
             lambda: identified_zeros(markov(U, Y), d_zu=0),
-            "of H_0 is .* its error allows",
+            "of H_0 is .* its possible error",
         ),
         (lambda: identified_zeros(markov(U, Y), d_zu=4), "only 1 Markov parameters follow H_4"),
         (lambda: identified_zeros(markov(U, Y), order=2).contains(0, 1, 2.0), "level = 2"),
