@@ -125,7 +125,7 @@ def test_what_a_zero_keeps_from_y_has_no_integrator_in_the_controller(G, sample_
 def test_the_pendulum_of_a_cart_is_designed_for_in_words_of_its_own():
     designed = design(PENDULUM, sample_time=0.01, **QUICK)
     report = " ".join(designed.report().split())
-    assert "kept from y by the plant's zero at rest, z = 1 (s = 0)" in report
+    assert "blocked by the plant's zero at rest, z = 1 (s = 0)" in report
     assert "gain 0 at rest" in report and "sign +" not in report
     nominal = next(t for t in designed.evidence if t.controller == FIXED)
     assert all(nominal.stable)

@@ -184,7 +184,7 @@ def test_what_an_actuator_cannot_give_at_rest_is_said():
     )  # fmt: skip
     message = {question.name: question.words for question in designed.questions}
     assert "u = -0.2 at rest" in message["u_limits"]
-    assert "leaves" in message["disturbance"]
+    assert "times that without control" in message["disturbance"]
 
 
 def test_what_to_use_runs_on_a_device():

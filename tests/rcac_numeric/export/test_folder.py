@@ -279,7 +279,7 @@ def test_the_ranges_of_float32(tmp_path):
         export_controller(tiny, tmp_path, real="float32")
     large = export_controller(replace(SETTINGS, update=UD(1e9)), tmp_path, real="float32")
     small = export_controller(replace(SETTINGS, update=UD(1e-16)), tmp_path, real="float32")
-    assert "not measured" in large.warnings[0] and "rounding" in small.warnings[0]
+    assert "not tested" in large.warnings[0] and "rounding" in small.warnings[0]
     assert "rounding may decide" in (tmp_path / "README.md").read_text()
     with pytest.raises(InputError, match="below the normal numbers of float32"):
         export_controller(FixedController(Compensator([[[0.5]]], [[[0.0]], [[1e-44]]])), tmp_path,
