@@ -55,7 +55,7 @@ def test_the_worked_example(tmp_path):
     picture = tmp_path / "check.png"
     result = run(OCTAVE, "--plant", CASE, "--plot", picture)
     assert result.exit_code == 0, result.output
-    for words in ("has converged", "rejects constant signals", "gain up", "LQG: 2.36"):
+    for words in ("has converged", "rejects constant signals", "gain up", "LQG optimum: 2.36"):
         assert words in result.output
     assert picture.read_bytes().startswith(b"\x89PNG")
 

@@ -42,7 +42,7 @@ def test_the_log_that_was_certified_with_the_wrong_sign(tmp_path):
     path = csv_of(servo_run(), tmp_path / "log.csv")
     result = checked(path)
     assert result.exit_code == DONE, result.output
-    assert "decides for servo" in result.output and "is stable" in result.output
+    assert "from the log: servo" in result.output and "is stable" in result.output
     wrong = checked(path, "--problem", "standard")
     assert wrong.exit_code == NO or "UNSTABLE" in wrong.output
     quiet = servo_run(steps=600, noise=0.0)
