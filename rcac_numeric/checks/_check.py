@@ -90,7 +90,7 @@ class ControllerCheck(Result):
     is_fixed : bool
         Whether the controller is one that does not adapt: given as a compensator, or a run's.
     unanswered : mapping
-        From what could not be answered to the reason.
+        The reason for each result that was not evaluated.
     """
 
     log: ControllerLog
@@ -382,7 +382,7 @@ def split_of_log(log: ControllerLog, analysis: LoopAnalysis) -> ResidualSplit:
     return analysis.split_of(u=log.u, y=log.y, z=log.z, w=log.w, r=log.r)
 
 
-# A run of our own as what a check needs: its log, its controller, its plant.
+# The log, the controller and the plant of a run.
 
 
 class RunArguments(TypedDict, total=False):

@@ -313,7 +313,7 @@ class LoopHealth(Result):
     next_disturbance : NextDisturbance or None
         How far z goes where w moves again, beside the same with theta held.
     missed_by : float or None
-        The largest distance of a pole that was asked for from the one that was reached.
+        The largest distance of a target pole from its closed-loop pole.
     cost_ratio : float or None
         The cost of the final controller over that of LQG, for the noise of the run.
 

@@ -18,13 +18,13 @@ LONGEST, MOST_NUMBERS = 5_000, 1_000_000  # steps that are compared; entries of 
 FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plant that is fitted
 # What raises doubt: the plant leaves more than a tenth of how y changes from step to step, and a
 # plant fitted to the log leaves so many times less. White noise alone makes the second 1, sensor
-# noise 2 or 3; what is not white and was not logged, a tone for instance, may raise doubt, too.
+# noise 2 or 3; an unlogged signal that is not white, such as a tone, may raise doubt, too.
 # However little the plant leaves: white sensor noise of size s makes s norm([1, D]) of it, and no
 # fit leaves less than s, so that so many times more than norm([1, D]) of the best fit is no sensor
 # noise. Where not all of w was logged it may be a disturbance, unless a fit leaves rounding alone.
 UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
 ROUNDING = 100 * np.finfo(float).eps  # of the terms that e is the sum of
-# Contradicted is what predicts worse than that y stays, where a fit is so many times better.
+# A plant is contradicted if y(k) = y(k-1) predicts better, and a fit so many times better.
 CONTRADICTED = 2.0
 
 
@@ -48,7 +48,7 @@ class PlantResidual(Result):
         Length of the mean of e: a constant disturbance that was not logged, or an offset of u or
         y, makes it, and contradicts no plant.
     noise_gain : float
-        norm([1, D]): what white sensor noise of unit size makes of e.
+        norm([1, D]): the size of e for white sensor noise of unit size.
     rounding : float
         What e may be by rounding alone.
     is_known : bool
@@ -116,7 +116,7 @@ class PlantResidual(Result):
         )
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what leaves float64 has no residual
+@np.errstate(over="ignore", invalid="ignore")  # an overflow has no residual
 def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     """The residual of y for the plant; None if the log is too short or n exceeds 100.
 

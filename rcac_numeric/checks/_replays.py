@@ -35,8 +35,8 @@ class ControlReplay(Result):
         The first step that is compared: k_w, or where the regressor is filled; for coefficients
         that were logged only once, the last tenth.
     shift : int
-        0 where row k of theta made u(k); 1 where row k is what the update of step k left, so
-        that row k - 1 made u(k). The one that fits better is taken.
+        0 if row k of theta made u(k); 1 if row k is the result of the update of step k, so that
+        row k - 1 made u(k). The better fit decides.
     worst : float
         Largest abs(u - Phi theta) from `start` on, relative to the largest abs(Phi) abs(theta)
         there: the terms that u is the sum of, which may be much larger than u.

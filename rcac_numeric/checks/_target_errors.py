@@ -12,7 +12,7 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel
 
 TURNED = 1e-6  # a parameter this much smaller than the largest is rounding
-LARGEST = 20  # states of a plant whose numerator is asked for
+LARGEST = 20  # states of a plant whose numerator is computed exactly
 NEAR = 0.05  # a zero of G_f this near, relatively, stands for one of the plant
 
 

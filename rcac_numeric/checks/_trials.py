@@ -65,7 +65,7 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
         or not run.steps
     ):
         return None
-    # Of what moved w, in every channel that moved at all; a constant command stays as it is.
+    # The kick has the variation of w in every channel that moved; a constant command remains.
     sizes, peaks = run.w.std(axis=0), np.abs(run.w).max(axis=0)
     sizes = np.where(sizes > ROUNDING * peaks, sizes, peaks)
     if not sizes.any():
@@ -100,7 +100,7 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
 def missed_poles(analysis: LoopAnalysis) -> float | None:
     """The largest distance of a pole of G_f from the closed-loop pole assigned to it.
 
-    None where nothing was asked for: an FIR target places what it does at 0, in its own time.
+    None for an FIR target, which has no poles except at 0.
     """
     try:
         target = analysis.compared_with

@@ -63,7 +63,7 @@ WINDUP = (
 ENDED = "The run ended at step {step}: {outcome}{failure}."
 DIRECTIONS = ('zero_direction_target(plant), in a file model = "zero directions"',)
 
-# The code of a warning is what stands before the colon.
+# The code of a warning is the part of the key before the colon.
 RULES = {
     "diverged": Rule(
         ENDED, (SOFTER, SIGN), is_grave=True, fixed=FIXED_SIGN, first="errors", by_settings=True

@@ -32,7 +32,10 @@ from rcac_numeric.plants._linear import Plant
 from rcac_numeric.targets._model import TargetModel, from_transfer_function
 
 STEPS = 4000  # of the run of the reference loop from which R_theta follows
-KNOWN, UNKNOWN = 1000.0, 300.0  # samples that the prior is worth, with the spectrum known or not
+KNOWN, UNKNOWN = (
+    1000.0,
+    300.0,
+)  # default prior weight in samples, for a known and an unknown spectrum
 WIDTH = 0.2  # of the bounds, over the rms of the reference's coefficients of u or of y
 # Shares of the largest Hankel singular value that a truncation leaves out; less needs more digits.
 LEFT_OUT = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
@@ -48,7 +51,7 @@ class TuningParameters:
     Attributes
     ----------
     samples : float or None
-        N_0, what the prior is worth; None: 1000 where the spectrum of d is known, else 300, times
+        The prior weight N_0; None: 1000 if the spectrum of d is known, else 300, times
         m^2 of m inputs and outputs, whose theta has as many times the coefficients.
     nu : float
         Of R_z = 1/(1 + nu abs(z))^2, times the size of z.
@@ -128,7 +131,7 @@ def intercalated_target(
         exactly = exactly * exact.transfer_function(f"(q - {exact.exact_number(pole)})/q")
     try:
         rounded = from_transfer_function(exactly)
-        # Its poles are asked for once more, as the controller runs it: rounded.
+        # The rounded poles are checked again, since the controller runs with them.
         return TargetModel(rounded.numerator, rounded.denominator)
     except InputError:
         raise _marginal(ClosedLoop(servo, G_c).spectral_radius) from None
@@ -148,7 +151,7 @@ def _marginal(radius: float) -> NoSolutionError:
 def _intercalated_matrix(servo: Plant, G_c: Compensator, u: Array) -> TargetModel:
     """Return (4.16) over one denominator, of an order that float64 coefficients support.
 
-    Its delay is kept, and what follows it truncated in balanced coordinates: to the highest order
+    Its delay is exact, and the rest is truncated in balanced coordinates: to the highest order
     whose `miss` is below 0.03, or that of the least, below 0.1.
     """
     loop = ClosedLoop(servo, G_c)
@@ -203,8 +206,8 @@ def advanced(A: Array, B: Array, C: Array, share: float) -> StateSpace:
     """
     balanced = Balanced(A, B, C @ A)
     hankel = balanced.hankel
-    kept = max(int((hankel > share * hankel[0]).sum()), 1)
-    return *balanced.truncated(kept), C @ B
+    order = max(int((hankel > share * hankel[0]).sum()), 1)
+    return *balanced.truncated(order), C @ B
 
 
 def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:

@@ -62,8 +62,8 @@ from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation
 
-WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
-PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
+WORTH = 0.95  # of the fixed controller's rms: RCAC must be below it, with 95 % confidence
+PEAK = 1.5  # of the fixed controller's peak: the largest one allowed for RCAC
 FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
 INTEGRATES = (
     "its model has a pole that a log of this length cannot distinguish from 1; give design the "
@@ -72,7 +72,7 @@ INTEGRATES = (
 )
 RESPONSE = 500  # steps of that response
 NONE = 1.005  # of the error without control: above it no control is better, to three digits
-LEFT = 0.7  # of the error without control: what is worth a word
+LEFT = 0.7  # of the error without control: above it the report says so
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
 
@@ -256,7 +256,7 @@ class Design(Result):
     def frozen(self) -> ControllerSettings:
         """The fixed controller as RCAC without updates of theta(0), for `Controller` and exports.
 
-        A `FixedController` believes its own u; this one is given what the actuator made of it.
+        A `FixedController` uses its own u; this one receives the applied u.
         """
         return attrs.evolve(self.settings, freeze=[(0, None)])
 

@@ -18,12 +18,12 @@ from rcac_numeric.signals._waveforms import Harmonic, Ramp, Step, WhiteNoise
 
 UNKNOWN = "unknown"
 COLOUR = 0.95  # pole of the noise that stands for a disturbance of which no spectrum is known
-KINDS = ("step", "coloured noise", "sinusoid")  # what an unknown disturbance is tried as
+KINDS = ("step", "coloured noise", "sinusoid")  # the kinds that stand for an unknown disturbance
 OMEGA = (0.02, 0.6)  # rad/sample, of those sinusoids
-LITTLE = 0.05  # of the disturbance: what of it is white
-QUIET = 0.01  # sensor noise over what the disturbance makes of y, where nobody says it
+LITTLE = 0.05  # of the disturbance: its white part
+QUIET = 0.01  # default sensor noise, over the disturbance's effect on y
 LONGEST = 20_000  # steps of one trial
-SHARE = 0.2  # of the actuator's range: the disturbance, where nobody says it
+SHARE = 0.2  # of the actuator's range: the default disturbance
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Expected(Value):
     disturbance : Signal or None
         d, in units of u; None where only its size is known.
     size : float
-        Of d, in units of u; at least what the command asks of u.
+        Of d, in units of u; at least the u that the command needs.
     noise : float
         Standard deviation of v, in units of y.
     command : Signal or None
@@ -166,7 +166,7 @@ def _coloured(steps: int, rng: np.random.Generator) -> Array:
 def parts_of(signal: Signal, factor: float = 1.0) -> list[tuple[float, Signal]]:
     """The summands of a signal, each with its factor."""
     if isinstance(signal, Sum):
-        return [found for part in signal.parts for found in parts_of(part, factor)]
+        return [summand for part in signal.parts for summand in parts_of(part, factor)]
     if isinstance(signal, Scaled):
         return parts_of(signal.signal, factor * signal.factor)
     return [(factor, signal)]
@@ -220,7 +220,7 @@ def read_expected(
         raise InputError(
             f"the disturbance is zero and there is no command{' but 0' * (command is not None)}: "
             "nothing to control. Give a command such as Step(1.0), in units of y, or the size of "
-            "what disturbs u."
+            "the disturbance of u."
         )
     if noise is None:
         assumed.append("noise")

@@ -30,7 +30,7 @@ PARTS = 3  # of the log, in each of which the model is fitted again
 SLOW = 20.0  # abs(1 - pole) times the steps of the log: a pole that the log cannot tell from 1
 ROBUST = 4.0  # Ms of the reference loop with the model of a part
 HELD_OUT = 3  # the last part of so many, which a pole at 1 is verified on
-BLOCKS, SURELY = 10, 0.05  # by the means of which its errors there are told from other ones
+BLOCKS, SURELY = 10, 0.05  # blocks and level of the test that compares its errors there
 DRIFTS = 3  # degree of the polynomial that counts as no error there
 ACCIDENT = 4.0  # standard errors: the largest of 20 correlations is above once in 800 records
 
@@ -50,9 +50,9 @@ class LoggedPlant(Result):
         Of the same delay, each fitted to one third of the log, of at most the same order: a third
         may support less. None where it shows nothing.
     noise : float
-        Standard deviation of what of the residual is white at most, in units of y.
+        Standard deviation of the white part of the residual at most, in units of y.
     disturbance : float
-        Size of what is left of it, in units of u.
+        Size of the remainder, in units of u.
     u : (float, float)
         The least and the largest control of the log.
     held_out : float or None

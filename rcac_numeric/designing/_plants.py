@@ -327,8 +327,8 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: Any) -> DesignP
     fraction = fraction if fraction > 2 * ROUNDING else 0.0
     hold_A, hold_B = _held(A, B, fraction)
     hold_C = np.hstack([C, np.zeros((len(C), len(hold_A) - len(A)))])
-    made = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
-    return _checked(made)
+    design_plant = DesignPlant(hold_A, hold_B, hold_C, whole + steps, (A, B), fraction, h)
+    return _checked(design_plant)
 
 
 def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> DesignPlant:
@@ -364,19 +364,19 @@ def _late_by_entry(plant: Any, sample_time: float | None, late: Array) -> Design
     A, B, C = balanced(A * h, np.vstack([B for _, B, *_ in rows]) * h, C)
     least = int(steps.min())
     later = np.repeat(steps - least, states, axis=0)
-    made = DesignPlant(*_held(A, B, 0.0), C, least, (A, B), sample_time=h, later=later)
-    for pole in np.linalg.eigvals(made.A):
+    design_plant = DesignPlant(*_held(A, B, 0.0), C, least, (A, B), sample_time=h, later=later)
+    for pole in np.linalg.eigvals(design_plant.A):
         if abs(pole) < 1 - ROUNDING:
             continue
-        moved = sum(part * pole**-steps for steps, part in made._parts_of(made.B))
-        modes = np.hstack([made.A - pole * np.eye(len(A)), moved])
+        moved = sum(part * pole**-steps for steps, part in design_plant._parts_of(design_plant.B))
+        modes = np.hstack([design_plant.A - pole * np.eye(len(A)), moved])
         if np.linalg.norm(modes, -2) < ROUNDING * np.linalg.norm(modes, 2):
             raise NoSolutionError(
                 f"several outputs share the pole {pole:.4g} of the sampled plant, which does not "
                 "decay: with dead times by entry each has it for its own, and u cannot move them "
                 "apart. Give the plant in q, with the dead times in its entries."
             )
-    return _checked(made)
+    return _checked(design_plant)
 
 
 def _period(sample_time: float | None) -> float:

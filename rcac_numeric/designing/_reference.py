@@ -34,23 +34,23 @@ MOST = 2.0  # peak of the sensitivity S that a reference loop may have
 CONTROL = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0)  # R_2 over the square of the gain
 NOISE = (1.0, 10.0, 100.0)  # factors of V_2
 # Where the actuator has limits: a controller that answers to every step of y by more than they are
-# is told what was applied, and cycles between them.
+# receives the applied u, and cycles between them.
 CALMER = (1e-9, 1e-4, 1e-2, 1.0, 10.0, 100.0)
 NOISIER = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 TRIED = 1000  # steps of a run with the actuator
 NEARLY = 1.1  # times the least rms of the error: among those the calmest is taken
 LEARNING = 1_000  # the first seed that settings are chosen by
-BIAS, SLOPE = "bias", "bias_bias"  # models of what stays, and of what grows: bias of a bias
+BIAS, SLOPE = "bias", "bias_bias"  # models of a constant and of a ramp: the bias of a bias
 LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
-LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
+LEAST_NOISE = 1e-5  # of the disturbance's effect on y: LQG without noise has no margins
 LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
 NEAR = 1e-6  # rad/step beside the pole of a disturbance model
 SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from unstable
 # Beside poles at LASTS no difference equation of several u has the response to 1e-9. What is to
 # hold is the loop with it: its own peak is looked at.
 CLOSE, CLOSER = 1e-4, 1e-2
-OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
+OUT_OF_REACH = 1e-4  # of the plant's gain: the remainder at a zero
 HIDDEN = 1e-9  # of the largest singular value: a mode that is not reached, or not seen
 FALLS = 0.2  # of the gain ten times as far from the zero, of which a tenth is left
 
@@ -70,7 +70,7 @@ class Reference(Value):
     peak : float
         Ms, the largest abs(S) over frequency; of several signals at u and at y.
     R_2, V_2 : float
-        The weight of u, and that of the noise, over what is expected.
+        The weight of u, and that of the noise over the expected one.
     units : (float, float)
         Those of u and y.
     structure, theta : Structure and array, or None
@@ -115,7 +115,7 @@ class Evaluation:
     peak : float
         Ms with the nominal plant; infinite where that loop is unstable.
     error, control : float
-        E[e_0^2] and E[(u + b)^2] under what is expected, in units of the ladder.
+        E[e_0^2] and E[(u + b)^2] under the expected signals, in units of the grid.
     most : float
         What the latter may be.
     """
@@ -149,13 +149,13 @@ class Evaluation:
 class WeightGrid:
     """The LQG controllers of a plant on a grid of weights, and their evaluation.
 
-    z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
-    the controller cancel b, whatever R_2 is.
+    z = [e; sqrt(R_2) (u + b)] with b the part of d that is not white: then the Riccati equation
+    itself makes the controller cancel b, whatever R_2 is.
 
     Attributes
     ----------
     blocked : tuple of float
-        Frequencies, in rad/step, of what of d a zero of the plant keeps from y: no model of it is
+        Frequencies, in rad/step, of parts of d that a zero of the plant blocks: no model of them is
         in the controller, which the zero would cancel.
     """
 
@@ -203,21 +203,21 @@ class WeightGrid:
         by = self.units[0] / self.units[1]
         return Compensator(G_c.past_u, G_c.past_y * by, self.plant.sample_time)
 
-    def in_runs(self, made: Sequence[Compensator]) -> list[int]:
+    def in_runs(self, compensators: Sequence[Compensator]) -> list[int]:
         """Sort controllers, in units of the plant, by runs with limits; return their indices.
 
         The first one stays the first if its error, over the nominal plant and the others, is
         within a tenth of the least. Else of those that are the one whose u moves least is: linear
-        theory knows nothing of what it does at a limit.
+        theory does not cover the limits.
         """
         m = self.plant.m
-        runs = self._runs(made)
+        runs = self._runs(compensators)
         errors, moves = np.full((2, len(runs)), np.inf)
         for i, run in enumerate(runs):
             if run.outcome == "completed":
                 errors[i] = np.mean((run.z + run.w[:, -m:]) ** 2)
                 moves[i] = np.mean(np.diff(run.u_applied, axis=0) ** 2)
-        error, move = (one.reshape(len(made), -1).mean(axis=1) for one in (errors, moves))
+        error, move = (one.reshape(len(compensators), -1).mean(axis=1) for one in (errors, moves))
         near = error <= NEARLY**2 * error.min(initial=np.inf)
         if near[:1].any():
             move[0] = -1.0
