@@ -1,1 +1,1 @@
-"""A page on which a loop under RCAC is run live, by the exported core as WebAssembly."""
+"""The explorer: an interactive page that runs an RCAC loop by the exported core as WebAssembly."""

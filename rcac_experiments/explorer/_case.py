@@ -1,4 +1,4 @@
-"""The dials of the page for an experiment; what it has no dial for is refused by name."""
+"""The dials of the page for an experiment; settings without a dial are refused by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from compensator_theory import TransferFunction
 from compensator_theory.errors import InputError
 from rcac_experiments.experiments._budgets import ExperimentBudget
 from rcac_experiments.experiments._experiment import Experiment, RunSpecification
-from rcac_experiments.explorer._modules import LARGEST_STEPS, LARGEST_TARGET
+from rcac_experiments.explorer._modules import LARGEST_N_C, LARGEST_STEPS, LARGEST_TARGET
 from rcac_experiments.files._builder import build
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.controllers._kinds import iir
@@ -26,8 +26,8 @@ from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.signals._signal import exogenous
 from rcac_numeric.signals._waveforms import Harmonic, Step, WhiteNoise
 
-LARGEST_PLANT, LARGEST_N_C = 12, 20
-DIGITS = 12  # of a pole or a zero, behind its point
+LARGEST_PLANT = 12
+DIGITS = 12  # decimals of a pole or a zero
 SCENES = ("tame", "untold", "unstable", "unasked", "servo")
 
 
@@ -37,7 +37,7 @@ def case_of(
     run: str | None = None,
     budget: ExperimentBudget | None = None,
 ) -> dict[str, Any]:
-    """The dials of one run of an experiment's tables."""
+    """Return the dials of one run of an experiment's tables."""
     experiment = build(dict(table), file, budget)
     chosen = _chosen(experiment, run)
     settings, plant = chosen.settings, chosen.plant
@@ -77,7 +77,7 @@ def case_of(
 
 
 def scenes() -> list[dict[str, Any]]:
-    """The cases that every page has, from their experiment files."""
+    """Return the built-in cases of every page, from their experiment files."""
     import tomllib
 
     folder = resources.files("rcac_experiments.explorer").joinpath("scenes")
@@ -89,13 +89,13 @@ def scenes() -> list[dict[str, Any]]:
 
 
 def draws(steps: int, seeds: set[int]) -> dict[str, str]:
-    """What the page's noise is made of, as `exogenous` draws it: one column for each channel."""
+    """White noise as `exogenous` draws it, for each seed; one column per channel."""
     signals = [WhiteNoise(), WhiteNoise()]
     return {str(seed): in_base64(exogenous(signals, steps, seed)) for seed in sorted(seeds)}
 
 
 def wave(steps: int) -> str:
-    """The harmonic of the page, of amplitude 1."""
+    """Return the harmonic signal of the page, of amplitude 1."""
     return in_base64(Harmonic(WAVE, phase=-np.pi / 2).samples(steps))
 
 
@@ -103,7 +103,7 @@ WAVE = 0.3  # rad/sample
 
 
 def in_base64(values: Array) -> str:
-    """Numbers as little-endian float64 in base64."""
+    """Encode numbers as little-endian float64 in base64."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
 
 
@@ -113,12 +113,12 @@ def _chosen(experiment: Experiment, name: str | None) -> RunSpecification:
     return experiment.main_run if name is None else experiment.runs[name]
 
 
-def _refuse(what: str, instead: str) -> NoReturn:
-    raise InputError(f"the explorer has no dial for {what}; {instead}.")
+def _refuse(subject: str, instead: str) -> NoReturn:
+    raise InputError(f"the explorer has no dial for {subject}; {instead}.")
 
 
 def _problem(plant: Plant) -> str:
-    """Whether it is the standard or the servo problem of a transfer function."""
+    """Return whether the plant is the standard or the servo problem of a transfer function."""
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         _refuse(
             f"a plant with l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}",
@@ -144,7 +144,7 @@ def _problem(plant: Plant) -> str:
 
 def _require_order(numerator: Poly, denominator: Poly) -> None:
     if numerator.is_zero:
-        raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
+        raise InputError("G_zu = 0: u does not act on z, so no controller can adapt.")
     if (n := denominator.degree()) > LARGEST_PLANT:
         _refuse(f"a plant of order {n}", f"it takes orders up to {LARGEST_PLANT}")
     if numerator.gcd(denominator).degree() > 0:
@@ -152,7 +152,7 @@ def _require_order(numerator: Poly, denominator: Poly) -> None:
 
 
 def _target(settings: ControllerSettings) -> tuple[list[Any], list[Any], Rational]:
-    """The zeros that RCAC knows, the poles that are asked for, and H, of a scalar target model."""
+    """Return the known zeros, the requested poles and H of a scalar target model."""
     target = settings.target
     exact = target.exact
     if not isinstance(exact, TransferFunction):
@@ -173,7 +173,7 @@ def _target(settings: ControllerSettings) -> tuple[list[Any], list[Any], Rationa
 
 
 def _roots(polynomial: Poly) -> list[list[float]]:
-    """The roots on and above the real axis, with multiplicity."""
+    """Return the roots on and above the real axis, with multiplicity."""
     roots: list[list[float]] = []
     for factor, times in polynomial.sqf_list()[1]:
         for root in factor.nroots(n=30, maxsteps=500):
@@ -184,7 +184,7 @@ def _roots(polynomial: Poly) -> list[list[float]]:
 
 
 def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
-    """Refuse what differs from a controller that has nothing but the page's dials."""
+    """Refuse a controller with settings for which the page has no dial."""
     update = settings.update
     if type(update) is not UD or not isinstance(update.lambda_, float):
         _refuse(f"the update {update!r}", "it runs UD with a number as lambda")
@@ -220,7 +220,7 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
 
 
 def _bound(saturation: Saturation | None) -> str:
-    """The limit of abs(u) as the page's dial says it."""
+    """Return the limit of abs(u) as the text of its dial."""
     if saturation is None:
         return "none"
     low, high = saturation.low, saturation.high
@@ -239,14 +239,14 @@ def _same(a: Any, b: Any) -> bool:
 
 
 def _signals_table(table: Mapping[str, Any], run: str) -> Mapping[str, Any]:
-    """[signals], with what the run overrides."""
+    """Return [signals] with the entries that the run overrides."""
     overrides = [one for one in table.get("runs", []) if one.get("name") == run]
-    own = overrides[0].get("signals", {}) if overrides else {}
-    return {**table.get("signals", {}), **own}
+    of_run = overrides[0].get("signals", {}) if overrides else {}
+    return {**table.get("signals", {}), **of_run}
 
 
 def _dialled(run: RunSpecification, raw: Mapping[str, Any]) -> dict[str, Any]:
-    """The signal as a dial where it is a step alone; else all of w, and the words of the file."""
+    """Return a dial if the signal is one step; otherwise the samples of w and the file's table."""
     first, *others = run.signals
     is_still = all(type(one) is Step and one.height == 0 for one in others)
     if type(first) is Step and first.start == 0 and is_still:

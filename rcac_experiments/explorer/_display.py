@@ -1,4 +1,4 @@
-"""The explorer in a notebook, or wherever HTML is shown."""
+"""The explorer in a notebook, or wherever else HTML is displayed."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ FRAME = "width: 100%; height: 60rem; border: 0"
 
 @dataclass(frozen=True)
 class ExplorerPage(Result):
-    """A page on which a loop runs live; a notebook shows it, and it asks no network.
+    """An interactive page on which an RCAC loop runs; a notebook displays it, and it works offline.
 
     Attributes
     ----------
     title : str
-        Of the case that it opens with.
+        Title of the first case of the page.
     text : str
-        The whole page.
+        The HTML of the page.
     """
 
     title: str
     text: str
 
     def save(self, path: str | Path) -> None:
-        """Write the page as a file, which may be sent by mail."""
+        """Write the page as one HTML file."""
         write_page(self.text, path)
 
     def __repr__(self) -> str:
         return f"ExplorerPage({self.title!r}, {len(self.text)} bytes)"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the page in a frame of its own, which may run its script only."""
+        """The page for a notebook, in a separate frame that may run only its script."""
         return (
             f'<iframe srcdoc="{escape(self.text)}" title="The RCAC explorer" '
             f'sandbox="allow-scripts" style="{FRAME}"></iframe>'
@@ -55,16 +55,16 @@ def explore(
     run: str | None = None,
     budget: ExperimentBudget | None = None,
 ) -> ExplorerPage:
-    """The explorer for a case of one's own: drag poles, move dials, and the loop runs again.
+    """Make an interactive page of a case: drag poles, move dials, and the loop runs again.
 
     Parameters
     ----------
     case : path or mapping, optional
-        An experiment file, or its tables; by default the page has its own scenes alone.
+        An experiment file, or its tables; by default the page has only its built-in scenes.
     run : str, optional
-        Which run of the case; the first by default.
+        Name of the run of the case; the first by default.
     budget : ExperimentBudget, optional
-        What the case may take; `ExperimentBudget()` by default.
+        Limits for the case; `ExperimentBudget()` by default.
 
     Returns
     -------
@@ -74,8 +74,7 @@ def explore(
     Raises
     ------
     InputError
-        Where the case cannot be read, has what the page has no dial for, or clang or wasm-ld, which
-        build the core for the page, are not here.
+        If the case cannot be read, or if it has settings for which the page has no dial.
 
     Examples
     --------
@@ -88,7 +87,7 @@ def explore(
     if case is None:
         if run is not None:
             raise InputError(f"run = {run!r} belongs to a case; give one.")
-        return ExplorerPage("its own scenes", explorer_page())
+        return ExplorerPage("built-in scenes", explorer_page())
     table, file = (dict(case), "the case") if isinstance(case, Mapping) else read_file(case)
-    found = case_of(table, file, run, budget)
-    return ExplorerPage(str(found["title"]), explorer_page(found))
+    dials = case_of(table, file, run, budget)
+    return ExplorerPage(str(dials["title"]), explorer_page(dials))

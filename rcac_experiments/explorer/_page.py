@@ -1,4 +1,4 @@
-"""The explorer: one page that asks no network, its scenes, and a case of one's own before them."""
+"""The page of the explorer, which works offline: the user's case, then the built-in scenes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rcac_experiments.explorer._modules import modules
 from rcac_numeric.reports._rendering import whole_page
 
 HOME = "rcac_experiments.explorer"
-ORDERS = range(1, 9)  # that every page has
+ORDERS = range(1, 9)  # of the controllers of every page
 LONGEST_SCENE = 600
-# In the order in which one uses what stands before it.
+# Each script uses only those before it.
 SCRIPTS = (
     "rationals", "formulas", "roots", "plan", "loop", "margins", "words", "charts", "plane",
     "settings", "explorer",
@@ -25,7 +25,7 @@ SCRIPTS = (
 
 
 def explorer_page(case: Mapping[str, Any] | None = None, orders: Iterable[int] = ORDERS) -> str:
-    """The text of the page."""
+    """Return the HTML of the page."""
     cases = [*([] if case is None else [case]), *scenes()]
     longest = max(LONGEST_SCENE, *(one["steps"] for one in cases))
     orders = {*orders, *(one["n_c"] for one in cases)}
@@ -47,7 +47,7 @@ def explorer_page(case: Mapping[str, Any] | None = None, orders: Iterable[int] =
 
 
 def bundled() -> str:
-    """The modules of the page as one script: what they import stands before them."""
+    """Join the modules of the page into one script, each after those that it imports."""
     parts = []
     for name in SCRIPTS:
         text = re.sub(r"^import .*;\n", "", _text(f"scripts/{name}.js"), flags=re.MULTILINE)
@@ -56,9 +56,9 @@ def bundled() -> str:
 
 
 def in_a_script(data: Mapping[str, Any]) -> Markup:
-    """JSON that ends no element, whatever the words of a file are."""
+    """Encode data as JSON in which no text of a file can end the script element."""
     text = json.dumps(data, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
-    return Markup(re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text))
+    return Markup(re.sub("[<>&\u2028\u2029]", lambda match: f"\\u{ord(match[0]):04x}", text))
 
 
 def _text(name: str) -> str:

@@ -22,13 +22,12 @@ from rcac_numeric.arrays._validation import rounded
 from rcac_numeric.export._tables import core_tables
 from rcac_numeric.reports._rendering import write_page
 from tests.support.core_builds import Core, compiler
-from tests.support.explorer_cases import needs_clang, own
+from tests.support.explorer_cases import own
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine"),
-    needs_clang,
 ]
 FLAGS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 ORDERS = (1, 2, 3, 4)
