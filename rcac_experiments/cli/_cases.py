@@ -1,4 +1,4 @@
-"""The cases that a shell can name, with other values, and what completes their names and keys."""
+"""The cases of a command line, their changed values, and shell completion."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from rcac_experiments.sweeps._study import with_value
 values_option = click.option(
     "--set", "values", multiple=True, metavar="KEY=VALUE",
     shell_complete=lambda context, parameter, incomplete: complete_key(incomplete),
-    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
+    help="Change a value, written as in TOML: --set controller.R_theta=1e-6. Repeatable.",
 )  # fmt: skip
 
 
 def is_file(case: str) -> bool:
-    """Whether a case is named by the path of its file, and not by the number of an example.
+    """Return whether a case is the path of a file, and not the number of an example.
 
     Examples
     --------
@@ -42,12 +42,12 @@ def is_file(case: str) -> bool:
 
 
 def read_case_table(case: str) -> tuple[Raw, str]:
-    """The tables of a case and the name of its file."""
+    """Return the tables of a case and the name of its file."""
     return read_file(case) if is_file(case) else read_example(case)
 
 
 def case_experiment(case: str, values: Sequence[str], budget: ExperimentBudget) -> Experiment:
-    """The experiment of a case, with other values where some are given."""
+    """Return the experiment of a case, with changed values if there are any."""
     if values:
         table, file = read_case_table(case)
         return build(with_values(table, values), file, budget)
@@ -55,7 +55,7 @@ def case_experiment(case: str, values: Sequence[str], budget: ExperimentBudget) 
 
 
 def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
-    """The tables with other values; verdicts of record, which belong to the old ones, are left out.
+    """Change values of tables, and remove verdicts of record, which hold for the old values.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
 
 
 def _full_key(key: str, value: str, table: Raw) -> str:
-    """A hint at the keys with dots that end as this one does, or nearly; first what is set."""
+    """Propose full keys with a similar last part; keys of the file first."""
     known = [name for name, _ in known_keys() if name.partition(".")[0] in table]
     ends = {name.rpartition(".")[2] for name in known}
     close = difflib.get_close_matches(key.rpartition(".")[2][:80], sorted(ends), n=1, cutoff=0.8)
@@ -103,18 +103,18 @@ def _typed(text: str, value: str) -> Any:
     try:
         read = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError) as error:
-        quoted = f" Words need quotes: --set '{text.partition('=')[0]}=\"{value}\"'."
+        quoted = f" Text needs quotes: --set '{text.partition('=')[0]}=\"{value}\"'."
         hint = quoted if re.fullmatch(r"[\w .,+*/()^-]+", value) else ""
-        raise InputError(f"--set {text}: {value!r} is no value of TOML ({error}).{hint}") from None
+        raise InputError(f"--set {text}: {value!r} must be a TOML value ({error}).{hint}") from None
     if list(read) != ["value"]:
-        raise InputError(f"--set {text}: give one value.")
+        raise InputError(f"--set {text} must have one value.")
     return read["value"]
 
 
 def complete_case(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """The numbers of the examples with their titles, and the shell's own files."""
+    """Complete the numbers of examples, with their titles, or the names of files."""
     cases = [
         CompletionItem(number, help=title)
         for number, title in example_titles()
@@ -124,7 +124,7 @@ def complete_case(
 
 
 def complete_key(incomplete: str) -> list[CompletionItem]:
-    """The keys that an experiment file can have, each with what it means."""
+    """Complete the keys of an experiment file, with their descriptions."""
     return [
         CompletionItem(f"{key}=", help=words)
         for key, words in known_keys()
@@ -133,13 +133,13 @@ def complete_key(incomplete: str) -> list[CompletionItem]:
 
 
 def known_keys() -> Iterator[tuple[str, str]]:
-    """The keys of the tables of an experiment file, with dots, and what each means."""
+    """Yield the dotted keys of an experiment file, with their descriptions."""
     for name, table in json_schema()["properties"].items():
         for key, entry in table.get("properties", {}).items():
             yield f"{name}.{key}", str(entry.get("description", "")).partition(".")[0]
 
 
 def is_example(name: str) -> bool:
-    """Whether this is the number of an example, and no file of that name lies here."""
+    """Return whether this is the number of an example and no local file has that name."""
     looks_like = re.fullmatch(r"(\d|[A-Z])\.\d{1,2}", name)
     return not Path(name).exists() and (name in example_ids() or bool(looks_like))

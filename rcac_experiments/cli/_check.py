@@ -1,4 +1,4 @@
-"""The command `rcac check`: the analysis of a converged controller from a log."""
+"""The command `rcac check`: analyse the final controller of a log."""
 
 from __future__ import annotations
 
@@ -43,34 +43,36 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 )
 @click.option(
     "--problem", type=click.Choice(["standard", "servo"], case_sensitive=False),
-    help="What a transfer function is the plant of: y = z = G (u + w) or, with a command, the "
-    "error y = z = r - G (u + d) - v. Default: what the log decides for.",
+    help="Convention of a transfer function: y = z = G (u + w), or with a command the error "
+    "y = z = r - G (u + d) - v. Default: identified from the log.",
 )  # fmt: skip
 @click.option(
-    "--names", default="", help="What LOG calls its columns: u=input,y=output,theta=gains."
+    "--names", default="", help="Names of the columns of LOG: u=input,y=output,theta=gains."
 )
-@click.option("--transpose", is_flag=True, help="LOG has one column, not one row, for each step.")
+@click.option("--transpose", is_flag=True, help="LOG has one column per step instead of one row.")
 @click.option(
     "--structure",
     type=click.Choice(KINDS, case_sensitive=False),
-    help="Of theta; default with --n-c: iir.",
+    help="Structure of the coefficients theta; default with --n-c: iir.",
 )
 @click.option(
     "--controller",
-    help='Of a fixed one, u = G_c y, in place of theta: "-(0.5*q - 0.4)/(q - 1)".',
+    help='Transfer function of a fixed controller, u = G_c y: "-(0.5*q - 0.4)/(q - 1)".',
 )
 @click.option("--n-c", type=int, help="Order of the controller.")
-@click.option("--k-c", type=int, help="First lag of y: 1 by default, 0 for an exactly proper one.")
-@click.option("--k-w", type=int, help="First step at which u came from theta.")
-@click.option("--target", help='G_f, for instance "1/q".')
+@click.option(
+    "--k-c", type=int, help="First lag of y: 1 by default, 0 for an exactly proper controller."
+)
+@click.option("--k-w", type=int, help="First step at which theta determines u.")
+@click.option("--target", help='Target model G_f, for instance "1/q".')
 @click.option(
     "--noise", default="", help="Variances for the H2 cost: d=1,v=0.25. Default: 1 for all of w."
 )
-@click.option("--sample-time", type=float, help="In seconds, for the delay margin in time.")
+@click.option("--sample-time", type=float, help="In seconds, for the delay margin.")
 @click.option(
     "--tolerance", type=float,
-    help="Relative difference between u and Phi theta that counts as none. Default: what the "
-    "digits of LOG leave open.",
+    help="Largest relative difference between u and Phi theta. Default: the rounding of the "
+    "digits of LOG.",
 )  # fmt: skip
 @picture_option("Draw signals, coefficients, poles, match and Nyquist curve into this file.")
 @budget_option()
@@ -94,20 +96,20 @@ def check(
     picture: Path | None,
     as_json: bool,
 ) -> int:
-    """Check the controller that a LOG (.csv, .mat, .npz) ended with.
+    """Check the final controller of a LOG (.csv, .mat, .npz).
 
-    LOG may be what `rcac verify CASE --save RUN.npz` or Run.save wrote: it knows its plant, its
-    structure, its target and k_w by itself. Otherwise LOG holds u and y, and where there are any
-    z, w and r, one row for each step; and theta (its rows over time, or the last one), or the
-    polynomials D_c and N_c. Where the logged u is not the output of the logged theta or
-    compensator, or the log contradicts the plant, the status is 1; where the log does not tell
-    which --problem a transfer function is of, 7; of an unstable loop 5, and of one that misses the
-    poles of its target 6. A theta that still moves is reported, and is no error.
+    A LOG written by `rcac verify CASE --save RUN.npz` or Run.save contains its plant, structure,
+    target model and k_w. Any other LOG needs u and y, optionally z, w and r, with one row per step;
+    and theta (over time, or its final row), or the polynomials D_c and N_c. The status is 1 if the
+    logged u is not the output of the logged theta or compensator, or if the log contradicts the
+    plant; 7 if the log does not decide the --problem of a transfer function; 5 for an unstable
+    loop; 6 for a loop that misses the poles of its target model. The report names a theta that
+    still changes; this is no error.
     """
-    with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
+    with np.errstate(all="ignore"):  # an overflow is reported, without a warning of NumPy
         model, table = read_case(plant, problem or "standard")
         described = names or structure is not None or controller is not None
-        structure_of_log = _own(log) if plant is None and not described else None
+        structure_of_log = _saved_run(log) if plant is None and not described else None
         if structure_of_log is not None:
             result = check_controller(
                 structure_of_log, target=None if target is None else target_model(target),
@@ -117,7 +119,9 @@ def check(
             show(check_sheet(result), as_json, picture, result.plot)
             return _status(result)
         if controller is not None and (structure is not None or n_c is not None):
-            raise InputError("--controller is the whole controller; leave --structure, --n-c out.")
+            raise InputError(
+                "--controller is the complete controller; remove --structure and --n-c."
+            )
         recorded = read_log(log, parse_names(names), transpose=transpose)
         decision: Decision | str | None = None
         if problem is None and is_transfer_function(plant) and plant is not None:
@@ -151,7 +155,7 @@ def check(
 
 
 def _status(result: ControllerCheck) -> int:
-    """The exit status that the check of a log comes to."""
+    """Return the exit status for the check of a log."""
     residual = result.plant_residual
     if not result.is_consistent or (residual is not None and residual.is_contradicted):
         return NO
@@ -165,28 +169,28 @@ def _status(result: ControllerCheck) -> int:
 
 
 def _decided(log: ControllerLog, plant: str) -> tuple[Decision | str, Plant]:
-    """Which problem the log is of, and its plant; the standard one where it does not tell."""
+    """Return the problem of the log and its plant; the standard one if the log is undecided."""
     plants = {name: read_case(plant, name)[0] for name in ("standard", "servo")}
     known = {name: one for name, one in plants.items() if one is not None}
     decision: Decision | str
     try:
         decision = decide_problem(log, known)
     except CompensatorError as error:
-        decision = f"UNDECIDED: which problem this is a log of: {error}"
+        decision = f"UNDECIDED: standard or servo problem: {error}"
     if isinstance(decision, str) or decision.decided is None:
         _require_problem(log)
         return decision, known["standard"]
     return decision, known[decision.decided.problem]
 
 
-def _own(log: Path) -> Run | None:
-    """The run that a file holds; None where it is none, or one made of functions."""
+def _saved_run(log: Path) -> Run | None:
+    """Return the run in a file; None for another file, or for a run with Python functions."""
     if log.suffix.lower() != ".npz" or not is_record(log):
         return None
     try:
         return load_run(log)
     except InputError as error:
-        # What is made of functions has to be given with the file, which a command cannot.
+        # A command cannot pass the Python functions that such a run needs.
         if any(advice.function == "load_run" for advice in error.advice):
             return None
         raise
@@ -197,41 +201,42 @@ def _require_structure(log: ControllerLog, widths: tuple[int, int]) -> None:
         return
     size = log.theta.shape[-1]
     raise InputError(
-        f"{log.source}: theta has {size} coefficient{'s' * (size != 1)}; say which structure they "
-        f"belong to: {_structures(size, *widths)}."
+        f"{log.source}: theta has {size} coefficient{'s' * (size != 1)}; give their structure: "
+        f"{_structures(size, *widths)}."
     )
 
 
 def _require_problem(log: ControllerLog) -> None:
-    """Refuse to guess where a log has a command, which the standard problem has not."""
+    """Refuse to guess the problem of a log with a command."""
     if log.r is not None:
         raise InputError(
-            f"{log.source} has a command r, so say what --plant is the plant of: --problem servo, "
-            "where y is the error r - G (u + d) - v, or --problem standard, where y = G (u + w)."
+            f"{log.source} has a command r; give the convention of --plant: --problem servo for "
+            "the "
+            "error y = r - G (u + d) - v, or --problem standard for y = G (u + w)."
         )
 
 
 def _require_coefficients(log: ControllerLog, file: Path, names: dict[str, str]) -> None:
-    """Refuse a log without theta and without polynomials; propose a column that is there."""
+    """Refuse a log without theta and polynomials; propose an unused column."""
     if log.theta is not None or (log.D_c is not None and log.N_c is not None):
         return
     known = {*ROLES, *names.values()}
-    left = [v for v in read_variables(file) if v not in known and v.lower() not in TIMES]
+    columns = [v for v in read_variables(file) if v not in known and v.lower() not in TIMES]
     proposal = (
-        f"say which column it is and what it belongs to, --names theta={shortened(left[0], 40)} "
+        f"name its column and its structure, --names theta={shortened(columns[0], 40)} "
         "with --structure and --n-c"
-        if left
+        if columns
         else "log it, one column theta[i] for each coefficient"
     )
     raise InputError(
         f"{log.source} has no theta, the coefficients of the controller: {proposal}; or log D_c "
-        "and N_c, or only what they ended with, in a .mat or .npz file. Of a fixed controller give "
-        "its transfer function with --controller."
+        "and N_c, over time or final, in a .mat or .npz file. For a fixed controller give its "
+        "transfer function with --controller."
     )
 
 
 def _structures(size: int, l_u: int, l_y: int) -> str:
-    """The options that fit so many coefficients."""
+    """Return the options of structures with this number of coefficients."""
     fits = []
     if size % (l_u * (l_u + l_y)) == 0:
         fits.append(f"--structure iir --n-c {size // (l_u * (l_u + l_y))}")
@@ -239,16 +244,16 @@ def _structures(size: int, l_u: int, l_y: int) -> str:
         fits.append(f"--structure fir --n-c {size // (l_u * l_y)}")
     if size == 3 * l_u * l_y:
         fits.append("--structure pid")
-    return " or ".join(fits) or "a [controller] table in the file of --plant says any"
+    return " or ".join(fits) or "write any other structure as [controller] in the file of --plant"
 
 
-# The plant, names and intensities of a check, as a shell can give them.
+# Plant, names and intensities of a check from command-line options.
 
 Names = dict[str, str]
 
 
 def parse_names(text: str, option: str = "names", example: str = "u=input,y=output") -> Names:
-    """The option --names u=input,y=output as a mapping.
+    """Return the option --names u=input,y=output as a mapping.
 
     Examples
     --------
@@ -260,7 +265,9 @@ def parse_names(text: str, option: str = "names", example: str = "u=input,y=outp
     for part in filter(None, (p.strip() for p in text.split(","))):
         role, equals, name = (piece.strip() for piece in part.partition("="))
         if not (role and equals and name):
-            raise InputError(f"--{option} has the entry {part!r}; write for instance {example}.")
+            raise InputError(
+                f"--{option}: the entry {part!r} must be NAME=VALUE, for instance {example}."
+            )
         if role in names:
             raise InputError(f"--{option} gives {role} twice: {names[role]!r} and {name!r}.")
         names[role] = name
@@ -268,7 +275,7 @@ def parse_names(text: str, option: str = "names", example: str = "u=input,y=outp
 
 
 def parse_noise(text: str) -> dict[str, float] | None:
-    """The option --noise d=1,v=0.25 as intensities of blocks or channels of w.
+    """Return the option --noise d=1,v=0.25 as intensities of blocks or channels of w.
 
     Examples
     --------
@@ -281,7 +288,7 @@ def parse_noise(text: str) -> dict[str, float] | None:
         value = as_number(intensity)
         if value is None:
             raise InputError(
-                f"--noise {name}={intensity}: {intensity!r} is no number; write for instance "
+                f"--noise {name}={intensity}: {intensity!r} must be a number, for instance "
                 "d=1,v=0.25."
             )
         noise[name] = value
@@ -289,7 +296,7 @@ def parse_noise(text: str) -> dict[str, float] | None:
 
 
 def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
-    """The plant that --plant means, and the tables of its file where it is an experiment file."""
+    """Return the plant of --plant, and the tables of its experiment file, if any."""
     if plant is None:
         return None, {}
     suffix = Path(plant).suffix.lower()
@@ -300,7 +307,7 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
         plant_of_file = plant_in(variables, plant)
         if plant_of_file is None:
             raise InputError(
-                f"{plant} has no plant: A, B and C are needed, and it has "
+                f"{plant} has no plant: it needs A, B and C, and contains "
                 f"{shortened(', '.join(variables))}."
             )
         return plant_of_file, {}
@@ -311,7 +318,7 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
 
 
 def written_system(text: str) -> str | list[list[str]]:
-    """A transfer function as it is written, or the rows of a matrix of them.
+    """Return a transfer function as text, or the rows of a matrix of them.
 
     Examples
     --------
@@ -323,7 +330,7 @@ def written_system(text: str) -> str | list[list[str]]:
 
 
 def written_rows(text: str) -> list[list[str]]:
-    """Entries between commas, rows between semicolons, or in brackets."""
+    """Split entries at commas, and rows at semicolons or brackets."""
     inside = text.strip()
     if inside.startswith("["):
         inside = inside[1:-1] if inside.replace(" ", "").startswith("[[") else inside
@@ -332,7 +339,7 @@ def written_rows(text: str) -> list[list[str]]:
 
 
 def is_transfer_function(plant: str | None) -> bool:
-    """Whether --plant is neither left out nor the name of a file.
+    """Return whether --plant is a transfer function, and neither missing nor a file.
 
     Examples
     --------
@@ -344,7 +351,7 @@ def is_transfer_function(plant: str | None) -> bool:
 
 
 def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:
-    """The plant whose matrices are among a file's variables; D_1 = B where it is left out."""
+    """Return the plant of a file's matrices; D_1 = B by default."""
     if not {"A", "B", "C"} <= variables.keys():
         return None
     matrices = {name: variables[name] for name in MATRICES if name in variables}

@@ -1,4 +1,4 @@
-"""The commands `rcac design` and `rcac tune`: from a plant to an experiment file with reasons."""
+"""The commands `rcac design` and `rcac tune`: design a controller for a plant or a log."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rcac_numeric.reports._design import design_sheet
 from rcac_numeric.signals._data_files import read_variables
 from rcac_numeric.signals._waveforms import Step
 
-# What only the owner of the plant knows: the option, the question, and what is taken unasked.
+# Options that only the owner of the plant knows: the question and the default of --assume.
 QUESTIONS = {
     "disturbance": ("Size of the disturbance, in units of u, or none", "unknown"),
     "noise": ("Standard deviation of the sensor noise, in units of y", "unknown"),
@@ -40,42 +40,44 @@ QUESTIONS = {
 }
 
 
-# What both commands read: the plant, and what its owner knows of what acts on it.
+# Options of both commands: the plant, and the disturbances and limits that its owner knows.
 PLANT = (
     click.argument("plant", metavar="FILE"),
     click.option(
         "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
         help="Write the experiment file here; rcac verify runs it.",
     ),
-    click.option("--disturbance", help='Its size in units of u, "unknown", or "none".'),
+    click.option("--disturbance", help='Size in units of u, "unknown", or "none".'),
     click.option(
-        "--noise", help='Standard deviation of the sensor, in units of y, or "unknown".'
+        "--noise", help='Standard deviation of the sensor noise, in units of y, or "unknown".'
     ),
-    click.option("--command", "height", type=float, help="A step of the command, in units of y."),
-    click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".'),
-    click.option("--sample-time", type=float, help="In seconds; a plant in s needs it."),
+    click.option("--command", "height", type=float, help="Height of a step command, in units of "
+                                                         "y."),
+    click.option("--u-limits", help='Actuator limits LOW,HIGH, or "none".'),
+    click.option("--sample-time", type=float, help="In seconds; required for a plant in s."),
     click.option(
         "--dead-time", default="0", metavar="SECONDS",
-        help='In steps without a sample time; of rows "1, 3; 7, 3", one for each entry.',
+        help='Dead time, in steps if there is no sample time; one per entry of rows: "1, 3; 7, 3".',
     ),
     click.option("--uncertain-gain", metavar="LOW,HIGH",
-                 help="Factors between which the gain may be.  [default: 0.8,1.25]"),
+                 help="Range of the gain, relative to the nominal one.  [default: 0.8,1.25]"),
     click.option("--uncertain-delay", type=click.IntRange(min=0),
-                 help="Steps by which the dead time may differ.  [default: 1]"),
+                 help="Largest error of the dead time, in steps.  [default: 1]"),
     click.option("--uncertain-time", type=float,
-                 help="Factor by which time constants may differ.  [default: 1.2]"),
+                 help="Largest factor between true and nominal time constants.  [default: 1.2]"),
     click.option("--structure", metavar="KIND",
-                 help='"PI", "PID" or another choice of its terms; "fir:20", or "fir+i:20", with '
-                 "an integrator. By default an IIR one of the order that the plant needs."),
+                 help='"PI", "PID" or other PID terms; "fir:20"; "fir+i:20" (FIR with integrator). '
+                 "Default: IIR, of the order that the plant requires."),
     click.option("--feedforward", is_flag=True,
-                 help="The controller reads the command too."),
+                 help="Feed the command to the controller."),
     click.option("--assume", is_flag=True,
-                 help="Ask nothing: assume what is not given, and say so."),
+                 help="Assume defaults for missing options, without a question; the report names "
+                      "them."),
 )  # fmt: skip
 
 
 def plant_options(command: Callable[..., int]) -> Callable[..., int]:
-    """A command that reads a plant, with what acts on it."""
+    """Add the options of a plant, its disturbances and limits to a command."""
     for option in reversed(PLANT):
         command = option(command)
     return command
@@ -84,20 +86,21 @@ def plant_options(command: Callable[..., int]) -> Callable[..., int]:
 @click.command("design")
 @plant_options
 @click.option("--seeds", type=click.IntRange(min=1), default=6, show_default=True,
-              help="Held-out runs on each plant.")  # fmt: skip
+              help="Number of test runs on each plant.")  # fmt: skip
 @picture_option("Draw a nominal run and the rms on every plant into this file.")
 @as_json_option
 def design(
     *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **options: Any
 ) -> int:
-    """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
+    """Design a controller, adaptive or fixed, explain the choices, and test it on other plants.
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", the rows of several such as
     "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
-    What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
-    with --assume. Where u = 0 leaves a smaller error than the controller, the status is 1.
+    file with u and y of an open loop, or of a closed loop excited by a command r or a dither.
+    A terminal is asked for missing options; without a terminal the command names them and stops,
+    or assumes defaults with --assume. The status is 1 if u = 0 gives a smaller error than the
+    controller.
     """
     result = designed(**_known(**options), seeds=seeds)
     show(design_sheet(result), as_json, picture, result.plot, lambda: _written(result, output))
@@ -107,24 +110,28 @@ def design(
 @click.command("tune")
 @plant_options
 @click.option("--budget", type=click.IntRange(min=1, max=4096), default=40, show_default=True,
-              help="Settings to try beside those of rcac design.")  # fmt: skip
+              help="Number of settings to simulate, in addition to those of rcac "
+                   "design.")  # fmt: skip
 @click.option("--held-out", type=click.IntRange(min=1), default=8, show_default=True,
-              help="Plants to judge the best on.")  # fmt: skip
-@click.option("--seed", type=int, default=0, show_default=True, help="Of points and plants.")
+              help="Number of test plants for the best settings.")  # fmt: skip
+@click.option(
+    "--seed", type=int, default=0, show_default=True, help="Seed of the settings and plants."
+)
 @click.option("--store", type=click.Path(file_okay=False, path_type=Path),
-              help="A folder that keeps every run: stopped, the same command goes on.")  # fmt: skip
+              help="Store every run in this folder; after an interruption the same command "
+                   "continues.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(min=0),
-              help="Processes, with --store; by default one for each processor.")  # fmt: skip
-@picture_option("Draw cost against robustness of all that was tried into this file.")
+              help="Number of processes, with --store; default: number of processors.")  # fmt: skip
+@picture_option("Draw cost against robustness of all settings into this file.")
 @as_json_option
 def tune_command(
     *, budget: int, held_out: int, seed: int, store: Path | None, workers: int | None,
     output: Path | None, picture: Path | None, as_json: bool, **options: Any,
 ) -> int:  # fmt: skip
-    """From a plant to a controller as rcac design, with settings found by trying.
+    """Design a controller as rcac design does, and tune its settings by simulation.
 
-    The best of many settings is judged on plants and noise that chose nothing; those of rcac design
-    and the fixed controller are among them.
+    The best settings are tested on plants and noise that were not used to choose them, together
+    with the settings of rcac design and the fixed controller.
     """
     begun = designed(**_known(**options), seeds=1)
     line = ProgressLine() if sys.stderr.isatty() else None
@@ -139,7 +146,7 @@ def tune_command(
 
 
 def _status(result: Design) -> int:
-    """That of a no where the controller is worse than none."""
+    """Return 1 if u = 0 is better than the controller."""
     return NO if result.verdict.is_worse_than_none else DONE
 
 
@@ -148,7 +155,7 @@ def _known(
     u_limits: str | None, sample_time: float | None, dead_time: str, structure: str | None,
     feedforward: bool, assume: bool, **uncertain: Any,
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments of `design`, what is not given asked for."""
+    """Return the arguments of `design`; ask for the missing ones."""
     known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward}
     known["structure"] = None if structure is None else _structure(structure)
     known["uncertainty"] = _uncertainty(**uncertain)
@@ -162,7 +169,7 @@ def _known(
     else:
         known["plant"] = read_log(plant)
     late = _dead_time(dead_time)
-    if not isinstance(known["plant"], ControllerLog):  # what cannot be read is said before asking
+    if not isinstance(known["plant"], ControllerLog):  # errors come before the questions
         read_plant(known["plant"], known["sample_time"], late)
     options = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
     missing = [name for name, value in options.items() if value is None and name not in known]
@@ -170,9 +177,9 @@ def _known(
         if not at_a_terminal():
             names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
             raise InputError(
-                f"{names} {'is' if len(missing) == 1 else 'are'} not given, and there is no "
-                f"terminal to ask at. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
-                f"take {', '.join(f'{name} = {QUESTIONS[name][1]}' for name in missing)}."
+                f"{names} {'is' if len(missing) == 1 else 'are'} missing, and there is no "
+                f"terminal to ask. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
+                f"use {', '.join(f'{name} = {QUESTIONS[name][1]}' for name in missing)}."
             )
         for name in missing:
             words, default = QUESTIONS[name]
@@ -186,7 +193,7 @@ def _known(
 
 
 def _dead_time(text: str) -> float | list[list[float]]:
-    """Of the plant, or of each of its entries."""
+    """Return the dead time of the plant, or of each entry."""
     try:
         rows = [[float(one) for one in row] for row in written_rows(text)]
     except ValueError:
@@ -197,7 +204,7 @@ def _dead_time(text: str) -> float | list[list[float]]:
 
 
 def _structure(text: str) -> Structure:
-    """PI, PID and the like, fir:N, or fir+i:N."""
+    """Return the structure of a text: PID terms, fir:N or fir+i:N."""
     kind, _, order = text.strip().partition(":")
     if kind.lower() in ("fir", "fir+i") and order.isdecimal():
         return (fir if kind.lower() == "fir" else fir_integrator)(int(order))
@@ -209,7 +216,7 @@ def _structure(text: str) -> Structure:
 def _uncertainty(
     uncertain_gain: str | None, uncertain_delay: int | None, uncertain_time: float | None
 ) -> Uncertainty | None:
-    """What is said of it; None where nothing is."""
+    """Return the uncertainty of the options, or None."""
     uncertainty: dict[str, Any] = {"delay": uncertain_delay, "time": uncertain_time}
     if uncertain_gain is not None:
         uncertainty["gain"] = _numbers("uncertain_gain", uncertain_gain)
@@ -218,12 +225,12 @@ def _uncertainty(
 
 
 def at_a_terminal() -> bool:
-    """Whether somebody can answer."""
+    """Return whether input and output are a terminal."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def _numbers(name: str, text: str) -> float | tuple[float, ...]:
-    """A number, or two between commas."""
+    """Return a number, or a pair separated by a comma."""
     option = f"--{name.replace('_', '-')}"
     if name == "disturbance" and text.strip() == "none":
         return 0.0

@@ -38,15 +38,15 @@ LARGEST_JOBS = 256
 @click.option(
     "--quick",
     is_flag=True,
-    help="A quick look: repeat runs less often; no verdict is called changed for it.",
+    help="Repeat runs less often; a changed verdict is then not reported.",
 )
 @click.option(
     "-o", "--output", "folder", type=click.Path(file_okay=False, path_type=Path), required=True,
-    help="The folder for index.html and for what is done already.",
+    help="The folder for index.html and for completed cases.",
 )  # fmt: skip
 @click.option(
     "--jobs", type=click.IntRange(1, LARGEST_JOBS), default=None,
-    help="Processes; by default as many as there are processors.",
+    help="Number of processes; default: number of processors.",
 )  # fmt: skip
 @click.option(
     "--archive", type=click.Path(dir_okay=False, path_type=Path), callback=writable(".zip"),
@@ -61,9 +61,9 @@ def reproduce_command(
     archive: Path | None,
     as_json: bool,
 ) -> int:
-    """Verify the examples of the dissertation and write a page of them.
+    """Verify the examples of the dissertation and write a page of the results.
 
-    What is done is kept: after a kill the same command goes on where it was.
+    Completed cases are stored: after an interruption the same command continues.
     """
     numbers = [n for n in example_ids() if chapter is None or n.split(".")[0] == chapter.upper()]
     if not numbers:
@@ -91,7 +91,7 @@ def reproduce_command(
 def _progress(name: str, done: int, of: int) -> None:
     width = 30
     bar = "=" * (width * done // of)
-    click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} is done\033[K", err=True, nl=False)
+    click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} completed\033[K", err=True, nl=False)
 
 
 def _sheet(reproduction: Reproduction, archive: Path | None) -> Sheet:
@@ -130,7 +130,7 @@ def _words(count: Counter[str]) -> str:
 
 def _end(case: Case) -> Text:
     messages = {
-        0: Text("as on record", "quiet"),
+        0: Text("verdicts as on record", "quiet"),
         1: Text("a verdict has changed", "bad"),
         2: Text("could not be verified", "bad"),
         3: Text("diverged unexpectedly", "bad"),
@@ -140,17 +140,19 @@ def _end(case: Case) -> Text:
 
 @click.command("errata")
 @click.argument("where", nargs=-1)
-@click.option("--check", "checks", is_flag=True, help="Run the checks that show them.")
+@click.option("--check", "checks", is_flag=True, help="Run the checks that prove the errors.")
 @as_json_option
 def errata(where: tuple[str, ...], checks: bool, as_json: bool) -> int:
-    """List where the dissertation's text is wrong, what is true, and how that is known.
+    """List the errors in the text of the dissertation, with corrections and evidence.
 
-    WHERE is a chapter (8, A), an equation ("(2.31)"), an example (Example 7.1), a number that
-    several bear (7.1), or the name of an erratum; without it all are listed.
+    WHERE is a chapter (8, A), an equation ("(2.31)"), an example (Example 7.1), a number of
+    several items (7.1), or the name of an erratum; default: all errata.
     """
     place = " ".join(where)
     entries = find_errata(place)
     with np.errstate(all="ignore"):
-        found = {entry.name: check_erratum(entry) for entry in entries if checks and can_run(entry)}
-    show(errata_sheet(entries, place, found), as_json)
-    return 0 if all(checked.holds for checked in found.values()) else 1
+        results = {
+            entry.name: check_erratum(entry) for entry in entries if checks and can_run(entry)
+        }
+    show(errata_sheet(entries, place, results), as_json)
+    return 0 if all(checked.holds for checked in results.values()) else 1

@@ -1,4 +1,4 @@
-"""How every command ends: its exit status, and what is said where it does not end well."""
+"""The exit status of every command, and the message of an error."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ import click
 from compensator_theory.errors import Advice, CompensatorError
 from rcac_numeric.arrays._wording import printable, shortened
 
-DONE = 0  # what was asked is answered
-NO = 1  # the answer is no: a verdict has changed, a log contradicts itself, no control is better
-BAD_INPUT = 2  # what was given cannot be used, read, written or held in memory
-DIVERGED = 3  # a loop diverged that was not expected to
-UNSTABLE = 5  # the loop of a log is unstable
-MISSED = 6  # it is stable, and misses the poles that its target asks for
-UNDECIDED = 7  # a log does not tell what was asked of it
-DEFECT = 4  # rcac itself is at fault
-INTERRUPTED = 130  # as of any program that Ctrl-C ends: 128 + SIGINT
-CLOSED_PIPE = 141  # 128 + SIGPIPE: who read the output has seen enough
+DONE = 0
+NO = 1  # a verdict has changed, a log contradicts itself, u = 0 is better
+BAD_INPUT = 2  # invalid input, or a file that cannot be read or written, or too little memory
+DIVERGED = 3  # a loop diverged unexpectedly
+UNSTABLE = 5  # the logged loop is unstable
+MISSED = 6  # the logged loop is stable and misses the poles of its target model
+UNDECIDED = 7  # the log does not decide the question
+DEFECT = 4  # a defect of rcac
+INTERRUPTED = 130  # 128 + SIGINT: Ctrl-C
+CLOSED_PIPE = 141  # 128 + SIGPIPE: the reader closed the pipe
 
 EXIT_STATUS = """
-Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradicts itself, a design
-is worse than u = 0); 2 bad input, or what cannot be read or written; 3 a loop diverged
-unexpectedly; 4 a defect of rcac; of rcac check 5 the loop is unstable, 6 poles were missed, 7
-undecided; 130 interrupted; 141 the output was closed.
+Exit status: 0 success; 1 the answer is no (a verdict has changed, a log contradicts itself, a
+design is worse than u = 0); 2 invalid input, or a file that cannot be read or written; 3 a loop
+diverged unexpectedly; 4 a defect of rcac; rcac check also returns 5 (unstable loop), 6 (poles
+missed) and 7 (undecided); 130 interrupted; 141 output closed.
 """
-# What an option does that is an argument in Python, by function and first argument; a function
-# without an argument stands for every argument of it.
+# The option that replaces an argument of Python, by function and first argument; a function with an
+# empty argument stands for all its arguments.
 AT_THE_SHELL = {
     ("compensator_theory.budget", ""): "--budget {argument}={value}",
     ("ExperimentBudget", ""): "--budget {argument}={value}",
@@ -65,11 +65,11 @@ Result = TypeVar("Result")
 
 
 class ClosedPipeError(Exception):
-    """Nobody reads the output any more; click answers a BrokenPipeError by itself."""
+    """The reader closed the pipe; click would handle a BrokenPipeError itself."""
 
 
 def piped(call: Callable[[], Result]) -> Result:
-    """What `call` returns; a closed pipe is kept from click."""
+    """Return the result of `call`; translate a closed pipe, which click would catch."""
     try:
         return call()
     except BrokenPipeError:
@@ -83,40 +83,40 @@ def ended(command: Callable[[], Any]) -> int:
     """
     try:
         status = command()
-        sys.stdout.flush()  # here and not when Python ends: a full disk is seen by then
+        sys.stdout.flush()  # reports a full disk here, and not when Python ends
     except BaseException as error:
         return _after(error)
     return status if isinstance(status, int) else DONE
 
 
 def _after(error: BaseException) -> int:
-    """What is said of an error, and the status that it stands for."""
+    """Print the message of an error, and return its status."""
     match error:
         case SystemExit():
             return error.code if isinstance(error.code, int) else NO
         case click.exceptions.Exit():
             return error.exit_code
         case KeyboardInterrupt() | click.Abort():
-            return _said("interrupted.", INTERRUPTED)
+            return _report("interrupted.", INTERRUPTED)
         case BrokenPipeError() | ClosedPipeError():
             _discard_output()
             return CLOSED_PIPE
         case click.ClickException():
             return _usage(error)
         case CompensatorError():
-            return _said(error.message_for(at_the_shell), BAD_INPUT)
+            return _report(error.message_for(at_the_shell), BAD_INPUT)
         case MemoryError():
-            return _said("there is not enough memory for this; ask for less.", BAD_INPUT)
+            return _report("not enough memory; reduce the problem.", BAD_INPUT)
         case OSError() if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
             _discard_output()
-            return _said(f"the output cannot be written: {error.strerror}.", BAD_INPUT)
+            return _report(f"the output cannot be written: {error.strerror}.", BAD_INPUT)
     lines = "".join(traceback.format_exception(error))
     click.echo(shortened(printable(lines), 5 * LONGEST), err=True)
-    return _said("this is a defect of rcac itself; please report it.", DEFECT)
+    return _report("this is a defect of rcac itself; please report it.", DEFECT)
 
 
 def at_the_shell(advice: Advice) -> str:
-    """The same next step for who writes commands."""
+    """Return the advice in terms of command-line options."""
     argument, value = (*advice.arguments, ("", ""))[0]
     words = AT_THE_SHELL.get((advice.function, argument))
     if words is None:
@@ -125,23 +125,23 @@ def at_the_shell(advice: Advice) -> str:
 
 
 def _usage(error: click.ClickException) -> int:
-    """What click says of a wrong option, with its hint."""
+    """Print the message of click about a wrong option, with its hint."""
     message = io.StringIO()
     error.show(message)
     click.echo(shortened(printable(message.getvalue()), LONGEST), err=True, nl=False)
     return error.exit_code
 
 
-def _said(message: str, status: int) -> int:
+def _report(message: str, status: int) -> int:
     try:
         click.echo(f"rcac: {shortened(printable(message), LONGEST)}", err=True)
-    except OSError:  # nobody listens
+    except OSError:  # stderr is closed
         _discard_output()
     return status
 
 
 def _discard_output() -> None:
-    """Leave nothing for Python to write, and to fail at, when it ends."""
+    """Discard buffered output, so that Python does not fail to write it at exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (sys.stdout, sys.stderr):
         try:

@@ -1,4 +1,4 @@
-"""The command `rcac explore`: a page on which a loop is run live."""
+"""The command `rcac explore`: an interactive page of an adaptive loop."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from rcac_numeric.reports._sheet import Fact, Section, Sheet
 @click.argument("case", required=False, shell_complete=complete_case)
 @click.option("-o", "--output", "path", required=True, callback=writable_page,
               type=click.Path(dir_okay=False, path_type=Path),
-              help="The page that is written.")  # fmt: skip
-@click.option("--run", "name", help="Which run of CASE; default: the first.")
+              help="The HTML file to write.")  # fmt: skip
+@click.option("--run", "name", help="Run of CASE; default: the first.")
 @values_option
 @budget_option(of_runs=True)
 @as_json_option
@@ -34,22 +34,22 @@ def explore(
     as_json: bool,
     budget: ExperimentBudget,
 ) -> None:
-    """Write a page on which a loop under RCAC runs live: drag poles, move dials.
+    """Write an interactive web page of an adaptive loop: drag poles, move dials.
 
-    CASE is the number of an example (see `rcac list`) or the path of a TOML file; without it the
-    page has its own scenes alone. The page asks no network, and hands its settings back as a file
-    for `rcac verify`. It needs clang and lld here, which build the core for it.
+    CASE is the number of an example (see `rcac list`) or the path of a TOML file; without CASE the
+    page has only its built-in scenes. The page works offline, and saves its settings as a file for
+    `rcac verify`.
     """
     with np.errstate(all="ignore"):
-        found = None
+        dials = None
         if case is not None:
             table, file = read_case_table(case)
-            found = case_of(with_values(table, values), file, name, budget)
+            dials = case_of(with_values(table, values), file, name, budget)
         elif values or name:
-            raise click.UsageError("--set and --run belong to a CASE.")
-        page = explorer_page(found)
+            raise click.UsageError("--set and --run need a CASE.")
+        page = explorer_page(dials)
     write_page(page, path)
-    title = "its own scenes" if found is None else str(found["title"])
+    title = "built-in scenes" if dials is None else str(dials["title"])
     facts = (Fact("page", str(path)), Fact("opens with", title), Fact("size", f"{len(page)} bytes"))
     record = {"page": str(path), "opens with": title, "bytes": len(page)}
     show(

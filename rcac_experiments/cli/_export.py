@@ -1,4 +1,4 @@
-"""The command `rcac export`: a controller as a folder of C."""
+"""The command `rcac export`: write a controller as C or as an FMU."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from rcac_numeric.reports._sheet import Fact, Section, Sheet, Text
 @click.command("export")
 @click.argument("case", shell_complete=complete_case)
 @click.option("-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
-              help="The folder that is written, or a file that ends in .fmu.")  # fmt: skip
+              help="The folder to write, or a file that ends in .fmu.")  # fmt: skip
 @click.option("--sample-time", type=click.FloatRange(min=0, min_open=True), metavar="SECONDS",
-              help="Of an FMU; default: that of the plant, where CASE says it.")  # fmt: skip
+              help="Sample time of an FMU; default: that of the plant in CASE.")  # fmt: skip
 @click.option("--fmi", type=click.Choice(VERSIONS), default="2.0", show_default=True,
-              help="The version of the interface of an FMU.")  # fmt: skip
+              help="Version of the FMI standard of an FMU.")  # fmt: skip
 @click.option("--real", type=click.Choice(REALS), default="float64", show_default=True,
-              help="The type of every number.")  # fmt: skip
+              help="Floating-point type of all numbers.")  # fmt: skip
 @click.option("--layout", "layouts", type=click.Choice(LAYOUTS), multiple=True, default=("c",),
-              show_default=True, help="What is written beside the core. Repeatable.")  # fmt: skip
-@click.option("--prefix", default="rcac", show_default=True, help="Of all names in C.")
+              show_default=True, help="Project files beside the core. Repeatable.")  # fmt: skip
+@click.option("--prefix", default="rcac", show_default=True, help="Prefix of all C names.")
 @click.option("--fixed", is_flag=True,
-              help="Not the adapting controller, but the one that the run ended with.")  # fmt: skip
-@click.option("--run", "name", help="Which run of CASE; default: the first.")
+              help="Export the final controller of the run, without adaptation.")  # fmt: skip
+@click.option("--run", "name", help="Run of CASE; default: the first.")
 @click.option("--live-order", type=click.IntRange(min=0),
-              help="Let the target model be replaced on the board, up to this order.")  # fmt: skip
+              help="Allow a new target model, up to this order, at run time.")  # fmt: skip
 @click.option("--supervised", is_flag=True,
-              help="Go on where samples are missed or numbers overflow, and note it.")  # fmt: skip
+              help="Continue after missed samples and overflows, and record them.")  # fmt: skip
 @values_option
 @budget_option(of_runs=True)
 @as_json_option
@@ -62,10 +62,10 @@ def export(
     as_json: bool,
     budget: ExperimentBudget,
 ) -> None:
-    """Write the controller of CASE as C or as an FMU, and replay it where there is a compiler.
+    """Write the controller of CASE as C or as an FMU, and replay it if a C compiler is installed.
 
-    CASE is the number of an example (see `rcac list`), the path of a TOML file, or a run that
-    `rcac verify CASE --save RUN.npz` kept.
+    CASE is the number of an example (see `rcac list`), the path of a TOML file, or a run saved by
+    `rcac verify CASE --save RUN.npz`.
     """
     supervision = Supervision() if supervised else None
     with np.errstate(all="ignore"):
@@ -83,7 +83,7 @@ def export(
             show(_fmu_sheet(file, fmi, period), as_json)
             return
         if folder.is_file():
-            raise InputError(f"{folder} is a file; -o names a folder, or an FMU that ends in .fmu.")
+            raise InputError(f"{folder} is a file; -o needs a folder, or an FMU that ends in .fmu.")
         exported = export_controller(
             controller,
             folder,
@@ -108,7 +108,7 @@ def _require_defaults(
         "--live-order": live_order is not None,
     }
     if wrong := [option for option, is_set in options.items() if is_set]:
-        raise InputError(f"{' and '.join(wrong)} belong to a folder in C, not to an FMU.")
+        raise InputError(f"{' and '.join(wrong)} apply to C, not to an FMU.")
 
 
 def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
@@ -127,17 +127,17 @@ def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
 def _run(
     case: str, values: tuple[str, ...], budget: ExperimentBudget, name: str | None, whole: bool
 ) -> Run:
-    """The run that is exported; its first steps, where they are enough."""
+    """Return the run to export, or its first steps if they suffice."""
     if case.endswith(".npz"):
         if values or name:
-            raise InputError(f"{case} is one run as it was; --set and --run belong to a TOML file.")
+            raise InputError(f"{case} is a saved run; --set and --run need a TOML file.")
         return load_run(case)
     experiment = case_experiment(case, values, budget)
     if name is not None and name not in experiment.runs:
         raise InputError(f"--run {name}: the runs are {', '.join(map(repr, experiment.runs))}.")
     chosen = experiment.main_run if name is None else experiment.runs[name]
     if chosen.reference:
-        raise InputError("this run is made in ball arithmetic; choose another with --run.")
+        raise InputError("this run uses ball arithmetic; choose another one with --run.")
     steps = chosen.steps if whole else min(chosen.steps, STEPS)
     return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
 
@@ -145,7 +145,7 @@ def _run(
 def _sheet(exported: Export) -> Sheet:
     health = [Text(warning, "warning") for warning in exported.warnings]
     if not exported.is_verified:
-        health.append(Text("Not compiled: there is no C compiler on this machine.", "warning"))
+        health.append(Text("Not compiled: this machine has no C compiler.", "warning"))
     facts = [
         Fact("folder", str(exported.folder)),
         Fact("files", ", ".join(exported.files)),

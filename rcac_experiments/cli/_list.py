@@ -1,4 +1,4 @@
-"""The command `rcac list`: the examples that can be verified, and those that cannot yet."""
+"""The command `rcac list`: the numbered examples."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from rcac_numeric.arrays._wording import printable
 
 @click.command("list")
 def list_examples() -> None:
-    """List the numbered examples: what can be verified, and what cannot yet and why."""
+    """List the numbered examples of the dissertation; a missing one has its reason."""
     titles = dict(example_titles())
-    absent = {number: f"(not here yet: {reason})" for number, reason in absent_examples()}
+    absent = {number: f"(not available: {reason})" for number, reason in absent_examples()}
     for number, title in sorted({**titles, **absent}.items(), key=lambda item: in_order(item[0])):
         click.echo(f"{number:<5} {printable(title)}")

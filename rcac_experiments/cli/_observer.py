@@ -1,4 +1,4 @@
-"""The command `rcac observer`: is a compensator an observer with state feedback, and which."""
+"""The command `rcac observer`: the observer-based forms of a compensator."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from rcac_numeric.reports._observer import observer_sheet
 def observer(
     plant: str, compensator: str, feedback: str, variable: str | None, as_json: bool
 ) -> None:
-    """Tell whether a compensator is observer-based, and list its observer-based forms.
+    """Test whether a compensator is observer-based, and list its observer-based forms.
 
-    The answers are exact. The question has three readings: the pair of polynomials as it is
-    written, the transfer function that it stands for, and its controllable canonical realisation.
+    The answers are exact, and are given for three objects: the pair of polynomials as it is
+    written, its transfer function, and its controllable canonical realisation.
     """
     if variable is None:
         sheet = observer_sheet(plant, compensator, int(feedback))

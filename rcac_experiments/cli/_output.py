@@ -1,4 +1,4 @@
-"""What every command does: print a report, save a picture, keep to a budget."""
+"""Options and output of all commands: reports, pictures, budgets."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ as_json_option = click.option(
 
 variable_option = click.option(
     "--variable", type=click.Choice(["s", "z", "q"]),
-    help="Of the transfer functions, where they do not show it.",
+    help="Variable of the transfer functions, if they do not contain it.",
 )  # fmt: skip
 
 
-def picture_option(what: str) -> Callable[[Command], Command]:
-    """The option --plot, whose file is refused before anything long is run."""
+def picture_option(description: str) -> Callable[[Command], Command]:
+    """The option --plot, whose file is checked before the computation starts."""
 
     def checked(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
         if value is not None:
@@ -42,14 +42,14 @@ def picture_option(what: str) -> Callable[[Command], Command]:
         return value
 
     kind = click.Path(dir_okay=False, path_type=Path)
-    return click.option("--plot", "picture", type=kind, help=what, callback=checked)
+    return click.option("--plot", "picture", type=kind, help=description, callback=checked)
 
 
 def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
     """The option --budget: limits of the exact half, and with `of_runs` those of an experiment.
 
-    The limits of the exact half hold until the command ends. The others are the argument `budget`
-    of the command.
+    The limits of the exact half hold until the command ends. The other limits are passed to the
+    command as its argument `budget`.
     """
     exact_names = [field.name for field in fields(exact.Budget)]
     run_names = [field.name for field in fields(ExperimentBudget)] if of_runs else []
@@ -65,9 +65,7 @@ def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
                     f"{', '.join([*exact_names, *run_names])}."
                 )
             if not re.fullmatch(r"[1-9]\d{0,17}" if name in exact_names else LIMIT, value):
-                raise InputError(
-                    f"--budget {part}: {value!r} is no limit; write a positive number."
-                )
+                raise InputError(f"--budget {part}: {value!r} must be a positive number.")
             if name in exact_names:
                 of_exact[name] = int(value)
             else:
@@ -78,7 +76,7 @@ def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
     example = "operations=1e13,degree=2000" if of_runs else "degree=2000,field_degree=32"
     return click.option(
         "--budget", metavar="NAME=LIMIT,...", default="", callback=checked, expose_value=of_runs,
-        help=f"Allow more than usual, for instance {example}; errors name the limit.",
+        help=f"Raise limits, for instance {example}; errors name the limit.",
     )  # fmt: skip
 
 
@@ -91,7 +89,7 @@ def show(
 ) -> None:
     """Print a report, draw its picture, and write other files, whose lines `write` returns.
 
-    The files come also where nobody reads the report to its end, as behind ``| head``.
+    The files are written even if the reader closes the pipe, as ``| head`` does.
     """
     closed = None
     try:
@@ -114,7 +112,7 @@ def show(
 
 
 def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Any]:
-    """The callback of an option whose file is refused before anything long is run."""
+    """The callback of an option whose file is checked before the computation starts."""
 
     def checked(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
         name = option.opts[-1]
@@ -131,4 +129,4 @@ writable_page = writable(".html", ".htm")
 
 
 def silence(*progress: object) -> None:
-    """Say nothing of how far it is."""
+    """Report no progress."""

@@ -17,8 +17,9 @@ from rcac_numeric.reports._placement import placement_sheet
 @click.option("--plant", required=True, help='N/D, for instance "4/((s + 1)*(s + 3))".')
 @click.option(
     "--poles", required=True,
-    help='The roots wanted, between commas or spaces: "-6, -5, -4, -2" or "-1+2j -1-2j"; or the '
-    'polynomial that has them: "(s + 1)**3".',
+    help='Requested poles, separated by commas or spaces: "-6, -5, -4, -2" or "-1+2j -1-2j"; or '
+         'the '
+    'characteristic polynomial: "(s + 1)**3".',
 )  # fmt: skip
 @click.option(
     "--order", "n_c", type=click.IntRange(min=0), default=None,
@@ -34,10 +35,10 @@ from rcac_numeric.reports._placement import placement_sheet
 def place(
     plant: str, poles: str, n_c: int | None, feedback: str, variable: str | None, as_json: bool
 ) -> None:
-    """Place closed-loop poles exactly, and say what float64 would have kept.
+    """Place closed-loop poles exactly, and compare the result with float64.
 
-    Everything is a rational number: 0.1 is 1/10, and j is the imaginary unit. Where there is no
-    solution the status is 2.
+    All numbers are rational: 0.1 is 1/10, and j is the imaginary unit. Without a solution the
+    status is 2.
     """
     system = exact.transfer_function(plant, variable)
     target = _target(poles, str(system.variable))
@@ -46,38 +47,37 @@ def place(
 
 
 def _target(poles: str, variable: str) -> Poly:
-    """The characteristic polynomial that --poles means: by its roots, or written out."""
+    """Return the characteristic polynomial of --poles: of its roots, or as it is written."""
     written = set(re.findall(r"(?<!\w)[szq](?!\w)", poles))
     if not written:
         return exact.polynomial_from_roots(exact.read_roots(poles), variable)
     if written != {variable}:
         names = " and ".join(sorted(written))
         raise InputError(
-            f"--poles {poles} is written in {names}, and the plant in {variable}; write both in "
-            "one variable, or --poles as a list of roots."
+            f"--poles {poles} is in {names}, and the plant in {variable}; write both in "
+            "one variable, or give --poles as a list of roots."
         )
     if re.search("[,;]", poles):
         raise InputError(
-            f"--poles {poles} is a list, and an entry of it contains the variable {variable}; give "
+            f"--poles {poles} is a list with an entry in the variable {variable}; give "
             f"numbers, such as -1, -2+1j, -2-1j, or one polynomial, such as ({variable} + 1)**3."
         )
     target = exact.polynomial(poles, variable)
     if target.degree() < 1:
-        raise InputError(f"--poles {poles} is the polynomial {target.as_expr()}, without a root.")
+        raise InputError(f"--poles {poles} is the constant {target.as_expr()}, which has no roots.")
     return target
 
 
 def _require_degree(degree: int, n: int, n_c: int | None) -> None:
-    """Refuse a number of poles that no compensator of that order has."""
+    """Refuse a number of poles that differs from the order of the closed loop."""
     if n_c is not None and degree != n + n_c:
         other = f", or write --order {degree - n}" if degree >= n else ""
         raise InputError(
-            f"--poles names {degree} poles; a plant of order {n} with a compensator of order {n_c} "
-            f"has {n + n_c}. Name so many{other}."
+            f"--poles gives {degree} poles; a plant of order {n} with a compensator of order {n_c} "
+            f"has {n + n_c}. Give {n + n_c} poles{other}."
         )
     if degree < n:
         raise InputError(
-            f"--poles names {degree} poles; the plant alone has {n}. Name at least so many, and "
-            "one "
-            "more for each order of the compensator."
+            f"--poles gives {degree} poles; the plant alone has {n}. Give {n} poles, and "
+            "one more for each order of the compensator."
         )

@@ -1,4 +1,4 @@
-"""The command `rcac schema`: by it an editor checks experiment files while they are written."""
+"""The command `rcac schema`: the JSON Schema by which an editor checks experiment files."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ from rcac_experiments.sweeps._files import study_schema
 
 @click.command("schema")
 def schema() -> None:
-    """Print the JSON Schema of experiment files and studies, for an editor."""
+    """Print the JSON Schema of experiment files and studies, by which an editor checks them."""
     click.echo(json.dumps(study_schema(), indent=2))

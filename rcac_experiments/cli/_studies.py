@@ -1,4 +1,4 @@
-"""The commands about studies: `rcac sweep`, `rcac show`, `rcac replay` and `rcac store`."""
+"""The commands for studies: `rcac sweep`, `rcac show`, `rcac replay` and `rcac store`."""
 
 from __future__ import annotations
 
@@ -31,28 +31,30 @@ from rcac_experiments.sweeps._sweep import StudyInterrupted, run_study
 from rcac_numeric.arrays._frames import imported
 from rcac_numeric.arrays._wording import printable, shortened
 
-CONNECTING = 10  # seconds that a scheduler has to answer
+CONNECTING = 10  # seconds until a scheduler must answer
 
 
 @click.command("sweep")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "-o", "--output", "store", required=True, type=click.Path(path_type=Path),
-    help="The store: a folder, made where there is none.",
+    help="The folder of the stored runs; it is made if it does not exist.",
 )  # fmt: skip
-@click.option("--workers", type=click.IntRange(0), help="Processes; 0: this one alone. "
-              "Default: as many as there are processors.")  # fmt: skip
-@click.option("--yes", is_flag=True, help="More than a million runs are meant.")
-@click.option("--mixed", is_flag=True, help="Go on although versions or instructions differ.")
+@click.option("--workers", type=click.IntRange(0), help="Number of processes; 0: this process. "
+              "Default: number of processors.")  # fmt: skip
+@click.option("--yes", is_flag=True, help="Confirm more than a million runs.")
+@click.option(
+    "--mixed", is_flag=True, help="Continue a store of other versions or processor instructions."
+)
 @click.option("--scheduler", metavar="ADDRESS", default="",
-              help="Of a dask cluster, whose workers run the study.")  # fmt: skip
+              help="Address of a dask cluster to run the study.")  # fmt: skip
 @click.option(
     "--time-limit", type=click.FloatRange(0, min_open=True), metavar="SECONDS",
-    help="What one run may take; one that takes longer has failed.",
+    help="Time limit of one run; a longer run counts as failed.",
 )  # fmt: skip
 @click.option("--retries", type=click.IntRange(0), default=0, show_default=True,
-              help="How often a run that failed is run again at once.")  # fmt: skip
-@click.option("--retry-failed", is_flag=True, help="Run those again that had failed before.")
+              help="Number of immediate retries of a failed run.")  # fmt: skip
+@click.option("--retry-failed", is_flag=True, help="Repeat the stored failed runs.")
 @as_json_option
 def sweep(
     *,
@@ -67,11 +69,11 @@ def sweep(
     retry_failed: bool,
     as_json: bool,
 ) -> int:
-    """Run the study FILE, a TOML file with a table [study], and store each run when it ends.
+    """Run the study FILE, a TOML file with a table [study], and store each completed run.
 
-    Stopped by whatever, the same command goes on, and computes again what is damaged. Loops that
-    diverge are results; where a run failed (time or memory ran out, its process died, a function
-    raised), or a result has an error recorded, the status is 1.
+    After an interruption the same command continues, and repeats damaged runs. A diverged loop is a
+    result. The status is 1 if a run failed (time or memory limit, lost process, exception of a
+    function), or if a result has a recorded error.
     """
     study = load_study(file)
     line = ProgressLine() if sys.stderr.isatty() else None
@@ -91,11 +93,11 @@ def sweep(
             )
     except KeyboardInterrupt as stopped:
         if isinstance(stopped, StudyInterrupted):
-            click.echo(f"\n{stopped.done} of {stopped.total} runs are stored in {store}, which is "
-                       "whole.", err=True)  # fmt: skip
+            click.echo(f"\n{stopped.done} of {stopped.total} runs are stored in {store}; the store "
+                       "is intact.", err=True)  # fmt: skip
         again = shlex.join(["rcac", *sys.argv[1:]])
-        gc.freeze()  # the process ends at once: nothing is collected on the way out
-        click.echo(f"Go on with:  {printable(again)}", err=True)
+        gc.freeze()  # garbage collection would delay the exit
+        click.echo(f"Continue with:  {printable(again)}", err=True)
         raise
     finally:
         if line is not None:
@@ -107,12 +109,15 @@ def sweep(
 
 @contextmanager
 def _cluster(address: str, workers: int | None) -> Iterator[Executor | None]:
-    """The executor of a dask cluster; None without an address."""
+    """Connect to a dask cluster; None without an address."""
     if not address:
         yield None
         return
     if workers is not None:
-        raise InputError("--workers are processes of this machine; the scheduler has its own.")
+        raise InputError(
+            "--workers counts local processes; --scheduler uses the workers of its cluster. "
+            "Remove one."
+        )
     distributed = imported("distributed")
     try:
         client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
@@ -128,8 +133,8 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 
 @click.command("show")
 @click.argument("what", shell_complete=complete_case)
-@click.option("--by", default="", help="The axes that groups differ in: R_theta,k_w. Default: all.")
-@click.option("--measure", default="", help="Of which the median is taken. Default: the first.")
+@click.option("--by", default="", help="Axes that define the groups: R_theta,k_w. Default: all.")
+@click.option("--measure", default="", help="Measure of the medians. Default: the first.")
 @click.option("--export", type=FILE, help="Write all runs into this .csv or .parquet file.")
 @picture_option("Draw shares and medians over the axes of --by, one or two, into this file.")
 @as_json_option
@@ -142,14 +147,13 @@ def show_store(
     picture: Path | None,
     as_json: bool,
 ) -> None:
-    """Show WHAT: the TOML file of an example, or what the store of a study holds.
+    """Show the results of a study, or the TOML file of an example.
 
-    WHAT is the number of an example (see `rcac list`), whose file is printed as it is, ready to be
-    changed; or the path of a folder that `rcac sweep` wrote, whole or still growing. The options
-    are those of a store.
+    WHAT is the number of an example (see `rcac list`), whose file is printed; or a folder written
+    by `rcac sweep`, complete or still running. The options apply to a folder.
 
-    Of every group of runs: how many did not complete, with the 95 % interval of their share, and
-    the median and quantiles of a measure over the others.
+    The report gives for each group of runs the number that did not complete, with the 95 % interval
+    of their share, and the median and quantiles of a measure over the completed runs.
     """
     if is_example(what):
         _print_example(what, by or measure or export or picture or as_json)
@@ -165,8 +169,8 @@ def show_store(
 def _print_example(number: str, option: object) -> None:
     if option:
         raise InputError(
-            f"{number} is an example, and the options of `rcac show` are those of a store; "
-            f"`rcac verify {number}` runs it."
+            f"{number} is an example; the options of `rcac show` apply to a store. "
+            f"Run the example with `rcac verify {number}`."
         )
     click.echo(example_text(number), nl=False)
 
@@ -176,11 +180,11 @@ def _print_example(number: str, option: object) -> None:
 @click.argument("run", type=click.IntRange(0))
 @click.option(
     "--measures", "functions", type=click.Path(dir_okay=False, path_type=Path),
-    help="A Python file with the functions of the study. It is run: give only one that you trust.",
+    help="A Python file with the functions of the study. It is executed: use only trusted files.",
 )  # fmt: skip
 @click.option(
     "--data", type=click.Path(file_okay=False, path_type=Path),
-    help="The folder of the data files that the study names.",
+    help="The folder of the data files of the study.",
 )  # fmt: skip
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
 @as_json_option
@@ -193,10 +197,10 @@ def replay(
     picture: Path | None,
     as_json: bool,
 ) -> int:
-    """Run RUN of a STORE again, bit for bit.
+    """Repeat RUN of a STORE, bit for bit.
 
-    A store chooses no code and no files: functions of its own study come from --measures, and data
-    files from --data. The status is 1 where what comes out is not what is stored.
+    A store cannot name code or files: functions of the study come from --measures, and data files
+    from --data. The status is 1 if the result differs from the stored one.
     """
     measures = {} if functions is None else functions_in(functions)
     replayed = replay_run(store, run, measures, data)
@@ -205,13 +209,13 @@ def replay(
 
 
 def functions_in(path: Path) -> dict[str, Callable[..., Any]]:
-    """What a Python file that somebody named on the command line calls by a name; it is run."""
+    """Execute a Python file of the command line, and return its functions by name."""
     name = f"rcac_measures_{path.stem}"
     specification = importlib.util.spec_from_file_location(name, path)
     if specification is None or specification.loader is None or not path.is_file():
-        raise InputError(f"{path} is no file of Python; its name must end in .py.")
+        raise InputError(f"{path} must be a Python file with a name that ends in .py.")
     module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module  # dataclasses of it look there
+    sys.modules[name] = module  # its dataclasses need this
     try:
         specification.loader.exec_module(module)
     except Exception as error:
@@ -220,18 +224,18 @@ def functions_in(path: Path) -> dict[str, Callable[..., Any]]:
     return {key: value for key, value in vars(module).items() if callable(value)}
 
 
-# A word that was a command of `rcac store`, and what is given in its place.
+# A former command of `rcac store`, and its replacement.
 INSTEAD = {
-    "repair": "`rcac sweep FILE -o FOLDER`, the command that made the store, computes again what "
-    "is missing or damaged in it; `rcac store check FOLDER` names that",
+    "repair": "`rcac sweep FILE -o FOLDER`, the command that made the store, repeats missing and "
+    "damaged runs; `rcac store check FOLDER` lists them",
 }
 
 
 class StoreCommands(click.Group):
-    """A group that says of an earlier command what does its work now."""
+    """A group that names the replacement of a former command."""
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """As click does it."""
+        """Resolve as click does."""
         if args[0] in INSTEAD:
             raise click.UsageError(f"There is no `rcac store {args[0]}`: {INSTEAD[args[0]]}.", ctx)
         return super().resolve_command(ctx, args)
@@ -239,17 +243,17 @@ class StoreCommands(click.Group):
 
 @click.group("store", cls=StoreCommands)
 def store() -> None:
-    """Check the store of a study, or make one of an SQLite file of an earlier version."""
+    """Check the stored runs of a study, or convert an SQLite file of an earlier version."""
 
 
 @store.command(epilog=EXIT_STATUS)
 @click.argument("folder", type=click.Path(path_type=Path))
 @as_json_option
 def check(*, folder: Path, as_json: bool) -> int:
-    """Hold everything in the store FOLDER against its digests and its plan.
+    """Compare the files of the store FOLDER with their digests and with the plan of the study.
 
-    The status is 1 where something is damaged. Nothing is changed; `rcac sweep` computes again what
-    is damaged.
+    The status is 1 if a file is damaged. The store is not changed; `rcac sweep` repeats damaged
+    runs.
     """
     report = check_store(folder)
     show(store_sheet(report), as_json)
@@ -260,14 +264,14 @@ def check(*, folder: Path, as_json: bool) -> int:
 @click.argument("old", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
-    help="The store that is made: a folder that is not there, or an empty one.",
+    help="The folder of the new store; it must be empty or not exist.",
 )  # fmt: skip
 @as_json_option
 def convert(*, old: Path, folder: Path, as_json: bool) -> int:
-    """Make a store of OLD, an SQLite file that `rcac sweep` of an earlier version wrote.
+    """Convert OLD, an SQLite file of an earlier version of `rcac sweep`, to a store.
 
-    OLD is read only. The status is 1 where some of its runs are not what was stored: they are left
-    out, and `rcac sweep` computes them.
+    OLD is not changed. The status is 1 if some of its runs are damaged: they are omitted, and
+    `rcac sweep` repeats them.
     """
     converted = convert_store(old, folder)
     show(store_sheet(converted), as_json)

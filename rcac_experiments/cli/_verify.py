@@ -1,4 +1,4 @@
-"""The command `rcac verify`: run a case and hold it against the exact prediction."""
+"""The command `rcac verify`: run a case and compare it with the exact prediction."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from rcac_numeric.reports._rendering import write_page
 
 
 def _checked_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
-    """The option --page, whose file is refused before anything long is run."""
+    """Check the file of --page before the computation starts."""
     if value is not None:
         require_library("matplotlib")
     return writable_page(context, option, value)
 
 
-def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
-    """The option --figures, whose folder is made before anything long is run."""
+def _figures_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """Make the folder of --figures before the computation starts."""
     if value is not None:
         require_library("matplotlib")
         try:
@@ -55,20 +55,21 @@ def _made_folder(context: click.Context, option: click.Parameter, value: Path | 
 @click.argument("case", shell_complete=complete_case)
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
 @click.option("--figures", "folder", type=click.Path(file_okay=False, path_type=Path),
-              help="Draw the figures that the case asks for into this folder.",
-              callback=_made_folder)  # fmt: skip
+              help="Draw the figures that the case requests into this folder.",
+              callback=_figures_folder)  # fmt: skip
 @click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
-              help="Write a web page of the case into this file, .html; it needs no network.",
+              help="Write a web page of the case into this .html file; it works offline.",
               callback=_checked_page)  # fmt: skip
-@click.option("--save", "kept", type=click.Path(dir_okay=False, path_type=Path),
-              help="Keep the main run in this .npz file, for load_run and `rcac check`.",
+@click.option("--save", "run_file", type=click.Path(dir_okay=False, path_type=Path),
+              help="Save the main run in this .npz file, for load_run and `rcac check`.",
               callback=writable(".npz"))  # fmt: skip
 @values_option
 @click.option("--completions", is_flag=True,
-              help="Run also the other values of what the source leaves open.")  # fmt: skip
+              help="Run also the other values of settings that the source leaves "
+                   "open.")  # fmt: skip
 @click.option("--seeds", "group", type=click.IntRange(0), metavar="GROUP",
-              help="Run on a group of seeds that no setting and no bound was chosen by: 0, 1, ...; "
-              "an example runs on group 0, a file on its own.")  # fmt: skip
+              help="Group of test seeds, by which no setting and no bound was chosen: 0, 1, ... "
+              "Default: group 0 for an example, the seeds of the file otherwise.")  # fmt: skip
 @budget_option(of_runs=True)
 @as_json_option
 def verify(
@@ -76,18 +77,18 @@ def verify(
     picture: Path | None,
     folder: Path | None,
     page: Path | None,
-    kept: Path | None,
+    run_file: Path | None,
     values: tuple[str, ...],
     completions: bool,
     group: int | None,
     as_json: bool,
     budget: ExperimentBudget,
 ) -> int:
-    """Run CASE and hold it against the exact prediction.
+    """Run CASE and compare it with the exact prediction.
 
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
     """
-    with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
+    with np.errstate(all="ignore"):  # an overflow is reported, without a warning of NumPy
         experiment = case_experiment(case, values, budget)
         if group is not None or not is_file(case):
             experiment = experiment.held_out(group or 0)
@@ -96,7 +97,7 @@ def verify(
         verification = verified(experiment, _progress if sys.stderr.isatty() else silence)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
-        write = partial(_written, verification, folder, kept, page, is_file(case))
+        write = partial(_written, verification, folder, run_file, page, is_file(case))
         show(verification_sheet(verification), as_json, picture, verification.plot, write)
     return verification.exit_status
 
@@ -104,11 +105,11 @@ def verify(
 def _written(
     verification: Verification,
     folder: Path | None,
-    kept: Path | None,
+    run_file: Path | None,
     page: Path | None,
     is_local: bool,
 ) -> list[str]:
-    """Write the files that were asked for; return what is said of them."""
+    """Write the requested files, and return one line about each."""
     written = []
     if folder is not None:
         requests = verification.figure_requests
@@ -120,9 +121,9 @@ def _written(
         written.append(
             f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
         )
-    if kept is not None:
-        verification.main.first.run.save(kept)
-        written.append(f"Run: {kept}")
+    if run_file is not None:
+        verification.main.first.run.save(run_file)
+        written.append(f"Run: {run_file}")
     if page is not None:
         write_page((case_page if is_local else example_page)(case_of(verification)), page)
         written.append(f"Page: {page}")
