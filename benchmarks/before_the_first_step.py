@@ -19,7 +19,7 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 
-from rcac_experiments.sweeps import Axis, Kept, Study
+from rcac_experiments.sweeps import Axis, Metric, Study
 from rcac_experiments.sweeps._cells import Cells
 from rcac_experiments.sweeps._chunk import ChunkTask
 from rcac_experiments.sweeps._worker import run_chunk
@@ -130,7 +130,7 @@ def cells():
     print("us a cell, by what its axis sets")
     for path, value in AXES.items():
         count = 10 if path == "plant.G" else 100
-        study = Study(BASE, [Axis("x", [value(0), value(1)], sets=path)], [Kept("rms")])
+        study = Study(BASE, [Axis("x", [value(0), value(1)], sets=path)], [Metric("rms")])
         cells_of_study = Cells(study)
         cells_of_study.cell({"x": value(0)})
         numbers = iter(range(2, 10**9))
@@ -148,8 +148,8 @@ def chunks(runs, repetitions):
     for n_c in ORDERS:
         base = {**BASE, "controller": {**BASE["controller"], "n_c": n_c}}
         gains = [10.0 ** (8 * i / runs - 4) for i in range(runs)]
-        many = Study(base, [Axis("x", [1.0, 10.0], sets="controller.R_theta")], [Kept("rms")])
-        map_ = Study(base, [Axis("x", gains[:2], sets="controller.R_theta")], [Kept("rms")])
+        many = Study(base, [Axis("x", [1.0, 10.0], sets="controller.R_theta")], [Metric("rms")])
+        map_ = Study(base, [Axis("x", gains[:2], sets="controller.R_theta")], [Metric("rms")])
         times = {}
         for name, study, where in (
             ("two cells", many, lambda i: {"x": 1.0 + 9.0 * (i % 2)}),

@@ -40,11 +40,11 @@ MAPS = {
 def tried(name, runs):
     """The processor time of a run in microseconds, and the digest of all that is kept."""
     try:
-        from rcac_experiments.sweeps import Axis, Kept, Study
+        from rcac_experiments.sweeps import Axis, Metric, Study
         from rcac_experiments.sweeps._chunk import ChunkTask
         from rcac_experiments.sweeps._worker import run_chunk
     except ImportError:  # as it was before the experiments had a package of their own
-        from rcac_numeric.sweeps import Axis, Kept, Study
+        from rcac_numeric.sweeps import Axis, Metric, Study
         from rcac_numeric.sweeps.chunks.chunk import ChunkTask
         from rcac_numeric.sweeps.chunks.worker import run_chunk
     if name in MAPS:
@@ -54,7 +54,7 @@ def tried(name, runs):
         axis = Axis("x", [1.0, 10.0], sets="controller.R_theta")
         base = {**BASE, "controller": {**BASE["controller"], "n_c": int(name)}}
         value = None
-    study = Study(base, [axis], [Kept("rms")], seed=1)
+    study = Study(base, [axis], [Metric("rms")], seed=1)
     stored, print_, kept = pickle.dumps(study), study.fingerprint, hashlib.sha256()
 
     def chunk(first, count):

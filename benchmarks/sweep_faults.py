@@ -34,7 +34,7 @@ import numpy as np
 
 from rcac_experiments.sweeps import (
     Axis,
-    Kept,
+    Metric,
     StoreError,
     Study,
     check_store,
@@ -83,7 +83,7 @@ MEASURES = {"rms": slow, "greedy": greedy, "hanging": hanging}
 
 def study(kind="rms", values=(0.01, 1.0, 100.0), repetitions=100):
     axis = Axis("R_theta", list(values), sets="controller.R_theta")
-    kept = [Kept("rms", "of_z"), Kept(MEASURES[kind])]
+    kept = [Metric("rms", "of_z"), Metric(MEASURES[kind])]
     return Study(BASE, [axis], kept, repetitions=repetitions, seed=5, keep_signals=["z"])
 
 
@@ -529,7 +529,7 @@ def damaged(folder, count):
     """Bytes that were changed, in this process: what a check, a reader and the study make of it."""
     one, before, victim = whole_study(folder)
     rng, counts, slowest = random.Random(7), Counter(), 0.0
-    folders.read_guarded = reader.read_here
+    folders.read_guarded = reader.read_in_process
     for i in range(count):
         got = folder / "got"
         shutil.rmtree(got, ignore_errors=True)
@@ -561,7 +561,7 @@ def computed_again(one, store, before):
         run_study(one, store, workers=0)
     except StoreError:
         return "the study refused"
-    folders.read_guarded = reader.read_here
+    folders.read_guarded = reader.read_in_process
     assert read_table(store) == before, "a wrong table was computed"
     folders.read_guarded = guarded
     return "the study gives the table"

@@ -23,7 +23,7 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from rcac_experiments.sweeps import (
     Axis,
-    Kept,
+    Metric,
     Study,
     check_store,
     read_table,
@@ -42,7 +42,7 @@ BASE = {
     "controller": {"structure": "iir", "n_c": 10, "R_theta": 1.0},
     "run": {"steps": 2000},
 }
-KEEP = [Kept("rms"), Kept("peak", "late", {"start": 1900}), Kept("settling_step")]
+KEEP = [Metric("rms"), Metric("peak", "late", {"start": 1900}), Metric("settling_step")]
 R_THETA = [10.0**e for e in range(-4, 4)]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
-from rcac_experiments.cli._output import as_json_option, show, silence, writable
+from rcac_experiments.cli._output import as_json_option, no_progress, show, writable
 from rcac_experiments.dissertation._archive import write_archive
 from rcac_experiments.dissertation._checking import can_run, check_erratum
 from rcac_experiments.dissertation._examples import example_ids
@@ -78,7 +78,7 @@ def reproduce_command(
             experiments,
             folder,
             executor=executor,
-            progress=_progress if sys.stderr.isatty() else silence,
+            progress=_progress if sys.stderr.isatty() else no_progress,
         )
     if sys.stderr.isatty():
         click.echo("\r\033[K", err=True, nl=False)

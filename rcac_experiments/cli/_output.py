@@ -128,5 +128,5 @@ def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path |
 writable_page = writable(".html", ".htm")
 
 
-def silence(*progress: object) -> None:
+def no_progress(*progress: object) -> None:
     """Report no progress."""

@@ -17,7 +17,7 @@ import click
 from compensator_theory.errors import InputError
 from rcac_experiments.cli._cases import complete_case, is_example
 from rcac_experiments.cli._exits import DONE, EXIT_STATUS, NO
-from rcac_experiments.cli._output import as_json_option, picture_option, show, silence
+from rcac_experiments.cli._output import as_json_option, no_progress, picture_option, show
 from rcac_experiments.dissertation._examples import example_text
 from rcac_experiments.reports._studies import replay_sheet, store_sheet, sweep_sheet
 from rcac_experiments.sweeps._check import check_store
@@ -84,7 +84,7 @@ def sweep(
                 store,
                 workers=workers,
                 executor=executor,
-                progress=line or silence,
+                progress=line or no_progress,
                 many=yes,
                 mixed=mixed,
                 time_limit=time_limit,

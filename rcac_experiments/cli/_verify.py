@@ -16,9 +16,9 @@ from rcac_experiments.cli._cases import case_experiment, complete_case, is_file,
 from rcac_experiments.cli._output import (
     as_json_option,
     budget_option,
+    no_progress,
     picture_option,
     show,
-    silence,
     writable,
     writable_page,
 )
@@ -94,7 +94,7 @@ def verify(
             experiment = experiment.held_out(group or 0)
         if completions:
             experiment = experiment.completed()
-        verification = verified(experiment, _progress if sys.stderr.isatty() else silence)
+        verification = verified(experiment, _progress if sys.stderr.isatty() else no_progress)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
         write = partial(_written, verification, folder, run_file, page, is_file(case))

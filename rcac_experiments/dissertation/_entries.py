@@ -138,6 +138,6 @@ class Erratum(Result):
 
     def _equations(self) -> Iterator[str]:
         for first, chapter, last in _EQUATION.findall(self.where):
-            own, start = first.split(".")
-            stop = int(last) if chapter == own else int(start)
-            yield from (f"{own}.{i}" for i in range(int(start), stop + 1))
+            item_chapter, start = first.split(".")
+            stop = int(last) if chapter == item_chapter else int(start)
+            yield from (f"{item_chapter}.{i}" for i in range(int(start), stop + 1))

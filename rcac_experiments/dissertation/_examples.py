@@ -11,7 +11,7 @@ from importlib import resources
 
 from compensator_theory.errors import InputError
 from rcac_experiments.files._documents import Raw, parsed
-from rcac_experiments.format._places import brief
+from rcac_experiments.format._places import quoted
 
 FOLDER = resources.files(__package__).joinpath("example_files")
 
@@ -53,7 +53,7 @@ def example_text(number: str) -> str:
     """The file of one numbered example, as it was written."""
     if number not in example_ids():
         raise InputError(
-            f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "
+            f"there is no example {quoted(number)}; there are {', '.join(example_ids())}. "
             "For a case of your own, give the path of its TOML file."
         )
     return str(FOLDER.joinpath(f"{number}.toml").read_text("utf-8"))

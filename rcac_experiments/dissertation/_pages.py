@@ -23,7 +23,7 @@ from rcac_experiments.judging._claim import (
     UNDETERMINED,
     VERDICTS,
 )
-from rcac_experiments.reports._cases import Case, ClaimRow, case_page, made_with
+from rcac_experiments.reports._cases import Case, ClaimRow, case_page, versions_of
 from rcac_numeric.reports._rendering import whole_page
 
 HOME = "rcac_experiments.dissertation"
@@ -75,7 +75,11 @@ _EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)")
 def example_page(case: Case) -> str:
     """The page of one example, a whole HTML document."""
     return case_page(
-        _set(case), template="example.html", home=HOME, work=WORK, errata=_told(_errata_at([case]))
+        _set(case),
+        template="example.html",
+        home=HOME,
+        work=WORK,
+        errata=_errata_entries(_errata_at([case])),
     )
 
 
@@ -104,10 +108,10 @@ def gallery_page(
         letters=LETTERS,
         levels=LEVELS,
         chapters=_chapters(cases, wrong),
-        errata=_told(wrong),
+        errata=_errata_entries(wrong),
         kinds=KINDS,
         typeset=typeset,
-        made=made_with(cases),
+        made=versions_of(cases),
     )
 
 
@@ -171,7 +175,7 @@ def _errata_at(cases: Sequence[Case]) -> list[Erratum]:
     ]
 
 
-def _told(entries: Iterable[Erratum]) -> list[dict[str, str]]:
+def _errata_entries(entries: Iterable[Erratum]) -> list[dict[str, str]]:
     return [
         {
             "name": entry.name,

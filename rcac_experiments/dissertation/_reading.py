@@ -12,7 +12,7 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_experiments.dissertation._entries import Erratum
-from rcac_experiments.format._places import Place, brief
+from rcac_experiments.format._places import Location, quoted
 from rcac_experiments.format._tables import Raw, Table
 from rcac_experiments.format._values import Choice, ListOf
 
@@ -25,7 +25,7 @@ class _File:
     """The errata of one chapter."""
 
     chapter: Annotated[str, Choice(CHAPTERS)]
-    erratum: Annotated[list[Erratum], ListOf(Table(Erratum, given=["chapter"]), 1)]
+    erratum: Annotated[list[Erratum], ListOf(Table(Erratum, supplied=["chapter"]), 1)]
 
 
 _FILE: Table[_File] = Table(_File)
@@ -70,14 +70,14 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
     if matches or re.fullmatch(r"(?i)(example|table|figure|section) [1-9AB][\d.]*", place):
         return matches
     raise InputError(
-        f"{brief(where)} is no place of the dissertation; give a chapter ({', '.join(CHAPTERS)}), "
+        f"{quoted(where)} is no place of the dissertation; give a chapter ({', '.join(CHAPTERS)}), "
         'an equation such as "(2.31)", "Example 7.1", or the name of an erratum.'
     )
 
 
 def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
     """The errata of one file's table."""
-    read: _File = _FILE.read(table, Place(file))
+    read: _File = _FILE.read(table, Location(file))
     entries = tuple(attrs.evolve(entry, chapter=read.chapter) for entry in read.erratum)
     _require_different(entries, file)
     return entries
@@ -103,4 +103,4 @@ def _bears(entry: Erratum, number: str, is_equation: bool) -> bool:
 def _require_different(entries: tuple[Erratum, ...], file: str) -> None:
     names = [entry.name for entry in entries]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"{file}: two errata are named {brief(twice)}; give each its own name.")
+        raise InputError(f"{file}: two errata are named {quoted(twice)}; give each its own name.")

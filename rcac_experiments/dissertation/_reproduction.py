@@ -91,13 +91,13 @@ def reproduce(
     (0, 'index.html', ['7.1', 'B.2'])
     """
     requests = list(experiments)
-    store = KeptCases(Path(folder) / CASES)
+    store = CompletedCases(Path(folder) / CASES)
     cases_done = {
         i: case for i, wish in enumerate(requests) if (case := store.find(wish)) is not None
     }
     for count, i in enumerate(cases_done, 1):
         progress(requests[i].id, count, len(requests))
-    left = [i for i in range(len(requests)) if i not in cases_done]
+    remaining = [i for i in range(len(requests)) if i not in cases_done]
 
     def done(i: int, case: Case) -> None:
         if case.status != FAILED:
@@ -106,17 +106,17 @@ def reproduce(
         progress(requests[i].id, len(cases_done), len(requests))
 
     if executor is None:
-        for i in left:
-            done(i, made(requests[i]))
+        for i in remaining:
+            done(i, verified_case(requests[i]))
     else:
-        futures = {executor.submit(made, requests[i]): i for i in left}
+        futures = {executor.submit(verified_case, requests[i]): i for i in remaining}
         for future in as_completed(futures):
             done(futures[future], future.result())
     is_quick = any(wish.reduced_runs for wish in requests)
     return _written([cases_done[i] for i in range(len(requests))], Path(folder), is_quick)
 
 
-def made(experiment: Experiment) -> Case:
+def verified_case(experiment: Experiment) -> Case:
     """The case of one experiment; one that cannot be verified says why, and costs no other."""
     try:
         with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
@@ -158,7 +158,7 @@ def digest_of(experiment: Experiment) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class KeptCases(Value):
+class CompletedCases(Value):
     """A folder with one file for each case, replaced whole or not at all."""
 
     folder: Path | str

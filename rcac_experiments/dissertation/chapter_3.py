@@ -52,7 +52,7 @@ ROUNDING = 5.1e-5  # of four decimals
 
 def zero_order_hold() -> Facts:
     """(3.3) beside both discretisations of (3.1), and where Euler's method leads."""
-    A, B = _held(A_0, B_0)
+    A, B = _sampled(A_0, B_0)
     off = max(np.abs(A - PRINTED_0[0]).max(), np.abs(B - PRINTED_0[1]).max())
     yield "(3.3) is the zero-order hold to four decimals", off < ROUNDING
     euler = np.eye(4) + H * A_0
@@ -63,7 +63,7 @@ def zero_order_hold() -> Facts:
 
 def two_digits() -> Facts:
     """(3.4) beside the zero-order hold of (3.2)."""
-    A, B = _held(A_1, B_1)
+    A, B = _sampled(A_1, B_1)
     difference = PRINTED_1[0] - A
     yield "(1,1) and (2,2) are off by 0.1", np.abs(np.diag(difference)[:2] - 0.1).max() < ROUNDING
     corrected = _corrected()
@@ -75,20 +75,20 @@ def two_digits() -> Facts:
 
 def nominal_zero() -> Facts:
     """The sampling zero of the nominal plant, of four decimals and of all of them."""
-    printed, sampled = _zeros(*PRINTED_0), _zeros(*_held(A_0, B_0))
+    printed, sampled = _zeros(*PRINTED_0), _zeros(*_sampled(A_0, B_0))
     yield "of the printed matrices it is -0.9959", _has(printed, -0.9959, 1e-4)
     yield "of the zero-order hold it is -1.0004", _has(sampled, -1.0004, 1e-4)
 
 
 def off_nominal_zero() -> Facts:
     """The zeros after the transition, of four decimals and of all of them."""
-    printed, sampled = _zeros(*_corrected()), _zeros(*_held(A_1, B_1))
+    printed, sampled = _zeros(*_corrected()), _zeros(*_sampled(A_1, B_1))
     yield "of four decimals: -1.0027 and 1.1369", _has(printed, -1.0027) and _has(printed, 1.1369)
     yield (
         "of the zero-order hold: -1.0004 and 1.1359",
         _has(sampled, -1.0004) and _has(sampled, 1.1359),
     )
-    before = _zeros(*_held(A_0, B_0))
+    before = _zeros(*_sampled(A_0, B_0))
     crossing = int((np.abs(sampled) > 1).sum() - (np.abs(before) > 1).sum())
     yield "one zero crosses the unit circle, not two", crossing == 1
 
@@ -110,7 +110,7 @@ def _corrected() -> tuple[Array, Array]:
     return A, PRINTED_1[1]
 
 
-def _held(A: Array, B: Array) -> tuple[Array, Array]:
+def _sampled(A: Array, B: Array) -> tuple[Array, Array]:
     discrete = cont2discrete((A, B, C, np.zeros((1, 1))), H)
     return discrete[0], discrete[1]
 

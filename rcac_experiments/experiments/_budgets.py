@@ -56,8 +56,8 @@ class ExperimentBudget(Value):
         """
         sizes = [structure.l_theta for structure in structures]
         squares = 4 * sum(size**2 for size in sizes) + window * sum(sizes) * plant.l_z
-        kept = 2 * plant.l_w + 2 * plant.l_u + plant.l_y + plant.l_z + sum(sizes) / stride
-        needed = 8.0 * (squares + repetitions * steps * kept)
+        stored = 2 * plant.l_w + 2 * plant.l_u + plant.l_y + plant.l_z + sum(sizes) / stride
+        needed = 8.0 * (squares + repetitions * steps * stored)
         if needed > self.memory:
             raise InputError(
                 f"the run {name!r} of {steps} steps with l_theta = {sum(sizes)} coefficients and "
@@ -90,5 +90,7 @@ class ExperimentBudget(Value):
 
 def _more(limit: str, value: float) -> Advice:
     """A limit above the value, which is rounded up to two digits."""
-    wanted = f"{1.05 * value:.1e}"
-    return Advice("ExperimentBudget", ((limit, wanted),), f"{{function}}({limit}={wanted})")
+    needed_limit = f"{1.05 * value:.1e}"
+    return Advice(
+        "ExperimentBudget", ((limit, needed_limit),), f"{{function}}({limit}={needed_limit})"
+    )

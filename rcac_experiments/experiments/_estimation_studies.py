@@ -35,7 +35,7 @@ class EstimatedRun(Value):
     estimate: Array
     truth: Array
     z: Array
-    left: float = math.nan
+    initial_share: float = math.nan
     outcome: str = "completed"
 
 
@@ -80,7 +80,7 @@ def final_estimate(r: EstimatedRun) -> float:
 
 def initial_estimate_left(r: EstimatedRun) -> float:
     """Of RCMR: the share of the initial estimate that is left, 1 where the data say nothing."""
-    return r.left
+    return r.initial_share
 
 
 def largest_z(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
@@ -148,9 +148,9 @@ class EstimationStudy(Value):
             integer(getattr(self, name), name, at_least=least)
 
     @property
-    def course_end(self) -> float:
+    def final_parameter(self) -> float:
         """The true parameter at the last step."""
-        return float(self.system.course(self.steps)[-1])
+        return float(self.system.parameter_trajectory(self.steps)[-1])
 
     def execute(self) -> StudyResult:
         """Run it for each seed."""
@@ -172,7 +172,7 @@ class StudyResult(Value):
         """Whether its repetitions are other draws."""
         return self.study.seeds > 1
 
-    def silence(self, measure: str) -> str:
+    def missing_reason(self, measure: str) -> str:
         """Why it answers nothing: an estimate that never leaves where it began."""
         if measure not in OF_ESTIMATES:
             return ""

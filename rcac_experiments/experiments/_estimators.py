@@ -160,8 +160,10 @@ class Refinement(Estimation):
         except DivergedError:
             none = np.full(steps, np.nan)
             return EstimatedRun(none, record.truth, none[:, None], outcome="diverged")
-        left = float(refinement.evidence.kept.max())
-        return EstimatedRun(self.offset + refinement.theta[:, 0], record.truth, refinement.z, left)
+        initial_share = float(refinement.evidence.kept.max())
+        return EstimatedRun(
+            self.offset + refinement.theta[:, 0], record.truth, refinement.z, initial_share
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +193,7 @@ class IndirectLoop(Estimation):
         with np.errstate(all="ignore"):  # a loop that leaves float64 is reported
             run = simulate(plant, self.controller, r, x_0=system.x_0)
         outcome = "completed" if run.outcome == "completed" else "diverged"
-        truth = system.course(steps)
+        truth = system.parameter_trajectory(steps)
         return EstimatedRun(run.theta[:, 0], truth[: run.steps], run.z, outcome=outcome)
 
     def _plant(self, A: Array, D_1: Array, C: Array) -> Plant:

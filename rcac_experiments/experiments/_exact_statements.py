@@ -13,7 +13,7 @@ import attrs
 import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.matrices._exact_matrices import exact_matrix
-from rcac_experiments.format._parts import Part
+from rcac_experiments.format._parts import PartialCall
 from rcac_experiments.format._places import did_you_mean
 from rcac_experiments.format._values import Exact, Sign
 from rcac_numeric.arrays._values import Value
@@ -73,14 +73,14 @@ class ExactSystem(Value):
         return self.a, self.b
 
 
-class Found(NamedTuple):
+class Evaluation(NamedTuple):
     """Whether a statement is so, None where that is undecided; and what was found."""
 
     holds: bool | None
     words: str
 
 
-def regulator_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
+def regulator_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Evaluation:
     """The gain K with the eigenvalues of A + BK, (7.27).
 
     Parameters
@@ -92,10 +92,10 @@ def regulator_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
     """
     plant = system.plant
     K = exact.regulator_gain(plant.A, plant.B, poles)
-    return Found(exact_matrix(equals, "equals") == K, f"K = {_row(K)}")
+    return Evaluation(exact_matrix(equals, "equals") == K, f"K = {_row(K)}")
 
 
-def observer_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
+def observer_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Evaluation:
     """The gain F with the eigenvalues of A - FC, (7.30).
 
     Parameters
@@ -107,12 +107,12 @@ def observer_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
     """
     plant = system.plant
     F = exact.observer_gain(plant.A, plant.C, poles)
-    return Found(exact_matrix(equals, "equals") == F, f"F = {_row(F.T)}'")
+    return Evaluation(exact_matrix(equals, "equals") == F, f"F = {_row(F.T)}'")
 
 
 def observer_based_compensator(
     system: ExactSystem, regulator: Entry, observer: Entry, equals: str
-) -> Found:
+) -> Evaluation:
     """The pair (N_c, D_c) of the compensator (7.11), (7.12), with the sign of the loop.
 
     Parameters
@@ -126,10 +126,10 @@ def observer_based_compensator(
         system.plant, regulator, observer
     ).transfer_function
     pair = exact.TransferFunction(compensator.numerator * system.feedback, compensator.denominator)
-    return Found(_same_pair(pair, exact.transfer_function(equals)), f"G_c = {pair}")
+    return Evaluation(_same_pair(pair, exact.transfer_function(equals)), f"G_c = {pair}")
 
 
-def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Found:
+def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Evaluation:
     """The closed-loop polynomial of a pair, (7.23), common factors kept.
 
     Parameters
@@ -141,12 +141,12 @@ def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Found
     """
     G, G_c = system.transfer_function, exact.transfer_function(compensator)
     loop = G.denominator * G_c.denominator - system.feedback * G.numerator * G_c.numerator
-    return Found(loop == exact.polynomial(polynomial), f"D~ = {loop.as_expr()}")
+    return Evaluation(loop == exact.polynomial(polynomial), f"D~ = {loop.as_expr()}")
 
 
 def placement(
     system: ExactSystem, poles: Entry, compensator: str, n_c: int | None = None, decimals: int = -1
-) -> Found:
+) -> Evaluation:
     """The compensator that places poles, (7.37), and that there is no other with deg N_c < n.
 
     Parameters
@@ -167,13 +167,13 @@ def placement(
     else:
         is_claimed = _rounds_to(placement.compensator, claimed, decimals)
     if not placement.is_unique:
-        return Found(False, f"{words}, and others")
-    return Found(is_claimed, f"{words}, unique")
+        return Evaluation(False, f"{words}, and others")
+    return Evaluation(is_claimed, f"{words}, unique")
 
 
 def no_unique_placement(
     system: ExactSystem, poles: Entry, n_c: int, numerator_degree: int
-) -> Found:
+) -> Evaluation:
     """That several compensators of some degrees place the same poles.
 
     Parameters
@@ -191,14 +191,14 @@ def no_unique_placement(
         numerator_degree=numerator_degree,
     )
     count = len(placement.homogeneous)
-    return Found(
+    return Evaluation(
         not placement.is_unique, f"a family with {count} free parameter{'s'[: count != 1]}"
     )
 
 
 def observer_based(
     system: ExactSystem, compensator: str, answer: bool = True, forms: int = -1
-) -> Found:
+) -> Evaluation:
     """Whether a pair is observer-based over the reals, Theorem 1.
 
     Parameters
@@ -215,12 +215,14 @@ def observer_based(
     )
     words = f"{decision.answer}: {decision.reason}"
     if decision.answer is None:
-        return Found(None, words)
+        return Evaluation(None, words)
     counted = forms < 0 or decision.number_of_forms == forms
-    return Found(decision.answer is answer and counted, words)
+    return Evaluation(decision.answer is answer and counted, words)
 
 
-def placed_pair_is_observer_based(system: ExactSystem, poles: Entry, answer: bool = True) -> Found:
+def placed_pair_is_observer_based(
+    system: ExactSystem, poles: Entry, answer: bool = True
+) -> Evaluation:
     """Whether the compensator of order n that places poles is observer-based over the reals.
 
     Parameters
@@ -235,7 +237,7 @@ def placed_pair_is_observer_based(system: ExactSystem, poles: Entry, answer: boo
         system.transfer_function, placement.compensator, feedback=system.feedback
     )
     is_claimed = None if decision.answer is None else decision.answer is answer
-    return Found(is_claimed, f"{decision.answer}: {decision.reason}")
+    return Evaluation(is_claimed, f"{decision.answer}: {decision.reason}")
 
 
 def _row(matrix: Any) -> str:
@@ -265,7 +267,7 @@ def _rounds_to(
     return True
 
 
-def sylvester_matrix(system: ExactSystem, equals: Entry, second: bool = False) -> Found:
+def sylvester_matrix(system: ExactSystem, equals: Entry, second: bool = False) -> Evaluation:
     """The Sylvester matrix M_1(a, b) of (B.1), or M_2(a, b) of (B.2).
 
     Parameters
@@ -277,10 +279,10 @@ def sylvester_matrix(system: ExactSystem, equals: Entry, second: bool = False) -
     """
     M = _matrix(system, second)
     rows = "; ".join(" ".join(map(str, M.row(i))) for i in range(M.rows))
-    return Found(exact_matrix(equals, "equals") == M, f"M_{1 + second} = [{rows}]")
+    return Evaluation(exact_matrix(equals, "equals") == M, f"M_{1 + second} = [{rows}]")
 
 
-def sylvester_rank(system: ExactSystem, equals: int, second: bool = False) -> Found:
+def sylvester_rank(system: ExactSystem, equals: int, second: bool = False) -> Evaluation:
     """The rank of M_1(a, b) or of M_2(a, b).
 
     Parameters
@@ -292,10 +294,10 @@ def sylvester_rank(system: ExactSystem, equals: int, second: bool = False) -> Fo
     """
     M = _matrix(system, second)
     rank = int(M.rank())
-    return Found(rank == equals, f"rank M_{1 + second} = {rank} of {M.rows}")
+    return Evaluation(rank == equals, f"rank M_{1 + second} = {rank} of {M.rows}")
 
 
-def sylvester_determinant(system: ExactSystem, equals: Entry, second: bool = False) -> Found:
+def sylvester_determinant(system: ExactSystem, equals: Entry, second: bool = False) -> Evaluation:
     """The determinant of M_1(a, b) or of M_2(a, b).
 
     Parameters
@@ -307,10 +309,10 @@ def sylvester_determinant(system: ExactSystem, equals: Entry, second: bool = Fal
     """
     determinant = _matrix(system, second).det()
     is_claimed = determinant == exact.exact_number(equals)
-    return Found(bool(is_claimed), f"det M_{1 + second} = {determinant}")
+    return Evaluation(bool(is_claimed), f"det M_{1 + second} = {determinant}")
 
 
-def common_roots(system: ExactSystem, equals: int) -> Found:
+def common_roots(system: ExactSystem, equals: int) -> Evaluation:
     """The number of common roots, with multiplicity: from a gcd, without a Sylvester matrix.
 
     Parameters
@@ -319,7 +321,7 @@ def common_roots(system: ExactSystem, equals: int) -> Found:
         The number that is claimed.
     """
     count = exact.bezout.number_of_common_roots(*system.polynomials)
-    return Found(None if count is None else count == equals, f"{count} common roots")
+    return Evaluation(None if count is None else count == equals, f"{count} common roots")
 
 
 def _matrix(system: ExactSystem, second: bool) -> Any:
@@ -327,7 +329,7 @@ def _matrix(system: ExactSystem, second: bool) -> Any:
     return make(*system.polynomials)
 
 
-Statement = Callable[..., Found]
+Statement = Callable[..., Evaluation]
 STATEMENTS: dict[str, Statement] = {
     function.__name__: function
     for function in (
@@ -375,7 +377,7 @@ class ExactCheck(Value):
     arguments: Mapping[str, Any] = attrs.field(factory=dict)
 
     def __attrs_post_init__(self) -> None:
-        if isinstance(self.statement, Part):  # as a file's table is read
+        if isinstance(self.statement, PartialCall):  # as a file's table is read
             object.__setattr__(self, "arguments", self.statement.arguments)
             object.__setattr__(self, "statement", self.statement.make.__name__)
         if self.statement not in STATEMENTS:
@@ -424,7 +426,7 @@ class ExactResult(Value):
     check: ExactCheck
     holds: bool | None
     found: str
-    silence: str = ""
+    missing_reason: str = ""
 
     def __str__(self) -> str:
         return self.found

@@ -181,12 +181,12 @@ class RunResult(Value):
         """Whether it is known to diverge."""
         return self.specification.expected != "completed"
 
-    def silence(self, measure: str) -> str:
+    def missing_reason(self, measure: str) -> str:
         """Why it answers nothing: a controller that adapts never moves from where it began."""
-        return "" if measure in OF_PLANT else self._silence
+        return "" if measure in OF_PLANT else self._reason
 
     @cached_property
-    def _silence(self) -> str:
+    def _reason(self) -> str:
         adapts = [
             isinstance(one, ControllerSettings) and (0, None) not in one.freeze
             for one in controllers_of(self.specification.settings)

@@ -43,7 +43,7 @@ class Record(NamedTuple):
 AT_FIRST = "At the first value of the parameter; D_1 is where the known input acts, or the control."
 AT_LAST = "At the last value of the parameter, linear in it; as at first where they are left out."
 NOISE = "Mean and standard deviation of the sensor noise v."
-COURSE = ListOf(Row((Integer(), Real()), "a pair [step, value]"), 1)
+TRAJECTORY = ListOf(Row((Integer(), Real()), "a pair [step, value]"), 1)
 EXCITATION: ByKey[Signal] = ByKey("an excitation", number=Step)
 EXCITATION.register("step", Step)
 EXCITATION.register("ramp", Ramp)
@@ -76,7 +76,7 @@ class TrueSystem(Value):
     C: Annotated[Array, "What is measured."]
     truth: Annotated[
         Sequence[tuple[int, float]],
-        COURSE,
+        TRAJECTORY,
         "What is to be estimated: linear between the steps, constant after the last.",
     ]
     A_then: Annotated[Array, AT_LAST] = attrs.field(default=None, converter=optional_array_like)
@@ -128,7 +128,7 @@ class TrueSystem(Value):
         """Number of states."""
         return int(self.A.shape[0])
 
-    def course(self, steps: int) -> Array:
+    def parameter_trajectory(self, steps: int) -> Array:
         """The true parameter at each step."""
         k, values = zip(*self.truth, strict=True)
         return np.asarray(np.interp(np.arange(steps), k, values), dtype=float)
@@ -154,7 +154,7 @@ class TrueSystem(Value):
         if len(y) < steps:
             raise InputError("the true system diverges within the record; see A and A_then.")
         v = np.random.default_rng([seed, 1]).standard_normal(y.shape)
-        return Record(w, y + self.bias + self.deviation * v, self.course(steps))
+        return Record(w, y + self.bias + self.deviation * v, self.parameter_trajectory(steps))
 
 
 def _observed(A: Array, D_1: Array, C: Array) -> Plant:

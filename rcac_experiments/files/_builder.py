@@ -27,7 +27,7 @@ from rcac_experiments.files._runs import (
     words_of,
     wrong_tables,
 )
-from rcac_experiments.format._places import Errors, Place, brief
+from rcac_experiments.format._places import Errors, Location, quoted
 from rcac_experiments.format._tables import Raw, Table
 from rcac_experiments.format._values import ListOf
 from rcac_experiments.judging._claim import Claim, OpenItem
@@ -141,7 +141,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     overrides = _overrides(table)
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
+        raise InputError(f"two runs are named {quoted(twice)}; give each its own name.")
     items, tables = tuple(read.open), tables_of(read.open)
     claims = [c for one in read.claims for c in claims_of(one, names, items, STANDARD_CLAIMS)]
     errors, plants = Errors(), []
@@ -156,10 +156,10 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     errors.raise_any()
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
-    made = {}
+    specifications = {}
     for run, plant in pairs:
         with errors:
-            made[run.name] = _made(run, plant, len(pairs) > 1)
+            specifications[run.name] = _run_of(run, plant, len(pairs) > 1)
     for figure in read.figures:
         with errors:
             require_drawable(figure, names)
@@ -172,12 +172,12 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
         completed = read_run(table, _override_of(name, of_run[base], changes), file)
         assert completed is not None, "no table of it is wrong"
         is_other = any("plant" in change for change in changes)
-        plant = completed.plant.build() if is_other else made[base].plant
+        plant = completed.plant.build() if is_other else specifications[base].plant
         budget.require_operations(completed.cost(plant, budget))
-        completions[name] = _made(completed, plant, True)
+        completions[name] = _run_of(completed, plant, True)
     return Experiment(
         **read.words(file),
-        runs=made,
+        runs=specifications,
         claims=claims,
         open=items,
         completions=completions,
@@ -190,7 +190,7 @@ def _read(table: Raw, file: str) -> tuple[File, list[RunTables]]:
     """The file and its runs; everything that is wrong with any of its tables is said at once."""
     errors, runs, wrong = Errors(), [], frozenset[str]()
     try:
-        read = FILE.read(table, Place(file))
+        read = FILE.read(table, Location(file))
     except CompensatorError as error:
         errors.add(error)
         wrong = wrong_tables(table, file)
@@ -221,7 +221,7 @@ def _override_of(name: str, override: Raw, changes: Sequence[Raw]) -> dict[str, 
     return {**joined, "name": name}
 
 
-def _made(
+def _run_of(
     run: RunTables, plant: Plant | PlantSchedule, is_one_of_several: bool
 ) -> RunSpecification:
     try:

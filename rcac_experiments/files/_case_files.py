@@ -12,7 +12,7 @@ from rcac_experiments.files._documents import Raw, named, read_file
 from rcac_experiments.files._plants import read_plant
 from rcac_experiments.files._structures import STRUCTURE
 from rcac_experiments.files._targets import TARGET
-from rcac_experiments.format._places import MissingKeyError, Place
+from rcac_experiments.format._places import Location, MissingKeyError
 from rcac_experiments.format._tables import require_table
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
@@ -71,8 +71,8 @@ def plant_and_tables(path: str | Path) -> tuple[Plant, Raw]:
     """The plant of an experiment file, and its tables."""
     table, file = read_file(path)
     try:
-        FILE.require_known(table, Place(file))
-        plant = read_plant(table.get("plant", {}), Place(file, "plant")).build()
+        FILE.require_known(table, Location(file))
+        plant = read_plant(table.get("plant", {}), Location(file, "plant")).build()
     except CompensatorError as error:
         raise named(error, file) from None
     if isinstance(plant, PlantSchedule):
@@ -102,7 +102,7 @@ def read_structure(
 ) -> Structure | None:  # fmt: skip
     """The structure of the options, or else of [controller]; None where neither says any."""
     defaults: Raw = {}
-    place = Place("--plant", "controller")
+    place = Location("--plant", "controller")
     table_of_controller = require_table(table.get("controller", {}), place)
     CONTROLLER.table.require_known(table_of_controller, place)
     if kind is None and n_c is None:
@@ -119,7 +119,7 @@ def read_structure(
         defaults["k_c"] = k_c
     sizes: Any = plant if plant is not None else _Sizes(*widths)
     try:
-        part = STRUCTURE.read(defaults, Place("the options", "controller"))
+        part = STRUCTURE.read(defaults, Location("the options", "controller"))
         structure: Structure = part.of(sizes)
         return structure
     except MissingKeyError as error:
@@ -142,6 +142,6 @@ def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel
         return target_model(G_f)
     if plant is None or "target" not in table:
         return None
-    part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
+    part = TARGET.table.read(table["target"], Location("the experiment file", "target"))
     target: TargetModel = part.of(plant)
     return target

@@ -56,6 +56,6 @@ STANDARD_CLAIMS = {
 
 FORMS = {"noise": MapOf(Numbers()), "signal": Choice(SIGNALS)}
 CHECK: Table[Any] = check_table(
-    {name: Table(function, given=["r"], forms=FORMS) for name, function in MEASURES.items()}
+    {name: Table(function, supplied=["r"], forms=FORMS) for name, function in MEASURES.items()}
 )
 CLAIM: Table[Any] = claim_table(CHECK, tuple(STANDARD_CLAIMS))

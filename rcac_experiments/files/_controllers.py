@@ -12,12 +12,12 @@ from compensator_theory.errors import InputError
 from rcac_experiments.files._structures import STRUCTURES
 from rcac_experiments.files._targets import TARGET
 from rcac_experiments.files._updates import UPDATES
-from rcac_experiments.format._parts import Part
-from rcac_experiments.format._places import Errors, Place
+from rcac_experiments.format._parts import PartialCall
+from rcac_experiments.format._places import Errors, Location
 from rcac_experiments.format._tables import (
-    Deferred,
     Kind,
     Kinds,
+    PartialTable,
     Raw,
     Table,
     Variant,
@@ -55,7 +55,7 @@ class _Interval(Form):
 
     words = "[start, stop] or [start]"
 
-    def read(self, value: object, place: Place) -> tuple[int, int | None]:
+    def read(self, value: object, place: Location) -> tuple[int, int | None]:
         """As (start, stop), without an end where there is none."""
         start, *stop = Row((Integer(), Integer()), self.words, at_least=1).read(value, place)
         return start, stop[0] if stop else None
@@ -92,7 +92,7 @@ def lqg_alone(
 
 # In place of a structure: the whole table is then of a controller that adapts nothing.
 FIXED: dict[str, Kind[Any]] = {
-    "lqg": Kind(Variant(Table(lqg_alone, given=["plant", "target"])), is_whole=True)
+    "lqg": Kind(Variant(Table(lqg_alone, supplied=["plant", "target"])), is_whole=True)
 }
 STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
 
@@ -106,7 +106,7 @@ FORMS: Mapping[str, Form] = {
     "R_u_unfiltered": Numbers(),
     "z_normalization": Table(Normalization),
     "bounds": Table(CoefficientBounds, forms={"gains": MapOf(BOUND)}),
-    "fixed": Table(Compensator, given=["sample_time"]),
+    "fixed": Table(Compensator, supplied=["sample_time"]),
     "theta_0": Numbers(),
     "k_w": Integer(),
     "k_update": Integer(),
@@ -139,20 +139,20 @@ def _several(
 
 
 SEVERAL = Table(_several)
-CONTROLLER = Deferred(
+CONTROLLER = PartialTable(
     Table(
         ControllerSettings,
-        given=["target", "learning"],
+        supplied=["target", "learning"],
         forms=FORMS,
         docs=DOCS,
         elsewhere=(SEVERAL, "only [[controllers]] read"),
         is_later=True,
     )
 )
-ONE_OF_SEVERAL = Deferred(
+ONE_OF_SEVERAL = PartialTable(
     Table(
         ControllerSettings,
-        given=["learning"],
+        supplied=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
         is_later=True,
@@ -164,8 +164,8 @@ ONE_OF_SEVERAL = Deferred(
 class ControllerSpecification(Value):
     """The controllers of a run, and the target model of one alone."""
 
-    parts: tuple[Part[AnyController], ...]
-    target: Part[TargetModel | DataDriven] | None
+    parts: tuple[PartialCall[AnyController], ...]
+    target: PartialCall[TargetModel | DataDriven] | None
     shared_u: bool = False
 
     def build(
@@ -192,7 +192,7 @@ NO_TARGET = (
 
 
 def read_controllers(
-    common: Raw, target: Raw, several: list[Raw], place: Callable[[str], Place]
+    common: Raw, target: Raw, several: list[Raw], place: Callable[[str], Location]
 ) -> ControllerSpecification:
     """What [controller], [target] and [[controllers]] ask for.
 

@@ -15,7 +15,7 @@ from rcac_experiments.files._builder import FILE, build
 from rcac_experiments.files._documents import named, parsed, read_file
 from rcac_experiments.files._plants import read_plant
 from rcac_experiments.files._signals import SIGNALS
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._places import Location
 from rcac_experiments.format._tables import Table
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import replacing
@@ -178,20 +178,20 @@ def experiment_file(
 def _structure_lines(structure: Structure) -> list[str]:
     """A structure by its kind and what that asks for; a table of one's own by its taps."""
     n_c, m, l_y, l_r = structure.n_c, structure.l_u, structure.l_y, structure.l_r
-    terms, found = structure.name, []
+    terms, candidates = structure.name, []
     if set(terms) <= set("PID"):
         limit = min((one.limit for one in structure.derived), default=np.inf)
         lines = [f"terms = {json.dumps(terms)}"]
         lines += [f"integral_limit = {limit!r}"] if np.isfinite(limit) else []
-        found.append(("pid", lines, pid(terms, m, l_y, integral_limit=limit)))
+        candidates.append(("pid", lines, pid(terms, m, l_y, integral_limit=limit)))
     else:
         order = [f"n_c = {n_c}"]
-        found += [("iir", order, iir(n_c, m, l_y)), ("fir", order, fir(n_c, m, l_y))]
+        candidates += [("iir", order, iir(n_c, m, l_y)), ("fir", order, fir(n_c, m, l_y))]
         later = [*order, "k_c = 1"]
-        found.append(("fir + integrator", later, fir_integrator(n_c, None, m, l_y, 1)))
+        candidates.append(("fir + integrator", later, fir_integrator(n_c, None, m, l_y, 1)))
         if l_r:
-            found.append(("feedforward", order, feedforward(n_c, m, l_y, l_r)))
-    for kind, lines, one in found:
+            candidates.append(("feedforward", order, feedforward(n_c, m, l_y, l_r)))
+    for kind, lines, one in candidates:
         if one == structure:
             return [f'structure = "{kind}"', *lines]
     taps = [[tap.signal, tap.component, tap.delay] for tap in structure.taps]
@@ -283,17 +283,17 @@ def design_arguments(path: str | Path) -> DesignArguments:
     """
     table, file = read_file(path)
     try:
-        FILE.require_known(table, Place(file))
-        plant_of_file = read_plant(table.get("plant", {}), Place(file, "plant"))
+        FILE.require_known(table, Location(file))
+        plant_of_file = read_plant(table.get("plant", {}), Location(file, "plant"))
         first = plant_of_file.arguments.get("first", plant_of_file)
         G, period = first.arguments.get("G"), first.arguments["sample_time"]
         plant: Any = plant_of_file.build()
         if first is plant_of_file and not (G is None or isinstance(G, list)):
             plant = G
-        signals = SIGNALS.read(table.get("signals", {}), Place(file, "signals")).arguments
+        signals = SIGNALS.read(table.get("signals", {}), Location(file, "signals")).arguments
         limits = None
         if "saturation" in table:
-            limits = Table(Saturation).read(table["saturation"], Place(file, "saturation"))
+            limits = Table(Saturation).read(table["saturation"], Location(file, "saturation"))
     except CompensatorError as error:
         raise named(error, file) from None
     for name in "rdv":

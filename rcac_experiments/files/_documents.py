@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypedDict
 import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.format._places import DEEPEST, FileError, brief, shortened
+from rcac_experiments.format._places import DEEPEST, FileError, quoted, shortened
 from rcac_numeric.arrays._files import require_readable
 
 Raw = dict[str, Any]
@@ -131,7 +131,7 @@ def _require_printable(text: str, file: str) -> None:
         is_control = unicodedata.category(character) == "Cc" and character not in "\n\t\r"
         if is_control or character in REORDERING:
             raise InputError(
-                f"{file}: the text {brief(text)} holds the control character "
+                f"{file}: the text {quoted(text)} holds the control character "
                 f"{character!a}, which a terminal would obey. Leave it out."
             )
 

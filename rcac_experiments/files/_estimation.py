@@ -20,9 +20,9 @@ from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.experiments._figure_requests import FigureRequest
 from rcac_experiments.experiments._true_systems import TrueSystem
 from rcac_experiments.files._documents import Heading
-from rcac_experiments.format._places import Errors, Place, brief
+from rcac_experiments.format._places import Errors, Location, quoted
 from rcac_experiments.format._signatures import Composed
-from rcac_experiments.format._tables import Deferred, Kinds, Raw, Table
+from rcac_experiments.format._tables import Kinds, PartialTable, Raw, Table
 from rcac_experiments.format._values import Choice, Integer, ListOf, String
 from rcac_experiments.judging._claim import Claim, OpenItem
 from rcac_experiments.judging._reading import (
@@ -66,18 +66,18 @@ def _estimator(kind: Annotated[Any, ESTIMATORS, "Which estimator."]) -> Any:
     return kind
 
 
-TRIAL = Deferred(Table(Composed(_trial, system=TrueSystem)))
-ESTIMATOR = Deferred(Table(_estimator))
+TRIAL = PartialTable(Table(Composed(_trial, system=TrueSystem)))
+ESTIMATOR = PartialTable(Table(_estimator))
 
 
 WINDOW = {"start": Integer(), "stop": Integer(1)}
 CHECK: Table[Any] = check_table(
-    {n: Table(f, given=["r"], forms=WINDOW) for n, f in MEASURES.items()}, given=["until"]
+    {n: Table(f, supplied=["r"], forms=WINDOW) for n, f in MEASURES.items()}, supplied=["until"]
 )
 CLAIM: Table[Any] = claim_table(CHECK)
 FIGURE = Table(
     FigureRequest,
-    given=["channel", "noise", "direct", "designs"],
+    supplied=["channel", "noise", "direct", "designs"],
     forms={
         "kind": Choice(("estimates", "responses", "distribution")),
         "runs": ListOf(String()),
@@ -96,7 +96,7 @@ def estimation_figure(request: FigureRequest, runs: Sequence[str]) -> FigureRequ
     return request
 
 
-KEPT = 6  # numbers that are kept of each step
+STORED = 6  # numbers that are kept of each step
 
 
 BEGINNING = "What differs from those."
@@ -165,14 +165,14 @@ ESTIMATION_FILE = Table(EstimationFile)
 
 def estimation_experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     """The experiment of an estimation example: studies and claims."""
-    read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
+    read: EstimationFile = ESTIMATION_FILE.read(table, Location(file))
     raw: dict[str, dict[str, Any]] = {}
     studies: dict[str, EstimationStudy] = {}
     errors = Errors()
     for run in table["runs"]:
         name = str(run["name"])
         if name in studies:
-            raise InputError(f"two runs are named {brief(name)}; give each its own name.")
+            raise InputError(f"two runs are named {quoted(name)}; give each its own name.")
         require_run(run.get("like", ""), dict.fromkeys(raw, ""), f"the run {name!r}")
         base = raw[run["like"]] if run.get("like") else table
         raw[name] = {
@@ -210,9 +210,9 @@ def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
     notes, errors = (f"run {name!r}",), Errors()
     read: dict[str, Any] = {}
     with errors:
-        read |= TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
+        read |= TRIAL.table.read(raw["estimation"], Location(file, "estimation", notes=notes))
     with errors:
-        here = Place(file, "estimator", notes=notes)
+        here = Location(file, "estimator", notes=notes)
         read["estimator"] = ESTIMATOR.table.read(raw["estimator"], here)
     errors.raise_any()
     return EstimationStudy(name=name, correction=correction, **read)
@@ -220,9 +220,9 @@ def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
 
 def _require_budget(studies: Mapping[str, EstimationStudy], budget: ExperimentBudget) -> None:
     needed = sum(study.steps * study.seeds for study in studies.values())
-    if 8.0 * KEPT * needed > budget.memory:
+    if 8.0 * STORED * needed > budget.memory:
         raise InputError(
-            f"the runs would keep {8.0 * KEPT * needed:.3g} bytes; {budget.memory:.3g} are "
+            f"the runs would keep {8.0 * STORED * needed:.3g} bytes; {budget.memory:.3g} are "
             "allowed. Use fewer steps or seeds."
         )
     largest = max(study.system.n for study in studies.values())

@@ -10,7 +10,7 @@ import attrs
 from rcac_experiments.experiments._exact_statements import STATEMENTS, ExactCheck, ExactSystem
 from rcac_experiments.experiments._experiment import Experiment
 from rcac_experiments.files._documents import Heading
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._places import Location
 from rcac_experiments.format._tables import Kinds, Table
 from rcac_experiments.format._values import ListOf
 from rcac_experiments.judging._claim import Claim
@@ -18,12 +18,12 @@ from rcac_experiments.judging._reading import claim_table, claims_of
 
 # Every statement with its arguments; the system itself is given.
 STATEMENT_KINDS: Kinds[Any] = Kinds(
-    {name: Table(function, given=["system"]) for name, function in STATEMENTS.items()}
+    {name: Table(function, supplied=["system"]) for name, function in STATEMENTS.items()}
 )
 
 
 CHECK: Table[ExactCheck] = Table(
-    ExactCheck, given=("system", "arguments"), forms={"statement": STATEMENT_KINDS}
+    ExactCheck, supplied=("system", "arguments"), forms={"statement": STATEMENT_KINDS}
 )
 CLAIM: Table[Any] = claim_table(CHECK, runs=False)
 
@@ -45,7 +45,7 @@ EXACT_FILE = Table(ExactFile)
 
 def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     """The experiment of an exact example: claims without runs."""
-    read: ExactFile = EXACT_FILE.read(table, Place(file))
+    read: ExactFile = EXACT_FILE.read(table, Location(file))
     claims: list[Claim] = []
     for one in read.claims:
         checks: Sequence[Any] = one.checks

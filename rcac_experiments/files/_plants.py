@@ -12,13 +12,13 @@ from sympy import Expr
 import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
 from compensator_theory.systems._sample_times import agreed_period
-from rcac_experiments.format._parts import Part
-from rcac_experiments.format._places import Errors, Place
+from rcac_experiments.format._parts import PartialCall
+from rcac_experiments.format._places import Errors, Location
 from rcac_experiments.format._signatures import Composed, summary_of
 from rcac_experiments.format._tables import (
-    Deferred,
     Kind,
     Kinds,
+    PartialTable,
     Table,
     Variant,
     require_table,
@@ -213,17 +213,17 @@ def _problem(
 ) -> Table[Plant | PlantSchedule]:
     """The table of a function that makes a plant, which [plant] gives a sample time."""
     whole = Composed(in_time, words or summary_of(make), plant=make, **makers)
-    return Table(whole, given=["sample_time"], forms=FORMS, docs=DOCS)
+    return Table(whole, supplied=["sample_time"], forms=FORMS, docs=DOCS)
 
 
 PROBLEMS: Kinds[Plant | PlantSchedule] = Kinds(
     {
         "standard": Kind(
-            Variant(Table(standard_of_G, given=["sample_time"]), "G"),
+            Variant(Table(standard_of_G, supplied=["sample_time"]), "G"),
             Variant(_problem(standard_of_matrices)),
         ),
         "servo": Kind(
-            Variant(Table(servo_of_G, given=["sample_time"]), "G"),
+            Variant(Table(servo_of_G, supplied=["sample_time"]), "G"),
             Variant(_problem(servo_of_matrices)),
         ),
         "aircraft": _problem(aircraft_plant),
@@ -299,7 +299,7 @@ CHANGE = Table(Change)
 
 def _plant(
     problem: Annotated[
-        Part[Any],
+        PartialCall[Any],
         PROBLEMS,
         "Which problem the transfer function or the matrices are of, or a plant by its name.",
     ],
@@ -312,26 +312,26 @@ def _plant(
         "One step in seconds: reports give times too, and controllers go out with it. A plant in s "
         "is sampled with it.",
     ] = None,
-) -> Part[Plant | PlantSchedule]:
+) -> PartialCall[Plant | PlantSchedule]:
     """A plant."""
-    return Part(problem.make, {**problem.arguments, "sample_time": sample_time})
+    return PartialCall(problem.make, {**problem.arguments, "sample_time": sample_time})
 
 
-PLANT = Deferred(Table(_plant), is_replaced=True)
+PLANT = PartialTable(Table(_plant), is_replaced=True)
 
 
 def changing(
     first: Plant | PlantSchedule, changes: Sequence[tuple[Change, Plant | PlantSchedule]]
 ) -> PlantSchedule:
     """A schedule of a plant and what becomes of it, each change with the plant it leads to."""
-    made = [PlantChange(start=0, plant=_unchanging(first))]
+    parts = [PlantChange(start=0, plant=_unchanging(first))]
     gain, delay = 1, 0
     for index, (change, plant) in enumerate(changes):
         gain = gain if change.gain is None else change.gain
         delay = delay if change.delay is None else change.delay
         if index == 0 and change.start == 0:
-            made = []  # what the file says of step 0 itself
-        made.append(
+            parts = []  # what the file says of step 0 itself
+        parts.append(
             PlantChange(
                 start=change.start,
                 plant=_amplified(_unchanging(plant), gain),
@@ -340,14 +340,14 @@ def changing(
                 delay=delay,
             )
         )
-    return PlantSchedule(made)
+    return PlantSchedule(parts)
 
 
-def read_plant(value: object, place: Place) -> Part[Plant | PlantSchedule]:
+def read_plant(value: object, place: Location) -> PartialCall[Plant | PlantSchedule]:
     """What [plant] says; a change takes what it does not name from what is before it."""
     table = require_table(value, place)
     entries = {key: entry for key, entry in table.items() if key != "changes"}
-    first: Part[Plant | PlantSchedule] = PLANT.table.read(entries, place)
+    first: PartialCall[Plant | PlantSchedule] = PLANT.table.read(entries, place)
     if "changes" not in table:
         return first
     changes, errors = [], Errors()
@@ -361,7 +361,7 @@ def read_plant(value: object, place: Place) -> Part[Plant | PlantSchedule]:
         with errors:
             changes.append((change, PLANT.table.read(entries, here)))
     errors.raise_any()
-    return Part(changing, {"first": first, "changes": tuple(changes)})
+    return PartialCall(changing, {"first": first, "changes": tuple(changes)})
 
 
 def _unchanging(plant: Plant | PlantSchedule) -> Plant:

@@ -13,7 +13,7 @@ from rcac_experiments.files._controllers import CONTROLLER
 from rcac_experiments.files._estimation import CHECK as ESTIMATION_CHECK
 from rcac_experiments.files._estimation import ESTIMATOR, RUN, TRIAL
 from rcac_experiments.files._plants import CHANGE, PLANT, PROBLEMS
-from rcac_experiments.files._runs import COURSE, OPEN_VALUE, OVERRIDE, SATURATION
+from rcac_experiments.files._runs import OPEN_VALUE, OVERRIDE, RUN_OPTIONS, SATURATION
 from rcac_experiments.files._signals import SIGNAL, SIGNALS
 from rcac_experiments.files._structures import DERIVED
 from rcac_experiments.files._targets import TARGETS
@@ -63,12 +63,12 @@ def kind_keys_table(kinds: Kinds[Any]) -> str:
     return _rows([next((k for k in keys if k.doc), keys[0]) for keys in keys.values()])
 
 
-def by_key_table(what: ByKey[Any]) -> str:
+def by_key_table(by_key: ByKey[Any]) -> str:
     """One row for each kind that a key names."""
     rows = []
-    for name, table in what.kinds.items():
+    for name, table in by_key.kinds.items():
         first, *others = table.keys
-        keys = "; ".join(map(_brief, others))
+        keys = "; ".join(map(_short_type, others))
         rows.append(f"| `{name}` | {cell(table.summary)} | {cell(first.doc)} | {cell(keys)} |")
     head = ["| key | what it is | its value | other keys |", "|---|---|---|---|"]
     return "\n".join([*head, *rows])
@@ -120,7 +120,7 @@ def _optional(key: Key) -> str:
     return f"`{key.name}`" if key.is_required else f"[`{key.name}`]"
 
 
-def _brief(key: Key) -> str:
+def _short_type(key: Key) -> str:
     default = _default(key)
     shown = f" ({default})" if default not in ("", "needed") else ""
     return f"`{key.name}`{shown}: {key.doc.removesuffix('.')}"
@@ -139,7 +139,7 @@ def reference_tables() -> dict[str, str]:
         "controller": keys_table(CONTROLLER.table),
         "controller.derived": keys_table(DERIVED),
         "saturation": keys_table(SATURATION.table),
-        "run": keys_table(COURSE.table),
+        "run": keys_table(RUN_OPTIONS.table),
         "runs": keys_table(OVERRIDE),
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),

@@ -20,9 +20,9 @@ from rcac_experiments.files._plants import PLANT, read_plant
 from rcac_experiments.files._signals import SIGNALS
 from rcac_experiments.files._targets import TARGET
 from rcac_experiments.files._updates import UPDATES
-from rcac_experiments.format._parts import Part
-from rcac_experiments.format._places import Errors, Place
-from rcac_experiments.format._tables import Deferred, Raw, Table
+from rcac_experiments.format._parts import PartialCall
+from rcac_experiments.format._places import Errors, Location
+from rcac_experiments.format._tables import PartialTable, Raw, Table
 from rcac_experiments.format._values import ListOf
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._decentralized import Decentralized
@@ -35,22 +35,22 @@ from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.signals._signal import Signal
 from rcac_numeric.targets._model import TargetModel
 
-COURSE = Deferred(
+RUN_OPTIONS = PartialTable(
     Table(
         RunSpecification,
-        given=["name", "plant", "settings", "signals", "saturation", "target", "correction"],
+        supplied=["name", "plant", "settings", "signals", "saturation", "target", "correction"],
         is_later=True,
     )
 )
-SATURATION = Deferred(Table(Saturation))
+SATURATION = PartialTable(Table(Saturation))
 # What a run may override, and how.
-TABLES: dict[str, Deferred] = {
+TABLES: dict[str, PartialTable] = {
     "plant": PLANT,
-    "signals": Deferred(SIGNALS),
+    "signals": PartialTable(SIGNALS),
     "target": TARGET,
     "controller": CONTROLLER,
     "saturation": SATURATION,
-    "run": COURSE,
+    "run": RUN_OPTIONS,
 }
 CONTROLLERS = ListOf(ONE_OF_SEVERAL, needed="an array of tables, [[controllers]]")
 
@@ -69,7 +69,7 @@ class OpenValue(Value):
     controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
     controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
     saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
-    run: Annotated[Raw | None, COURSE, DIFFERS] = None
+    run: Annotated[Raw | None, RUN_OPTIONS, DIFFERS] = None
 
 
 @attrs.frozen(eq=False)
@@ -90,16 +90,16 @@ class RunTables(Value):
     """One run as its file describes it, every value read and nothing made."""
 
     name: str
-    plant: Part[Plant | PlantSchedule]
-    signals: Part[tuple[Signal, ...]]
+    plant: PartialCall[Plant | PlantSchedule]
+    signals: PartialCall[tuple[Signal, ...]]
     controller: ControllerSpecification
     saturation: Saturation | None
-    course: Part[RunSpecification]
+    run_options: PartialCall[RunSpecification]
     correction: str = ""
 
     def cost(self, plant: Plant | PlantSchedule, budget: ExperimentBudget) -> float:
         """About how many multiplications it takes; raises where it takes too much memory."""
-        of_run = self.course.argument
+        of_run = self.run_options.argument
         repetitions = of_run("repetitions") * of_run("seeds")
         arguments = [part.arguments for part in self.controller.parts]
         structures = [one["structure"].of(plant) for one in arguments if "structure" in one]
@@ -128,7 +128,7 @@ class RunTables(Value):
     ) -> RunSpecification:
         """The run, its plant being made already, and perhaps what its controller builds for it."""
         controller, target = built or self.controller.build(plant)
-        run = self.course.of(
+        run = self.run_options.of(
             plant,
             name=self.name,
             settings=controller,
@@ -156,7 +156,7 @@ def wrong_tables(table: Raw, file: str) -> frozenset[str]:
         for where in (table, *overrides):
             try:
                 if key in where:
-                    form.read(where[key], Place(file, key=key))
+                    form.read(where[key], Location(file, key=key))
             except CompensatorError:
                 wrong.add(key)
     return frozenset(wrong)
@@ -172,7 +172,7 @@ def read_again(tables: RunTables, before: Raw, now: Raw, file: str) -> RunTables
     of_controller = ("controller", "target", "controllers")
     ways = [one.get("run", {}).get("arithmetic") for one in (before, now)]
     known: dict[str, Any] = {
-        key: getattr(tables, "course" if key == "run" else key)
+        key: getattr(tables, "run_options" if key == "run" else key)
         for key in ("plant", "signals", "saturation", "run")
         if is_same[key]
     }
@@ -199,15 +199,15 @@ def read_run(
     errors = Errors()
     read: dict[str, Any] = {"saturation": None}
     known = known or {}
-    read |= {"course" if key == "run" else key: part for key, part in known.items()}
+    read |= {"run_options" if key == "run" else key: part for key, part in known.items()}
     joined = {
         key: form.joined(base.get(key, {}), override.get(key, {}))
         for key, form in TABLES.items()
         if key not in wrong and not (key in known and key != "controller")
     }
 
-    def place(table: str) -> Place:
-        return Place(file, table, notes=(f"run {name!r}",) if table in override else ())
+    def place(table: str) -> Location:
+        return Location(file, table, notes=(f"run {name!r}",) if table in override else ())
 
     with errors:
         if "plant" in joined:
@@ -220,9 +220,9 @@ def read_run(
             read["saturation"] = SATURATION.table.read(joined["saturation"], place("saturation"))
     with errors:
         if "run" in joined:
-            read["course"] = COURSE.table.read(joined["run"], place("run"))
-    course: Part[RunSpecification] | None = read.get("course")
-    arithmetic = None if course is None else course.argument("arithmetic")
+            read["run_options"] = RUN_OPTIONS.table.read(joined["run"], place("run"))
+    run_options: PartialCall[RunSpecification] | None = read.get("run_options")
+    arithmetic = None if run_options is None else run_options.argument("arithmetic")
     with errors:
         if "controller" not in known and not {"controller", "target", "controllers"} & set(wrong):
             common = joined["controller"]
@@ -239,7 +239,7 @@ def read_run(
     return RunTables(name=name, correction=str(override.get("correction", "")), **read)
 
 
-def _require_agreement(part: Part[Any], arithmetic: str | None, place: Place) -> None:
+def _require_agreement(part: PartialCall[Any], arithmetic: str | None, place: Location) -> None:
     """[run] and the controller must agree on how the update is computed."""
     update = part.arguments.get("update")
     expected = {"reference": "ud"}.get(arithmetic or "", arithmetic)

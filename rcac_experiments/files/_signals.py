@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from compensator_theory.errors import InputError
-from rcac_experiments.format._places import Place, brief
+from rcac_experiments.format._places import Location, quoted
 from rcac_experiments.format._tables import ByKey, Table
 from rcac_experiments.format._values import Form, Integer, ListOf, Numbers, Row, Schema, String
 from rcac_numeric.arrays._array_types import Array
@@ -24,7 +24,7 @@ class _Record(Form):
 
     words = "a list of numbers, or the path of a .csv or .npy file"
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """By what it is; a path begins in the folder of the file that names it."""
         if not isinstance(value, str):
             return Numbers().read(value, place)
@@ -40,7 +40,7 @@ class _Column(Form):
 
     words = "the index of a column from 0, or its name"
 
-    def read(self, value: object, place: Place) -> int | str:
+    def read(self, value: object, place: Location) -> int | str:
         """By what it is."""
         return (String() if isinstance(value, str) else Integer()).read(value, place)
 
@@ -54,7 +54,7 @@ class _OneOrSeveral(Form):
 
     words = "a signal, or a list of one for each component"
 
-    def read(self, value: object, place: Place) -> list[Signal]:
+    def read(self, value: object, place: Location) -> list[Signal]:
         """As a list."""
         entries = value if isinstance(value, list) else [value]
         return ListOf(SIGNAL).read(entries, place)
@@ -94,7 +94,7 @@ def _within(folder: Path, record: str) -> Path:
         is_inside = False
     if not is_inside:
         raise InputError(
-            f"[signals]: recorded = {brief(record)} leads out of the folder of the file. An "
+            f"[signals]: recorded = {quoted(record)} leads out of the folder of the file. An "
             "experiment file opens records in its own folder alone; put a copy there."
         )
     return path
@@ -151,4 +151,4 @@ def channels(
     return tuple(signals)
 
 
-SIGNALS = Table(channels, given=["plant"])
+SIGNALS = Table(channels, supplied=["plant"])

@@ -42,7 +42,7 @@ def commands(plant: AnyPlant, kind: str = "feedforward") -> int:
 def _of_plant(make: Callable[..., Structure], **forms: Form) -> Table[Structure]:
     """The table of a function that makes a structure, whose widths are those of the plant."""
     whole = Composed(make, l_u=inputs, l_y=outputs, l_r=commands)
-    return Table(whole, given=["plant", "kind"], forms=forms, docs=DOCS)
+    return Table(whole, supplied=["plant", "kind"], forms=forms, docs=DOCS)
 
 
 def derived_signal(
@@ -59,7 +59,7 @@ def derived_signal(
 DERIVED = Table(derived_signal)
 
 
-def own_taps(
+def custom_taps(
     plant: AnyPlant,
     taps: Annotated[
         list[tuple[str, int, int]],
@@ -90,7 +90,7 @@ STRUCTURES: Kinds[Structure] = Kinds(
         "pid": _of_plant(pid),
         "fir + integrator": _of_plant(fir_integrator),
         "feedforward": _of_plant(feedforward, feedback=Choice(("iir", "fir", "none"))),
-        "taps": Table(own_taps, given=["plant"]),
+        "taps": Table(custom_taps, supplied=["plant"]),
     },
     default="iir",
 )

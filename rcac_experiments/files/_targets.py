@@ -8,9 +8,9 @@ from typing import Annotated, Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._places import Location
 from rcac_experiments.format._signatures import Composed
-from rcac_experiments.format._tables import Deferred, Kind, Kinds, Table, Variant
+from rcac_experiments.format._tables import Kind, Kinds, PartialTable, Table, Variant
 from rcac_experiments.format._values import (
     Choice,
     Exact,
@@ -74,7 +74,7 @@ def _model(
     """The table of a function that makes a target model, for the plant as it is at step 0."""
     whole = Composed(make, words, plant=_at_first, **makers)
     return Table(
-        whole, given=("plant", *computed), needs=needs, forms=FORMS, names=NAMES, docs=DOCS
+        whole, supplied=("plant", *computed), needs=needs, forms=FORMS, names=NAMES, docs=DOCS
     )
 
 
@@ -132,7 +132,7 @@ def of_directions(known: DirectionInformation, taps: int | None = None) -> Targe
     return zero_direction_target(known, taps=taps)
 
 
-def of_own_directions(
+def of_plant_directions(
     plant: Plant, taps: int | None = None, squaring: ArrayLike | None = None
 ) -> TargetModel:
     """The target model of a plant whose zeros and their directions can be found."""
@@ -147,7 +147,7 @@ def of_own_directions(
 class _LearntFrom(Choice):
     """The inputs of `DataDriven`; the literal u~ is passed on to it, which says why it is none."""
 
-    def read(self, value: object, place: Place) -> str:
+    def read(self, value: object, place: Location) -> str:
         """As a str."""
         return str(value) if value in LITERAL else super().read(value, place)
 
@@ -188,7 +188,7 @@ TARGETS: Kinds[Any] = Kinds(
             ),
             Variant(
                 _model(
-                    of_own_directions,
+                    of_plant_directions,
                     "The FIR target model with the plant's NMP zeros in their directions.",
                 )
             ),
@@ -214,7 +214,7 @@ def _target(model: Annotated[Any, TARGETS, "Which target model."]) -> Any:
     return model
 
 
-TARGET = Deferred(Table(_target, is_later=True), is_replaced=True)
+TARGET = PartialTable(Table(_target, is_later=True), is_replaced=True)
 
 
 def _information(plant: Plant) -> ModellingInformation:

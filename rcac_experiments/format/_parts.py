@@ -15,17 +15,17 @@ from rcac_numeric.arrays._values import Value
 T = TypeVar("T")
 
 
-class Shorthand(ABC):
+class Alias(ABC):
     """A table that stands for an object with other fields than the table has keys."""
 
     @abstractmethod
-    def made(self) -> Any:
+    def build(self) -> Any:
         """The object."""
 
 
 def resolved(value: Any, plant: Any) -> Any:
     """A value with every specification in it resolved for a plant."""
-    if isinstance(value, Part):
+    if isinstance(value, PartialCall):
         return value.of(plant)
     if isinstance(value, list | tuple):
         return type(value)(resolved(entry, plant) for entry in value)
@@ -41,7 +41,7 @@ def signature_of(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
 
 
 @attrs.frozen(eq=False)
-class Part(Value, Generic[T]):
+class PartialCall(Value, Generic[T]):
     """A function or class, and the arguments that a table has for it, read and typed."""
 
     make: Callable[..., T]

@@ -16,7 +16,7 @@ LONGEST_MESSAGE = 1500
 LONGEST_OF_SEVERAL = 700
 
 
-class _Brief(reprlib.Repr):
+class _ShortRepr(reprlib.Repr):
     """Short, and as TOML writes what Python writes otherwise."""
 
     def repr_Decimal(self, value: Decimal, level: int) -> str:
@@ -28,21 +28,21 @@ class _Brief(reprlib.Repr):
         return str(value).lower()
 
 
-_BRIEF = _Brief()
-_BRIEF.maxlevel, _BRIEF.maxdict, _BRIEF.maxlist, _BRIEF.maxtuple = 4, 6, 8, 8
-_BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 100
+_SHORT_REPR = _ShortRepr()
+_SHORT_REPR.maxlevel, _SHORT_REPR.maxdict, _SHORT_REPR.maxlist, _SHORT_REPR.maxtuple = 4, 6, 8, 8
+_SHORT_REPR.maxstring = _SHORT_REPR.maxother = _SHORT_REPR.maxlong = 100
 
 
-def brief(value: object) -> str:
+def quoted(value: object) -> str:
     """A value for an error message, never longer than a few lines.
 
     Examples
     --------
-    >>> from rcac_experiments.format._places import brief
-    >>> brief("abc"), brief(list(range(100)))
+    >>> from rcac_experiments.format._places import quoted
+    >>> quoted("abc"), quoted(list(range(100)))
     ("'abc'", '[0, 1, 2, 3, 4, 5, 6, 7, ...]')
     """
-    return _BRIEF.repr(value)
+    return _SHORT_REPR.repr(value)
 
 
 def shortened(text: str) -> str:
@@ -136,7 +136,7 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 
 
 @dataclass(frozen=True)
-class Place:
+class Location:
     """A table of a file, or one of its keys.
 
     Attributes
@@ -169,16 +169,16 @@ class Place:
     def __str__(self) -> str:
         return f"{self.where} {self.key}" if self.key and self.table else self.key or self.where
 
-    def at(self, key: str) -> Place:
+    def at(self, key: str) -> Location:
         """One key of this table."""
         return replace(self, key=key)
 
-    def inside(self) -> Place:
+    def inside(self) -> Location:
         """The table that stands under this key."""
         name = f"{self.table}.{self.key}" if self.table and self.key else self.table or self.key
         return replace(self._deeper(), table=name, key="")
 
-    def entry(self, note: str = "") -> Place:
+    def entry(self, note: str = "") -> Location:
         """An entry of the list under this key; `note` tells it from the others."""
         return replace(self._deeper(), notes=(note, *self.notes) if note else self.notes)
 
@@ -194,9 +194,9 @@ class Place:
 
     def refuse(self, value: object, needed: str) -> InputError:
         """That a value is not what is needed."""
-        return self.error(f"{self} = {brief(value)} must be {needed}.")
+        return self.error(f"{self} = {quoted(value)} must be {needed}.")
 
-    def _deeper(self) -> Place:
+    def _deeper(self) -> Location:
         if self.depth >= DEEPEST:
             raise self.error(f"{self.where} is nested more than {DEEPEST} deep.")
         return replace(self, depth=self.depth + 1)

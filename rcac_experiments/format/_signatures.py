@@ -150,18 +150,18 @@ class Composed(Generic[T]):
         return inspect.Signature(self.parameters)
 
     @cached_property
-    def _asked(self) -> tuple[frozenset[str], frozenset[str]]:
+    def _names(self) -> tuple[frozenset[str], frozenset[str]]:
         """The names of what it asks for, and of those of them that have no default."""
         required = (one.name for one in self.parameters if one.default is one.empty)
         return frozenset(one.name for one in self.parameters), frozenset(required)
 
     def __call__(self, **values: Any) -> T:
         """Make it of what stands in the signature."""
-        names_of_part, required = self._asked
+        names_of_part, required = self._names
         if not required <= values.keys() <= names_of_part:
             self.__signature__.bind(**values)  # says which is missing or unknown
         arguments = {name: values[name] for name in self.names if name in values}
         for name, part in self.parts.items():
-            known = part._asked[0]
+            known = part._names[0]
             arguments[name] = part(**{key: value for key, value in values.items() if key in known})
         return self.make(**arguments)

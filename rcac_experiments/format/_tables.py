@@ -5,7 +5,8 @@ they are. The annotation says which form a value has (`Literal` for a choice of 
 `Annotated` where a type alone does not say it) and what it means: a text in `Annotated`, or else
 the section Parameters of the docstring. The default says whether the key may be left out. What a
 function asks for beside what stands in the file, such as the plant, it is given later: till then
-it is a `Part`. Where the file says an argument by keys of its own, the function is `Composed`.
+it is a `PartialCall`. Where the file says an argument by keys of its own, the function is
+`Composed`.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.format._parts import Part, Shorthand
-from rcac_experiments.format._places import Errors, Place, brief, did_you_mean
+from rcac_experiments.format._parts import Alias, PartialCall
+from rcac_experiments.format._places import Errors, Location, did_you_mean, quoted
 from rcac_experiments.format._signatures import (
     is_attrs_class,
     parameters_of,
@@ -66,7 +67,7 @@ class Key:
 
 
 def keys_of(
-    make: Any, forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
+    make: Any, forms: Mapping[str, Form] | None = None, supplied: Collection[str] = ()
 ) -> tuple[Key, ...]:
     """The keys of the fields of an attrs class, or of the parameters of a function, in order.
 
@@ -83,7 +84,7 @@ def keys_of(
     """
     keys = []
     for one in parameters_of(make):
-        if one.name in given:
+        if one.name in supplied:
             continue
         try:
             form = (forms or {}).get(one.name) or form_of(one.annotation)
@@ -141,7 +142,7 @@ class Table(Form, Generic[T]):
         What is made of it.
     given : sequence of str
         Fields or parameters that do not stand in the file. Those of a class keep their defaults; of
-        a function that has any a `Part` is made, to be called with them.
+        a function that has any a `PartialCall` is made, to be called with them.
     needs : sequence of str
         Parameters that must be there though they have a default.
     forms, names, docs : mappings from fields
@@ -149,7 +150,7 @@ class Table(Form, Generic[T]):
     elsewhere : pair of Table and str, optional
         Keys that may stand here too, and who alone reads them.
     is_later : bool
-        Whether it is a `Part` in any case: some of what it is made of is known later.
+        Whether it is a `PartialCall` in any case: some of what it is made of is known later.
 
     Notes
     -----
@@ -161,7 +162,7 @@ class Table(Form, Generic[T]):
         self,
         make: Callable[..., T],
         *,
-        given: Sequence[str] = (),
+        supplied: Sequence[str] = (),
         needs: Sequence[str] = (),
         forms: Mapping[str, Form] | None = None,
         names: Mapping[str, str] | None = None,
@@ -169,9 +170,9 @@ class Table(Form, Generic[T]):
         elsewhere: tuple[Table[Any], str] | None = None,
         is_later: bool = False,
     ) -> None:
-        self.make, self.given, self.elsewhere = make, tuple(given), elsewhere
+        self.make, self.supplied, self.elsewhere = make, tuple(supplied), elsewhere
         self._needs = needs
-        self.is_later = is_later or (bool(given) and not self.is_class)
+        self.is_later = is_later or (bool(supplied) and not self.is_class)
         self._forms, self._names, self._docs = forms or {}, names or {}, docs or {}
 
     @property
@@ -190,7 +191,7 @@ class Table(Form, Generic[T]):
                 doc=docs.get(key.parameter, key.doc),
                 is_required=key.is_required or key.parameter in self._needs,
             )
-            for key in keys_of(self.make, self._forms, self.given)
+            for key in keys_of(self.make, self._forms, self.supplied)
         )
 
     @cached_property
@@ -225,58 +226,58 @@ class Table(Form, Generic[T]):
             every.update(self.elsewhere[0].all_keys())
         return every
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """What the table describes: all keys known, none missing, each of its form."""
-        here = place.inside() if place.key else place
-        table = require_table(value, here)
+        scope = place.inside() if place.key else place
+        table = require_table(value, scope)
         errors = Errors()
         with errors:
-            self.require_known(table, here)
+            self.require_known(table, scope)
         is_known = not errors.errors
         chosen: dict[str, Kind[Any]] = {}
         for name, kinds in self.kinds.items():
             with errors:
-                chosen[name] = kinds.choose(name, table, here)
+                chosen[name] = kinds.choose(name, table, scope)
         for selector, kind in chosen.items():
             if kind.is_whole and is_known:
-                return kind.read_whole(selector, table, here)
+                return kind.read_whole(selector, table, scope)
         if len(chosen) == len(self.kinds):
             with errors:
-                self._require_read(table, chosen, here)
+                self._require_read(table, chosen, scope)
         values: dict[str, Any] = {}
         for key in self.keys:
             with errors:
                 if key.name in chosen:
-                    values[key.parameter] = chosen[key.name].read_beside(table, here, is_known)
+                    values[key.parameter] = chosen[key.name].read_beside(table, scope, is_known)
                 elif key.name in table:
-                    values[key.parameter] = key.form.read(table[key.name], here.at(key.name))
+                    values[key.parameter] = key.form.read(table[key.name], scope.at(key.name))
                 elif key.is_required and is_known and not isinstance(key.form, Kinds):
-                    raise here.missing(key.name)
+                    raise scope.missing(key.name)
         errors.raise_any()
-        return self._made(values, here)
+        return self._build(values, scope)
 
-    def _made(self, values: dict[str, Any], here: Place) -> Any:
+    def _build(self, values: dict[str, Any], scope: Location) -> Any:
         if self.is_later:
-            return Part(self.make, values)
+            return PartialCall(self.make, values)
         try:
             result: Any = self.make(**values)
-            return result.made() if isinstance(result, Shorthand) else result
+            return result.build() if isinstance(result, Alias) else result
         except CompensatorError as error:
-            where = (f"{here.where}: ",) if here.table else ()
-            raise type(error)(f"{here.file}: ", *where, *error.args).of(here.file) from None
+            where = (f"{scope.where}: ",) if scope.table else ()
+            raise type(error)(f"{scope.file}: ", *where, *error.args).of(scope.file) from None
 
-    def require_known(self, table: Raw, here: Place) -> None:
+    def require_known(self, table: Raw, scope: Location) -> None:
         """Refuse keys that neither this table nor a kind that is spread over it has."""
         known, errors = self.all_keys(), Errors()
         every = f" Known keys: {', '.join(sorted(known))}."
         for name in table:
             if name not in known:
-                text = f"unknown key {brief(name)} in {here.where}.{did_you_mean(name, known)}"
-                errors.add(here.error(text + every))
+                text = f"unknown key {quoted(name)} in {scope.where}.{did_you_mean(name, known)}"
+                errors.add(scope.error(text + every))
                 every = ""
         errors.raise_any()
 
-    def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], here: Place) -> None:
+    def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], scope: Location) -> None:
         """Refuse keys that other kinds than the chosen ones read."""
         errors = Errors()
         known, names_of_keys = self.all_keys(), {key.name for key in self.keys}
@@ -284,11 +285,11 @@ class Table(Form, Generic[T]):
         allowed = names_of_keys.union(*(kind.variant(table).names for kind in chosen.values()))
         for name in table:
             if name in beside and self.elsewhere is not None:
-                message = f"{here.where} sets {name!r}, which {self.elsewhere[1]}."
-                errors.add(here.error(message))
+                message = f"{scope.where} sets {name!r}, which {self.elsewhere[1]}."
+                errors.add(scope.error(message))
             elif name not in allowed and name in known:
                 selector = next(s for s, kinds in self.kinds.items() if kinds.has(name))
-                errors.add(chosen[selector].unread(name, selector, table, here))
+                errors.add(chosen[selector].unread(name, selector, table, scope))
         errors.raise_any()
 
     def schema(self) -> Schema:
@@ -329,7 +330,7 @@ class Kind(Generic[T]):
         """The variant that a table is written as."""
         return next((v for v in self.variants if v.marker in table), self.variants[-1])
 
-    def read_beside(self, table: Raw, here: Place, is_known: bool = True) -> Any:
+    def read_beside(self, table: Raw, scope: Location, is_known: bool = True) -> Any:
         """The keys of this kind out of the table that it is spread over."""
         variant = self.variant(table)
         entries = {key: value for key, value in table.items() if key in variant.names}
@@ -340,29 +341,29 @@ class Kind(Generic[T]):
         required = [key.name for key in variant.table.keys if key.is_required]
         markers = [] if variant.marker else [one.marker for one in self.variants if one.marker]
         if markers and required and not set(required) & set(entries):
-            raise here.error(
-                f"{here.where} needs the key {' or '.join(map(repr, markers))}, "
+            raise scope.error(
+                f"{scope.where} needs the key {' or '.join(map(repr, markers))}, "
                 f"or instead {', '.join(required)}."
             )
-        return variant.table.read(entries, here)
+        return variant.table.read(entries, scope)
 
-    def read_whole(self, selector: str, table: Raw, here: Place) -> Any:
+    def read_whole(self, selector: str, table: Raw, scope: Location) -> Any:
         """The whole table, without the key that chose this kind."""
         entries = {key: value for key, value in table.items() if key != selector}
         errors = Errors()
         for name in entries:
             if name not in self.variant(entries).names:
-                errors.add(self.unread(name, selector, entries, here))
+                errors.add(self.unread(name, selector, entries, scope))
         errors.raise_any()
-        return self.variant(entries).table.read(entries, here)
+        return self.variant(entries).table.read(entries, scope)
 
-    def unread(self, name: str, selector: str, table: Raw, here: Place) -> InputError:
+    def unread(self, name: str, selector: str, table: Raw, scope: Location) -> InputError:
         """That a key is not read by this kind, and which ones are."""
         variant = self.variant(table)
         extra = f" with {variant.marker}" if variant.marker else ""
         reads = [selector, *(key.name for key in variant.table.keys)]
-        return here.error(
-            f'{here.where} sets {name!r}, which {selector} = "{self.name}"{extra} does not read. '
+        return scope.error(
+            f'{scope.where} sets {name!r}, which {selector} = "{self.name}"{extra} does not read. '
             f"It reads {', '.join(reads)}."
         )
 
@@ -394,14 +395,14 @@ class Kinds(Form, Generic[T]):
         """Whether some kind reads this key."""
         return any(name in table.all_keys() for table in self.tables())
 
-    def choose(self, selector: str, table: Raw, here: Place) -> Kind[T]:
+    def choose(self, selector: str, table: Raw, scope: Location) -> Kind[T]:
         """The kind that a table names."""
         name = table.get(selector, self.default)
         if name is None:
-            raise here.missing(selector)
-        return self.kinds[self.read(name, here.at(selector))]
+            raise scope.missing(selector)
+        return self.kinds[self.read(name, scope.at(selector))]
 
-    def read(self, value: object, place: Place) -> str:
+    def read(self, value: object, place: Location) -> str:
         """The name of a kind."""
         return Choice(tuple(self.kinds)).read(value, place)
 
@@ -427,12 +428,12 @@ class ByKey(Form, Generic[T]):
         """A number, or the keys that name a kind."""
         return f"{self.what}; use a number, or a table with one of {', '.join(self.kinds)}"
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """What is described."""
         if is_number(value):
             return self.number(Real().read(value, place))
         if not isinstance(value, Mapping):
-            raise place.error(f"{place} = {brief(value)} is not {self.words}.")
+            raise place.error(f"{place} = {quoted(value)} is not {self.words}.")
         named = [name for name in self.kinds if name in value]
         for name in named:
             others = [other for other in named if not self._reads(name, other)]
@@ -440,11 +441,12 @@ class ByKey(Form, Generic[T]):
                 return self.kinds[name].read(value, place)
         if named:
             raise place.error(
-                f"{place} = {brief(dict(value))} is {' and '.join(named)} at once; give one of them"
+                f"{place} = {quoted(dict(value))} is {' and '.join(named)} at once; give one of "
+                "them"
                 f"{', or their sum' if 'sum' in self.kinds else ''}."
             )
         hint = next((h for key in value if (h := did_you_mean(key, self.kinds))), "")
-        raise place.error(f"{place} = {brief(dict(value))} is not {self.words}.{hint}")
+        raise place.error(f"{place} = {quoted(dict(value))} is not {self.words}.{hint}")
 
     def _reads(self, name: str, key: str) -> bool:
         return any(key == one.name for one in self.kinds[name].keys)
@@ -463,7 +465,7 @@ class ByKey(Form, Generic[T]):
 
 
 @dataclass(frozen=True)
-class Deferred(Form):
+class PartialTable(Form):
     """A table that is joined with others before it is read.
 
     Where it stands its keys must be known and its values of the right form; which keys go together
@@ -484,7 +486,7 @@ class Deferred(Form):
         """Those of the table."""
         return self.table.words
 
-    def read(self, value: object, place: Place) -> dict[str, Any]:
+    def read(self, value: object, place: Location) -> dict[str, Any]:
         """As it stands."""
         inside, errors = place.inside(), Errors()
         table = dict(require_table(value, inside))
@@ -545,14 +547,14 @@ def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, An
     return result
 
 
-def require_table(value: object, here: Place) -> Raw:
+def require_table(value: object, scope: Location) -> Raw:
     """`value` if it is a table."""
     if not isinstance(value, Mapping):
-        raise here.error(f"{here.where} must be a table, not {brief(value)}.")
+        raise scope.error(f"{scope.where} must be a table, not {quoted(value)}.")
     return value
 
 
-def _require_form(forms: Iterable[Form], value: object, place: Place) -> None:
+def _require_form(forms: Iterable[Form], value: object, place: Location) -> None:
     """Refuse a value that none of the kinds that have this key could read."""
     refusal: CompensatorError | None = None
     for form in forms:

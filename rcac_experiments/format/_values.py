@@ -10,7 +10,7 @@ from typing import Any
 
 import compensator_theory as exact
 from compensator_theory.errors import CompensatorError
-from rcac_experiments.format._places import Errors, Place, brief, did_you_mean
+from rcac_experiments.format._places import Errors, Location, did_you_mean, quoted
 from rcac_numeric.arrays._validation import number, real_array
 
 Schema = dict[str, Any]
@@ -39,7 +39,7 @@ class Form(ABC):
         """What is needed, such as an integer; it ends the sentence of an error."""
 
     @abstractmethod
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """The value as Python's, or an error that names the place."""
 
     @abstractmethod
@@ -59,10 +59,10 @@ class Integer(Form):
         """With its least value."""
         return f"an integer of at least {self.at_least}"
 
-    def read(self, value: object, place: Place) -> int:
+    def read(self, value: object, place: Location) -> int:
         """As an int."""
         if isinstance(value, bool) or not isinstance(value, int):
-            raise place.error(f"{place} must be an integer, not {brief(value)}.")
+            raise place.error(f"{place} must be an integer, not {quoted(value)}.")
         if value < self.at_least:
             raise place.refuse(value, f"at least {self.at_least}")
         if value > self.at_most:
@@ -82,18 +82,18 @@ class Real(Form):
 
     words = 'a number, or a string such as "pi/8"'
 
-    def read(self, value: object, place: Place) -> float:
+    def read(self, value: object, place: Location) -> float:
         """As a finite float."""
         if isinstance(value, str):
             try:
                 expression = exact.parse_expression(value)
             except CompensatorError as error:
-                raise place.error(f"{place} = {brief(value)}: ", *error.args) from None
+                raise place.error(f"{place} = {quoted(value)}: ", *error.args) from None
             if not (expression.is_number and expression.is_real):
-                raise place.error(f"{place} = {brief(value)} is not a real number.")
+                raise place.error(f"{place} = {quoted(value)} is not a real number.")
             value = float(expression)
         if not is_number(value):
-            raise place.error(f"{place} must be a real number, not {brief(value)}.")
+            raise place.error(f"{place} must be a real number, not {quoted(value)}.")
         read = number(as_float(value), str(place))
         return read if self.check is None else self.check(read, str(place))
 
@@ -108,7 +108,7 @@ class String(Form):
 
     words = "a string"
 
-    def read(self, value: object, place: Place) -> str:
+    def read(self, value: object, place: Location) -> str:
         """As a str."""
         if not isinstance(value, str):
             raise place.refuse(value, self.words)
@@ -130,13 +130,13 @@ class Choice(Form):
         """The words."""
         return f"one of {', '.join(self.choices)}"
 
-    def read(self, value: object, place: Place) -> str:
+    def read(self, value: object, place: Location) -> str:
         """As a str among the choices."""
         if not isinstance(value, str):
             raise place.refuse(value, "a string")
         if value not in self.choices:
             hint = did_you_mean(value, self.choices)
-            raise place.error(f"{place} = {brief(value)} is not known; choose {self.words}.{hint}")
+            raise place.error(f"{place} = {quoted(value)} is not known; choose {self.words}.{hint}")
         return value
 
     def schema(self) -> Schema:
@@ -150,7 +150,7 @@ class Flag(Form):
 
     words = "true or false"
 
-    def read(self, value: object, place: Place) -> bool:
+    def read(self, value: object, place: Location) -> bool:
         """As a bool."""
         if not isinstance(value, bool):
             raise place.refuse(value, self.words)
@@ -170,7 +170,7 @@ class Numbers(Form):
 
     words = "a number or an array of real numbers"
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """A number as a float, anything else as an array of float64."""
         if isinstance(value, list):
             _require_depth(value, place, self.words)
@@ -179,10 +179,11 @@ class Numbers(Form):
                                   "allowed.")  # fmt: skip
             for leaf in _leaves(value):
                 if not is_number(leaf):
-                    raise place.error(f"{place} = {brief(value)} must be {self.words}; its entry "
-                                      f"{brief(leaf)} is none.")  # fmt: skip
+                    raise place.error(f"{place} = {quoted(value)} must be {self.words}; its entry "
+                                      f"{quoted(leaf)} is none.")  # fmt: skip
             if _shape(value) is None:
-                raise place.error(f"{place} = {brief(value)} must be {self.words}; its rows differ "
+                raise place.error(f"{place} = {quoted(value)} must be {self.words}; its rows "
+                                  "differ "
                                   "in length.")  # fmt: skip
             read: Any = real_array(as_float(value), str(place))
         elif is_number(value):
@@ -201,7 +202,7 @@ class Sign(Form):
 
     words = "1 or -1"
 
-    def read(self, value: object, place: Place) -> int:
+    def read(self, value: object, place: Location) -> int:
         """As an int."""
         if isinstance(value, bool) or value not in (1, -1) or not isinstance(value, int):
             raise place.refuse(value, self.words)
@@ -221,7 +222,7 @@ class Exact(Form):
 
     words = 'a number, a string such as "1/3", or lists of those'
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """As it stands, its text included: the exact half parses it where it is used."""
         if isinstance(value, list):
             _require_depth(value, place, self.words)
@@ -238,7 +239,7 @@ class Exact(Form):
         return _nested({"type": ["number", "string"]})
 
 
-def _require_depth(value: list[Any], place: Place, needed: str) -> None:
+def _require_depth(value: list[Any], place: Location, needed: str) -> None:
     if _depth(value) > DEEPEST_ARRAY:
         raise place.refuse(value, f"{needed}, nested at most {DEEPEST_ARRAY} deep")
 
@@ -285,7 +286,7 @@ class ListOf(Form):
         """A list, and of what."""
         return f"{self.needed}; each entry is {self.entry.words}"
 
-    def read(self, value: object, place: Place) -> list[Any]:
+    def read(self, value: object, place: Location) -> list[Any]:
         """As a list of what the entries are read as."""
         if not isinstance(value, list):
             raise place.refuse(value, self.needed)
@@ -306,7 +307,7 @@ class ListOf(Form):
             return ""
         name = entry.get("name") if self.named else None
         if isinstance(name, str):
-            return f"{self.named} {brief(name)}"
+            return f"{self.named} {quoted(name)}"
         return f"no. {number}" if number else ""
 
     def schema(self) -> Schema:
@@ -327,11 +328,11 @@ class Row(Form):
         """As it is written."""
         return self.shown
 
-    def read(self, value: object, place: Place) -> tuple[Any, ...]:
+    def read(self, value: object, place: Location) -> tuple[Any, ...]:
         """As a tuple."""
         least = len(self.entries) if self.at_least is None else self.at_least
         if not isinstance(value, list) or not least <= len(value) <= len(self.entries):
-            raise place.error(f"{place} has the entry {brief(value)}; {self.shown} is needed.")
+            raise place.error(f"{place} has the entry {quoted(value)}; {self.shown} is needed.")
         inside = place.entry()
         errors, read = Errors(), []
         for form, entry in zip(self.entries, value, strict=False):
@@ -362,7 +363,7 @@ class MapOf(Form):
         """A table, and of what."""
         return f"a table of names; each value is {self.entry.words}"
 
-    def read(self, value: object, place: Place) -> dict[str, Any]:
+    def read(self, value: object, place: Location) -> dict[str, Any]:
         """As a dict."""
         if not isinstance(value, Mapping):
             raise place.refuse(value, "a table")
@@ -390,7 +391,7 @@ class Either(Form):
         """Both."""
         return f"{self.other.words}; or {self.table.words}"
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """By whether it is a table."""
         return (self.table if isinstance(value, Mapping) else self.other).read(value, place)
 
@@ -410,7 +411,7 @@ class OneOrMore(Form):
         """Both."""
         return f"{self.entry.words}, or a list of such"
 
-    def read(self, value: object, place: Place) -> Any:
+    def read(self, value: object, place: Location) -> Any:
         """As the entry reads it, or a list."""
         form = ListOf(self.entry, 1) if isinstance(value, list) else self.entry
         return form.read(value, place)
@@ -431,7 +432,7 @@ class ByStep(Form):
         """As it is written."""
         return "a list of pairs [step, value]"
 
-    def read(self, value: object, place: Place) -> dict[int, Any]:
+    def read(self, value: object, place: Location) -> dict[int, Any]:
         """As a mapping from steps."""
         rows = ListOf(Row((Integer(), self.entry), "a pair [step, value]"))
         changes: dict[int, Any] = {}

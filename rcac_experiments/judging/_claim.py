@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.format._parts import Part
+from rcac_experiments.format._parts import PartialCall
 from rcac_experiments.format._values import Integer
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Value
@@ -59,7 +59,7 @@ class Measured(Protocol):
     def over_seeds(self) -> bool:
         """Whether its repetitions are other draws."""
 
-    def silence(self, measure: str) -> str:
+    def missing_reason(self, measure: str) -> str:
         """Why it has no answer to a measure, though it ran; empty where it has one."""
 
     @property
@@ -80,7 +80,7 @@ class Answer(Protocol):
         """Whether what is checked is so; None where that is undetermined."""
 
     @property
-    def silence(self) -> str:
+    def missing_reason(self) -> str:
         """Why there is no answer; empty where there is one."""
 
 
@@ -103,11 +103,11 @@ class Refused(Value):
     """A check that could not be evaluated, and why; it spoils its own claim and no other."""
 
     check: AnyCheck
-    silence: str
+    missing_reason: str
     holds: bool | None = None
 
     def __str__(self) -> str:
-        return f"no answer: {self.silence}"
+        return f"no answer: {self.missing_reason}"
 
 
 @attrs.frozen(eq=False)
@@ -201,7 +201,7 @@ class Claim(Value):
             )
 
     @property
-    def whose(self) -> str:
+    def owner(self) -> str:
         """A key of `CLASSES`."""
         return OURS if not self.quote else READING if self.reading else TEXT
 
@@ -301,9 +301,9 @@ class Verdict(Value):
 
 def outcome_of(results: tuple[Answer, ...]) -> str:
     """A key of `OUTCOMES`: what several checks together give."""
-    if any(result.holds is False and not result.silence for result in results):
+    if any(result.holds is False and not result.missing_reason for result in results):
         return FAILS
-    if any(result.silence for result in results):
+    if any(result.missing_reason for result in results):
         return NO_ANSWER
     return HOLDS if all(result.holds for result in results) else UNDETERMINED
 
@@ -367,7 +367,7 @@ class Check(Value):
     arguments: Mapping[str, Any] = attrs.field(factory=dict)
 
     def __attrs_post_init__(self) -> None:
-        if isinstance(self.measure, Part):  # as a file's table is read
+        if isinstance(self.measure, PartialCall):  # as a file's table is read
             object.__setattr__(self, "arguments", self.measure.arguments)
             object.__setattr__(self, "measure", self.measure.make.__name__)
         if not 0 < number(self.share, "share") <= 1:
@@ -422,7 +422,7 @@ class Check(Value):
         """Measure it."""
         result = results[self.run]
         values = result.values(self.measure, self.arguments, self.until)
-        reason = result.silence(self.measure)
+        reason = result.missing_reason(self.measure)
         if self.relative_to:
             other = results[self.relative_to]
             divisors = other.values(self.measure, self.arguments, self.until)
@@ -430,7 +430,7 @@ class Check(Value):
                 values = tuple(
                     float(np.divide(a, b)) for a, b in zip(values, divisors, strict=True)
                 )
-            reason = reason or other.silence(self.measure)
+            reason = reason or other.missing_reason(self.measure)
         if not reason and not result.may_end and np.isnan(values).all():
             reason = "the run ended before there was anything to measure"
         return CheckResult(self, values, result.over_seeds, reason)
@@ -454,12 +454,12 @@ class CheckResult(Value):
     check: Check
     values: tuple[float, ...]
     over_seeds: bool = False
-    silence: str = ""
+    missing_reason: str = ""
 
     @property
     def holds(self) -> bool | None:
         """Whether the check holds; None where it hangs on the last digits of the input."""
-        if self.silence:
+        if self.missing_reason:
             return None
         if self.check.statistic == "median":
             return self._inside(float(np.median(self.values)))
@@ -498,7 +498,7 @@ class CheckResult(Value):
             if self.over_seeds and self.check.statistic == "each":
                 low, high = self.proportion
                 value += f", a share between {low:.2f} and {high:.2f}"
-        reason = f" (no answer: {self.silence})" if self.silence else ""
+        reason = f" (no answer: {self.missing_reason})" if self.missing_reason else ""
         return f"{name}{step}{ratio} ({self.check.run}): {value}{reason}"
 
     def _inside(self, value: float) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from compensator_theory.errors import InputError
-from rcac_experiments.format._places import Place, brief, did_you_mean
+from rcac_experiments.format._places import Location, did_you_mean, quoted
 from rcac_experiments.format._tables import Kinds, Table
 from rcac_experiments.format._values import Choice, Form, ListOf, MapOf, String
 from rcac_experiments.judging._claim import (
@@ -25,16 +25,18 @@ REST = "the rest"
 MOST = 200  # completions of one file
 
 
-def check_table(measures: Mapping[str, Table[Any]], *, given: Sequence[str] = ()) -> Table[Check]:
+def check_table(
+    measures: Mapping[str, Table[Any]], *, supplied: Sequence[str] = ()
+) -> Table[Check]:
     """The table of a check, whose measures are these."""
     forms: dict[str, Form] = {"measure": Kinds(dict(measures))}
-    return Table(Check, given=("arguments", *given), forms=forms)
+    return Table(Check, supplied=("arguments", *supplied), forms=forms)
 
 
 class Outcomes(MapOf):
     """A table from each outcome to the completions that have it, kept the other way round."""
 
-    def read(self, value: object, place: Place) -> dict[str, str]:
+    def read(self, value: object, place: Location) -> dict[str, str]:
         """From the name of each completion to its outcome."""
         named = super().read(value, place)
         for outcome in named:
@@ -63,7 +65,7 @@ def claim_table(
     }
     if standards:
         forms["standard"] = Choice(tuple(standards))
-    return Table(Claim, given=standard_keys, forms=forms, names={"recorded": "verdict"})
+    return Table(Claim, supplied=standard_keys, forms=forms, names={"recorded": "verdict"})
 
 
 def claims_of(
@@ -76,7 +78,7 @@ def claims_of(
     text, checks = _words_and_checks(read, standards or {})
     if read.verdicts is not None and (read.run or read.recorded):
         raise InputError(
-            f"the claim {brief(text)} has verdicts, so that run and verdict have no meaning; "
+            f"the claim {quoted(text)} has verdicts, so that run and verdict have no meaning; "
             "leave them out."
         )
     for name in [read.run, read.control, *(read.verdicts or {})]:
@@ -111,7 +113,7 @@ def _words_and_checks(
     if read.standard:
         if keys:
             raise InputError(
-                f"a claim is standard = {brief(read.standard)}, so that {' and '.join(keys)} "
+                f"a claim is standard = {quoted(read.standard)}, so that {' and '.join(keys)} "
                 "have no meaning; leave them out."
             )
         return standards[read.standard].text, standards[read.standard].checks
@@ -125,14 +127,14 @@ def _checks_of(
     run: str, checks: Sequence[AnyCheck], quote: str, runs: Sequence[str]
 ) -> tuple[AnyCheck, ...]:
     """Checks of a run where they name none, if all that they need is there."""
-    own = tuple(check.moved({"": run}) for check in checks)
-    for check in own:
+    of_run = tuple(check.moved({"": run}) for check in checks)
+    for check in of_run:
         for name in check.runs:
             require_run(name, runs, "a claim")
-        quoted = getattr(check, "quoted", "")
-        if quoted and quoted not in quote:
-            raise InputError(f"quoted = {quoted!r} does not stand in the quote {brief(quote)}.")
-    return own
+        number = getattr(check, "quoted", "")
+        if number and number not in quote:
+            raise InputError(f"quoted = {number!r} does not stand in the quote {quoted(quote)}.")
+    return of_run
 
 
 def _map(read: Claim, run: str, runs: Sequence[str], items: Sequence[OpenItem]) -> dict[str, str]:
@@ -169,11 +171,11 @@ def tables_of(items: Sequence[OpenItem]) -> dict[str, dict[str, Any]]:
         changes = attrs.asdict(value, recurse=False)
         name = changes.pop("name")
         if name in tables:
-            raise InputError(f"[[open]] has two values {brief(name)}; name each its own.")
+            raise InputError(f"[[open]] has two values {quoted(name)}; name each its own.")
         tables[name] = {key: v for key, v in changes.items() if v is not None}
-    whats = [item.what for item in items]
-    if twice := next((what for what in whats if whats.count(what) > 1), None):
-        raise InputError(f"[[open]] names {brief(twice)} twice; give each item its own name.")
+    names = [item.what for item in items]
+    if twice := next((what for what in names if names.count(what) > 1), None):
+        raise InputError(f"[[open]] names {quoted(twice)} twice; give each item its own name.")
     return tables
 
 
@@ -183,14 +185,14 @@ def combinations(names: Sequence[str], items: Sequence[OpenItem]) -> list[tuple[
     for name in names:
         if name not in known:
             raise InputError(
-                f"a claim is open in {brief(name)}; [[open]] has {', '.join(known) or 'none'}."
+                f"a claim is open in {quoted(name)}; [[open]] has {', '.join(known) or 'none'}."
                 f"{did_you_mean(name, known)}"
             )
     sets = [("", *known[name].completions) for name in names]
-    made = [tuple(filter(None, values)) for values in product(*sets)]
-    if len(made) > MOST:
-        raise InputError(f"a claim is open in {len(made)} completions; {MOST} are allowed.")
-    return [values for values in made if values]
+    combinations = [tuple(filter(None, values)) for values in product(*sets)]
+    if len(combinations) > MOST:
+        raise InputError(f"a claim is open in {len(combinations)} completions; {MOST} are allowed.")
+    return [values for values in combinations if values]
 
 
 def completed_runs(

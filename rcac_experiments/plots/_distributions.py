@@ -37,18 +37,18 @@ def draw_study_distribution(
     draw_values(figure, values, request.measure)
 
 
-def draw_values(figure: Figure, found: Mapping[str, Array], measure: str) -> None:
+def draw_values(figure: Figure, values_by_name: Mapping[str, Array], measure: str) -> None:
     """The values of a measure, a row for each run."""
     axis = figure.subplots()
-    figure.set_figheight(max(2.2, 0.45 * len(found) + 1.2))
-    finite = np.concatenate([v[np.isfinite(v)] for v in found.values()] or [np.zeros(0)])
+    figure.set_figheight(max(2.2, 0.45 * len(values_by_name) + 1.2))
+    finite = np.concatenate([v[np.isfinite(v)] for v in values_by_name.values()] or [np.zeros(0)])
     if len(finite) and finite.min() > 0 and finite.max() > DECADES * finite.min():
         axis.set_xscale("log")
     else:
         axis.locator_params(axis="x", nbins=5)
     rng = np.random.default_rng(0)  # spreads points that would lie on each other
     labels = []
-    for row, (name, values) in enumerate(found.items()):
+    for row, (name, values) in enumerate(values_by_name.items()):
         known = values[np.isfinite(values)]
         height = row + (0.25 * rng.uniform(-1, 1, len(known)) if len(known) > 1 else 0.0)
         colour = line_style(row)["color"]

@@ -76,7 +76,7 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
     words = []
     for index, (name, result) in enumerate(results.items()):
         try:
-            matches = [repetition.match for repetition in _retained_loops(result)]
+            matches = [repetition.match for repetition in _repetitions(result)]
         except CompensatorError as error:
             words.append(f"{name}: {label_words(shortened(str(error), 60))}")
             continue
@@ -107,13 +107,13 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
     legend_below(figure)
 
 
-def _retained_loops(result: RunResult) -> Sequence[LoopAnalysis]:
+def _repetitions(result: RunResult) -> Sequence[LoopAnalysis]:
     """All seeds of a run; of repetitions, which differ by rounding, the first."""
     return result.repetitions if result.specification.seeds > 1 else result.repetitions[:1]
 
 
 def _loops(result: RunResult) -> list[ClosedLoop]:
-    return [repetition.loop for repetition in _retained_loops(result)]
+    return [repetition.loop for repetition in _repetitions(result)]
 
 
 def _best(plant: Plant, noise: NoiseIntensities | None) -> list[ClosedLoop]:

@@ -155,7 +155,7 @@ def _row(verdict: Verdict) -> ClaimRow:
     claim = verdict.claim
     corrected = [("misprint", claim.misprint), ("chosen", claim.completion)]
     return ClaimRow(
-        whose=claim.whose,
+        whose=claim.owner,
         quote=claim.quote,
         place=claim.place,
         reading=claim.reading,
@@ -207,11 +207,16 @@ def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **mo
     """The page of one case."""
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."
-    values: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
+    values: dict[str, Any] = {
+        "title": title,
+        "lead": lead,
+        "case": case,
+        "made": versions_of([case]),
+    }
     return whole_page(template, home, **values, **more)
 
 
-def made_with(cases: Sequence[Case]) -> dict[str, Any]:
+def versions_of(cases: Sequence[Case]) -> dict[str, Any]:
     """Versions, machine and seeds: what else decides the numbers of a page."""
     machine = f"Python {platform.python_version()}, {platform.system()} on {platform.machine()}"
     versions = [f"{name} {version(name)}" for name in NAMED]

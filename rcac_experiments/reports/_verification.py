@@ -109,7 +109,7 @@ def _problem(verification: Verification, health: LoopHealth | None) -> Section:
 
 def _claims(verification: Verification) -> Section:
     """First what a source says, then what is asked besides."""
-    verdicts = sorted(verification.verdicts, key=lambda v: v.claim.whose == OURS)
+    verdicts = sorted(verification.verdicts, key=lambda v: v.claim.owner == OURS)
     quoted = any(v.claim.quote for v in verdicts)
     rows = tuple(
         cells(_words_of(v, quoted), [Text(str(r)) for r in v.results], _verdict(v))
@@ -118,16 +118,16 @@ def _claims(verification: Verification) -> Section:
     heads = ("the text's words" if quoted else "claim", "measured", "verdict")
     table = (SheetTable(heads, rows),)
     opens = tuple(Fact(item.what, _open_words(item)) for item in verification.experiment.open)
-    left = Section("What the text leaves open", opens) if opens else Section()
+    open_items = Section("What the text leaves open", opens) if opens else Section()
     record = {"claims": [claim_record(v) for v in verification.verdicts]}
-    return joined("Claims" if rows else "", Section("", table if rows else (), record), left)
+    return joined("Claims" if rows else "", Section("", table if rows else (), record), open_items)
 
 
 def claim_record(v: Verdict) -> dict[str, Any]:
     """A claim, what was measured and its verdict, as JSON can hold them."""
     claim = v.claim
     return {
-        "whose": claim.whose,
+        "whose": claim.owner,
         "quote": claim.quote or None,
         "place": claim.place or None,
         "reading": claim.reading or None,
@@ -147,7 +147,7 @@ def claim_record(v: Verdict) -> dict[str, Any]:
 
 def _words_of(v: Verdict, beside_quotes: bool) -> list[Text]:
     claim = v.claim
-    if claim.whose == OURS:
+    if claim.owner == OURS:
         return [Text(claim.text), *([Text("a question of ours", "quiet")] if beside_quotes else [])]
     sentences = [
         Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")
@@ -262,7 +262,7 @@ def _run(name: str, result: RunResult) -> Any:
 def estimation_health(verification: Verification) -> tuple[Text, ...]:
     """Whether every estimate came from data that determine it."""
     results = verification.estimates
-    undetermined = [name for name, result in results.items() if _left(result) > 0.5]
+    undetermined = [name for name, result in results.items() if _initial_share(result) > 0.5]
     sentences = [
         Text(f"Run {name!r}: the data do not determine the parameter.", "warning")
         for name in undetermined
@@ -282,7 +282,7 @@ def estimation_section(verification: Verification) -> Section:
             name,
             result.study.estimator.words,
             str(result.study.seeds),
-            f"{result.study.course_end:.5g}",
+            f"{result.study.final_parameter:.5g}",
             _estimates(result),
             _outcome(result),
         )
@@ -294,7 +294,7 @@ def estimation_section(verification: Verification) -> Section:
             "estimator": result.study.estimator.words,
             "steps": result.study.steps,
             "seeds": result.study.seeds,
-            "truth": result.study.course_end,
+            "truth": result.study.final_parameter,
             "estimates": list(_last(result)),
             "outcomes": [run.outcome for run in result.repetitions],
         }
@@ -307,7 +307,7 @@ def _last(result: StudyResult) -> tuple[float, ...]:
     return result.values("final_estimate", {})
 
 
-def _left(result: StudyResult) -> float:
+def _initial_share(result: StudyResult) -> float:
     return max(result.values("initial_estimate_left", {}))
 
 

@@ -5,7 +5,7 @@ from ._check import check_store as check_store
 from ._convert import convert_store as convert_store
 from ._export import export_table as export_table
 from ._files import load_study as load_study
-from ._measures import Kept as Kept
+from ._measures import Metric as Metric
 from ._overview import sweep_overview as sweep_overview
 from ._problems import StoreError as StoreError
 from ._progress import Progress as Progress

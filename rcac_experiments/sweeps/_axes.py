@@ -56,12 +56,12 @@ class Axis(Value):
             raise InputError(f"the axis {name!r} has no values; give at least one.")
         if len(read) > LARGEST_AXIS:
             raise too_many(name, len(read))
-        seen: dict[str, int] = {}
+        numbers: dict[str, int] = {}
         for number, value in enumerate(read):
             text = canonical_json(value)
-            if text in seen:
+            if text in numbers:
                 raise InputError(f"the axis {name!r} has the value {value!r} twice.")
-            seen[text] = number
+            numbers[text] = number
         object.__setattr__(self, "values", read)
         object.__setattr__(self, "sets", instance_of(self.sets, "sets", str) or name)
 

@@ -86,8 +86,8 @@ def data_files(value: Any) -> set[str]:
 
 def file_digests(value: Any, folder: str) -> dict[str, str]:
     """Every data file that a text in `value` names, with what is in it in short."""
-    found = {name: Path(folder) / name for name in sorted(data_files(value))}
-    return {name: _digest_of_file(path) for name, path in found.items() if path.is_file()}
+    files = {name: Path(folder) / name for name in sorted(data_files(value))}
+    return {name: _digest_of_file(path) for name, path in files.items() if path.is_file()}
 
 
 def _digest_of_file(path: Path) -> str:

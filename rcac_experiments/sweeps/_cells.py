@@ -64,20 +64,27 @@ class Cell:
 
     def w(self, repetition: int) -> Array:
         """The exogenous input of one run."""
-        made = self.specification
-        assert made is not None
+        specification = self.specification
+        assert specification is not None
         return exogenous_input(
-            made.signals, made.steps, self.study.seed, self.words, repetition, made.perturbation
+            specification.signals,
+            specification.steps,
+            self.study.seed,
+            self.words,
+            repetition,
+            specification.perturbation,
         )
 
     def case(self, repetition: int) -> SimulationCase:
         """What is run."""
-        made = self.specification
-        if made is not None:
-            options: dict[str, Any] = {"stride": self._stride(made)}
-            if made.saturation is not None:
-                options["saturation"] = made.saturation
-            return SimulationCase(made.plant, made.settings, self.w(repetition), options)
+        specification = self.specification
+        if specification is not None:
+            options: dict[str, Any] = {"stride": self._stride(specification)}
+            if specification.saturation is not None:
+                options["saturation"] = specification.saturation
+            return SimulationCase(
+                specification.plant, specification.settings, self.w(repetition), options
+            )
         assert callable(self.study.base)
         rng = generator(self.study.seed, self.words, repetition, WHOLE_RUN)
         case = self.study.base(rng, **self.coordinates)
@@ -85,11 +92,11 @@ class Cell:
             raise InputError(f"the function of the study returned {case!r}, no SimulationCase.")
         return case
 
-    def _stride(self, made: RunSpecification) -> int:
+    def _stride(self, specification: RunSpecification) -> int:
         """How often theta is kept: most of the memory, so only where somebody looks at it."""
         study = self.study
-        looks = "theta" in study.keep_signals or any(kept.needs_theta for kept in study.keep)
-        return made.stride if looks else max(made.steps, 1)
+        looks = "theta" in study.keep_signals or any(metric.needs_theta for metric in study.keep)
+        return specification.stride if looks else max(specification.steps, 1)
 
 
 # Entries of [controller] that are numbers of a controller, whatever else stands there.
@@ -121,21 +128,21 @@ class Cells:
     def cell(self, coordinates: Coordinates) -> Cell:
         """One cell."""
         return _remembered(
-            self._cells, canonical_json(coordinates), lambda: self._made(coordinates)
+            self._cells, canonical_json(coordinates), lambda: self._new_cell(coordinates)
         )
 
-    def _made(self, coordinates: Coordinates) -> Cell:
+    def _new_cell(self, coordinates: Coordinates) -> Cell:
         study = self.study
         if callable(study.base):
             return Cell(study, coordinates, None, {})
         key = canonical_json({axis.name: coordinates[axis.name] for axis in self._others})
         if (alike := self._alike.get(key)) is not None and self._numbers:
-            made = self._with_numbers(alike, coordinates)
-            if made is not None:
-                return Cell(study, coordinates, made, {})
-        made = self._specification(study.document(coordinates))
-        _remembered(self._alike, key, lambda: made)
-        return Cell(study, coordinates, made, {})
+            specification = self._with_numbers(alike, coordinates)
+            if specification is not None:
+                return Cell(study, coordinates, specification, {})
+        specification = self._specification(study.document(coordinates))
+        _remembered(self._alike, key, lambda: specification)
+        return Cell(study, coordinates, specification, {})
 
     def _specification(self, document: dict[str, Any]) -> RunSpecification:
         """All that a document says, of which nothing is made twice."""
@@ -185,12 +192,12 @@ class Cells:
             of_settings |= {name: start.get(name, table.get(name)) for name in OF_START.values()}
         try:
             changed = settings_with_numbers(settings, of_update, of_settings)
-            made = None if changed is None else replaced(alike, settings=changed)
-            if start and made is not None:
-                require_sense(made)
+            specification = None if changed is None else replaced(alike, settings=changed)
+            if start and specification is not None:
+                require_sense(specification)
         except CompensatorError:
             return None  # the tables say what is wrong, and where it stands
-        return made
+        return specification
 
 
 def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> T:

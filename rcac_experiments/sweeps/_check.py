@@ -69,12 +69,12 @@ def check_store(store: str | Path) -> StoreCheck:
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_experiments.sweeps import Kept, Study, check_store, run_study
+    >>> from rcac_experiments.sweeps import Metric, Study, check_store, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
     ...     "run": {"steps": 50}}
-    >>> study, store = Study(base, [], [Kept("steps")]), tempfile.mkdtemp() + "/study"
+    >>> study, store = Study(base, [], [Metric("steps")]), tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
     >>> check_store(store).is_whole
     True

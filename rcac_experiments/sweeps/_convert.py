@@ -148,16 +148,20 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
     rows = execute("SELECT * FROM study").fetchmany(2)
     if len(rows) != 1 or rows[0][-1] != _digest(list(rows[0][:-1])):
         raise ValueError("its study is not what was written")
-    (resolved, fingerprint, file, title, made_with, instructions, created, chunk_size, stages,
+    (resolved, fingerprint, file, title, used_versions, instructions, created, chunk_size, stages,
      mixed, origin, _) = rows[0]  # fmt: skip
-    resolved, made_with, stages, mixed = map(json.loads, (resolved, made_with, stages, mixed))
-    texts = [fingerprint, file, title, instructions, created, origin, *made_with, *mixed]
-    if not all(type(text) is str for text in [*texts, *made_with.values()]):
+    resolved, used_versions, stages, mixed = map(
+        json.loads, (resolved, used_versions, stages, mixed)
+    )
+    texts = [fingerprint, file, title, instructions, created, origin, *used_versions, *mixed]
+    if not all(type(text) is str for text in [*texts, *used_versions.values()]):
         raise TypeError("something in it is of another kind")
     if fingerprint != digest(canonical_json(resolved)) or type(mixed) is not list:
         raise ValueError("its fingerprint is that of another one")
     plan = plan_of(resolved, tuple(Stage(tuple(n), r) for n, r in stages), chunk_size)
-    about = StoredStudy(resolved, file, title, made_with, instructions, created, plan, tuple(mixed))
+    about = StoredStudy(
+        resolved, file, title, used_versions, instructions, created, plan, tuple(mixed)
+    )
     columns = {
         "axes": "".join(f', "{name}"' for name in about.axes),
         "measures": "".join(f', "{name}" REAL' for name in about.measures),
@@ -182,15 +186,15 @@ def _records(
 
     def signals_of(run: int, bound: str | None) -> dict[str, Any]:
         stored = rows_of("name, shape, float64 FROM trajectory WHERE run = ? ORDER BY name",
-                         (run,), len(kept))  # fmt: skip
-        if _digest_of_signals(stored) != bound or (stored and kept != [row[0] for row in stored]):
+                         (run,), len(names))  # fmt: skip
+        if _digest_of_signals(stored) != bound or (stored and names != [row[0] for row in stored]):
             raise Damaged("their signals are not what was stored")
         return {
             name: np.frombuffer(data, "<f8").reshape([abs(int(n)) for n in shape.split(",")])
             for name, shape, data in stored
         }
 
-    kept = sorted(about.resolved["keep_signals"])
+    names = sorted(about.resolved["keep_signals"])
     first, last = about.plan.chunk(number)
     chunks = rows_of("* FROM chunk WHERE chunk = ?", (number,), 1)
     between = "* FROM run WHERE run BETWEEN ? AND ? ORDER BY run"

@@ -35,25 +35,25 @@ class Pool:
     """The executor of a study: one of ours, one of others, or what a function makes again."""
 
     def __init__(
-        self, given: Executor | Callable[[], Executor] | None, workers: int,
+        self, executor: Executor | Callable[[], Executor] | None, workers: int,
         time_limit: float | None = None,
     ) -> None:  # fmt: skip
-        if given is not None and not isinstance(given, Executor) and not callable(given):
-            raise InputError(f"executor = {given!r} is no concurrent.futures.Executor.")
-        self._given, self._workers, self._limit = given, workers, time_limit
+        if executor is not None and not isinstance(executor, Executor) and not callable(executor):
+            raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
+        self._source, self._workers, self._limit = executor, workers, time_limit
         # There each task has a worker, and a fate, of its own.
-        self.is_ours = given is None or isinstance(given, WorkerPool | InProcess)
-        self.renewable = given is not None and not isinstance(given, Executor)
+        self.is_ours = executor is None or isinstance(executor, WorkerPool | InProcess)
+        self.renewable = executor is not None and not isinstance(executor, Executor)
         self._executor: Executor | None = None
 
     @property
     def executor(self) -> Executor:
         """Made when the first run is to be run."""
         if self._executor is None:
-            if isinstance(self._given, Executor):
-                self._executor = self._given
-            elif self._given is not None:
-                self._executor = self._given()
+            if isinstance(self._source, Executor):
+                self._executor = self._source
+            elif self._source is not None:
+                self._executor = self._source()
             elif self._workers:
                 self._executor = WorkerPool(self._workers, self._limit)
             else:
@@ -67,13 +67,13 @@ class Pool:
 
     def end(self) -> None:
         """Let it end; what somebody else made, somebody else ends."""
-        if self._executor is not None and self._executor is not self._given:
+        if self._executor is not None and self._executor is not self._source:
             self._executor.shutdown()
 
     def leave(self) -> None:
         """Let go of it at once."""
         executor = self._executor
-        if executor is None or executor is self._given:
+        if executor is None or executor is self._source:
             return
         if isinstance(executor, WorkerPool):
             executor.leave()
@@ -148,7 +148,7 @@ class Coordinator:
         try:
             self._work()
         except _Gone as gone:
-            raise self._given_up(str(gone)) from None
+            raise self._store_error(str(gone)) from None
 
     def leave(self) -> None:
         """Let go of the executor at once."""
@@ -292,7 +292,7 @@ class Coordinator:
             f"worker processes cannot be started: {error} workers=0 does all in one process."
         )
 
-    def _given_up(self, why: str) -> StoreError:
+    def _store_error(self, why: str) -> StoreError:
         """That an executor of others is gone, and which run it was that ended its workers.
 
         A process of ours runs what was lost with it, the last first, until it has found the run.
@@ -328,9 +328,9 @@ class Coordinator:
         work.failed.update(again)
         if again:
             self.waiting.append(part.only(again))
-        kept = [record for record in records if record.run not in again]
-        work.records += kept
-        work.missing -= {record.run for record in kept}
+        intact = [record for record in records if record.run not in again]
+        work.records += intact
+        work.missing -= {record.run for record in intact}
         if not work.missing:
             self.folder.put(work.number, work.records)
             outcomes = [record.outcome for record in work.records]

@@ -38,13 +38,13 @@ def export_table(store: str | Path, path: str | Path) -> None:
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_experiments.sweeps import Kept, Study, export_table, run_study
+    >>> from rcac_experiments.sweeps import Metric, Study, export_table, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
     ...     "run": {"steps": 50}}
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> _ = run_study(Study(base, [], [Kept("steps")]), folder / "study", workers=0)
+    >>> _ = run_study(Study(base, [], [Metric("steps")]), folder / "study", workers=0)
     >>> export_table(folder / "study", folder / "study.csv")
     >>> print((folder / "study.csv").read_text().strip())
     "run","cell","repetition","outcome","failure","steps"

@@ -13,8 +13,8 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.files._claims import FORMS
 from rcac_experiments.files._documents import named, read_file, require_plain
 from rcac_experiments.files._schema import json_schema
-from rcac_experiments.format._parts import Part, Shorthand
-from rcac_experiments.format._places import Errors, Place
+from rcac_experiments.format._parts import Alias, PartialCall
+from rcac_experiments.format._places import Errors, Location
 from rcac_experiments.format._tables import Kinds, Raw, Table, require_table
 from rcac_experiments.format._values import (
     Choice,
@@ -26,7 +26,7 @@ from rcac_experiments.format._values import (
     as_float,
 )
 from rcac_experiments.sweeps._axes import LARGEST_AXIS, Axis, RandomAxis, pair, too_many
-from rcac_experiments.sweeps._measures import STUDY_MEASURES, Kept
+from rcac_experiments.sweeps._measures import STUDY_MEASURES, Metric
 from rcac_experiments.sweeps._study import SIGNALS, Study
 from rcac_numeric.arrays._validation import integer
 
@@ -40,7 +40,7 @@ class _Values(Form):
 
     words = "a list of values, not an empty one"
 
-    def read(self, value: object, place: Place) -> list[Any]:
+    def read(self, value: object, place: Location) -> list[Any]:
         """As they stand; whether they fit is known when they are put where they belong."""
         if not isinstance(value, list) or not value:
             raise place.refuse(value, self.words)
@@ -83,25 +83,25 @@ class AxisTable:
 
     def named(self, name: str) -> Axis | RandomAxis:
         """The axis of this name."""
-        given = {key: v for key, v in attrs.asdict(self, recurse=False).items() if v is not None}
-        return axis_of(name, given.pop("sets"), given)
+        entries = {key: v for key, v in attrs.asdict(self, recurse=False).items() if v is not None}
+        return axis_of(name, entries.pop("sets"), entries)
 
 
 MEASURE_KINDS: Kinds[Any] = Kinds(
-    {name: Table(f, given=["r"], forms=FORMS) for name, f in STUDY_MEASURES.items()}
+    {name: Table(f, supplied=["r"], forms=FORMS) for name, f in STUDY_MEASURES.items()}
 )
 
 
 @attrs.frozen(eq=False)
-class KeptTable(Shorthand):
+class MetricTable(Alias):
     """A number that is kept of every run."""
 
-    measure: Annotated[Part[float], MEASURE_KINDS, "What is measured."]
+    measure: Annotated[PartialCall[float], MEASURE_KINDS, "What is measured."]
     name: Annotated[str, "Of its column; the measure's where it is left out."] = ""
 
-    def made(self) -> Kept:
+    def build(self) -> Metric:
         """What is kept."""
-        return Kept(self.measure.make.__name__, self.name, self.measure.arguments)
+        return Metric(self.measure.make.__name__, self.name, self.measure.arguments)
 
 
 @attrs.frozen(eq=False)
@@ -113,8 +113,8 @@ class StudyTable:
         "What varies, by name; every combination of their values is a cell.",
     ] = attrs.field(factory=dict)
     keep: Annotated[
-        list[Kept],
-        ListOf(Table(KeptTable), needed="an array of tables"),
+        list[Metric],
+        ListOf(Table(MetricTable), needed="an array of tables"),
         "What is measured of every run, beside its outcome.",
     ] = attrs.field(factory=list)
     repetitions: Annotated[
@@ -190,7 +190,7 @@ def study_schema() -> dict[str, Any]:
 def _read(table: Raw, file: str) -> Study:
     if "study" not in table:
         raise InputError("there is no table [study]; it says what varies. See `rcac sweep --help`.")
-    place = Place(file, "study")
+    place = Location(file, "study")
     read: StudyTable = STUDY.read(require_table(table["study"], place), place)
     errors, axes = Errors(), []
     for name, axis in read.axes.items():
@@ -229,22 +229,22 @@ BESIDE: dict[str, str] = {
 }  # fmt: skip
 
 
-def axis_of(name: str, sets: str, given: dict[str, Any]) -> Axis | RandomAxis:
+def axis_of(name: str, sets: str, entries: dict[str, Any]) -> Axis | RandomAxis:
     """The axis that a table of [study.axes] describes."""
-    ways = [way for way in BESIDE if way in given]
+    ways = [way for way in BESIDE if way in entries]
     if len(ways) != 1:
-        said = f"has {' and '.join(ways)}" if ways else "does not say which values it takes"
-        raise InputError(f"the axis {name!r} {said}; give one of {', '.join(BESIDE)}.")
+        problem = f"has {' and '.join(ways)}" if ways else "does not say which values it takes"
+        raise InputError(f"the axis {name!r} {problem}; give one of {', '.join(BESIDE)}.")
     way = ways[0]
     beside = BESIDE[way]
     for extra in ("points", "draws"):
-        if extra in given and extra != beside:
+        if extra in entries and extra != beside:
             raise InputError(f"the axis {name!r} has {extra}, which {way} does not take.")
-    if beside and beside not in given:
+    if beside and beside not in entries:
         raise InputError(f"the axis {name!r} has {way} and needs {beside} too.")
     if beside == "draws":
-        return RandomAxis(name, way, given[way], given["draws"], sets)
-    return Axis(name, MAKERS[way](name, given[way], given.get("points")), sets)
+        return RandomAxis(name, way, entries[way], entries["draws"], sets)
+    return Axis(name, MAKERS[way](name, entries[way], entries.get("points")), sets)
 
 
 def _listed(name: str, values: Any, points: int | None) -> list[Any]:

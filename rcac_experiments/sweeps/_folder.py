@@ -32,7 +32,7 @@ from rcac_experiments.sweeps._chunk_files import (
 )
 from rcac_experiments.sweeps._directory import Directory, is_part
 from rcac_experiments.sweeps._problems import Damaged, StoreError
-from rcac_experiments.sweeps._reader import file_of, read_guarded, read_here
+from rcac_experiments.sweeps._reader import file_of, read_guarded, read_in_process
 from rcac_experiments.sweeps._study import Study
 from rcac_experiments.sweeps._study_file import (
     LARGEST_FILE,
@@ -231,12 +231,12 @@ class Folder:
         With `guarded` in a child with limits: who made the folder is not known.
         """
         about = self.study
-        wanted = self.numbers() if numbers is None else numbers
-        chunks = {n: about.plan.chunk(n) for n in wanted if 0 < n <= about.plan.chunks}
+        selected = self.numbers() if numbers is None else numbers
+        chunks = {n: about.plan.chunk(n) for n in selected if 0 < n <= about.plan.chunks}
         if self.chunks is None or not chunks:
             return
         jobs = [(n, last - first + 1, self.layout(n)) for n, (first, last) in chunks.items()]
-        for number, found in (read_guarded if guarded else read_here)(self.chunks, jobs):
+        for number, found in (read_guarded if guarded else read_in_process)(self.chunks, jobs):
             columns, fault = ({}, found) if isinstance(found, str) else (found, "")
             if columns:
                 fault = _fault(about, number, self.layout(number), columns)

@@ -83,8 +83,8 @@ def worst_pole_distance(r: LoopAnalysis, exact: bool = False) -> float:
     target = r.compared_with
     if (target.l_z, target.l_u) != (1, 1):
         raise InputError("the poles of a target model that is not scalar are not assigned.")
-    wanted = np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
-    pairs = pairing(wanted, r.loop.poles())
+    target_poles = np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
+    pairs = pairing(target_poles, r.loop.poles())
     return max((abs(a - b) for a, b in pairs), default=0.0)
 
 
@@ -97,7 +97,7 @@ STUDY_MEASURES: dict[str, MeasureFunction] = {
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Kept(Value):
+class Metric(Value):
     """A number that is kept of every run.
 
     Parameters
@@ -118,9 +118,9 @@ class Kept(Value):
 
     Examples
     --------
-    >>> from rcac_experiments.sweeps import Kept
-    >>> Kept("peak", "error", {"start": 900})
-    Kept(error = peak(start=900))
+    >>> from rcac_experiments.sweeps import Metric
+    >>> Metric("peak", "error", {"start": 900})
+    Metric(error = peak(start=900))
     """
 
     name: str
@@ -135,15 +135,15 @@ class Kept(Value):
         **others: Never,
     ) -> None:
         if others:
-            given: dict[str, object] = dict(others)
+            extra: dict[str, object] = dict(others)
             raise InputError(
-                f"Kept takes a measure, name and arguments, not {', '.join(given)}; what the "
-                f"measure takes goes into arguments={given!r}."
+                f"Kept takes a measure, name and arguments, not {', '.join(extra)}; what the "
+                f"measure takes goes into arguments={extra!r}."
             )
-        own = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
+        default_name = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
         set_ = object.__setattr__
         set_(self, "measure", measure)
-        set_(self, "name", name or own)
+        set_(self, "name", name or default_name)
         set_(self, "arguments", {key: plain(v) for key, v in (arguments or {}).items()})
         require_column(self.name)
         try:

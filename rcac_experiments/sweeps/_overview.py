@@ -107,12 +107,13 @@ def sweep_overview(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_experiments.sweeps import Axis, Kept, Study, run_study, sweep_overview
+    >>> from rcac_experiments.sweeps import Axis, Metric, Study, run_study, sweep_overview
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 2)"},
     ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 50}}
-    >>> study = Study(base, [Axis("R_theta", [0.1, 10], sets="controller.R_theta")], [Kept("rms")])
+    >>> study = Study(base, [Axis("R_theta", [0.1, 10], sets="controller.R_theta")],
+    [Metric("rms")])
     >>> store = tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
     >>> overview = sweep_overview(store)

@@ -119,18 +119,18 @@ class Plan:
         """
         numbers = np.asarray(cells, dtype=np.int64)
         ends = [0, *(stage.cells for stage in self.stages)]
-        found = np.zeros((len(self.values), len(numbers)), dtype=np.int64)
+        indices = np.zeros((len(self.values), len(numbers)), dtype=np.int64)
         which = np.searchsorted(ends, numbers, side="right") - 1
         for i in np.unique(which).tolist():
             rows = which == i
-            left = numbers[rows] - ends[i]
+            offsets = numbers[rows] - ends[i]
             if i:
                 fresh = np.ones(self.stages[i].lengths, dtype=bool)
                 fresh[tuple(map(slice, self.stages[i - 1].lengths))] = False
-                left = np.flatnonzero(fresh)[left]
+                offsets = np.flatnonzero(fresh)[offsets]
             if self.values:
-                found[:, rows] = np.unravel_index(left, self.stages[i].lengths)
-        return found
+                indices[:, rows] = np.unravel_index(offsets, self.stages[i].lengths)
+        return indices
 
     def coordinates(self, cells: Sequence[int]) -> list[dict[str, Any]]:
         """The coordinates of some cells."""

@@ -54,7 +54,7 @@ class WorkerPool(Executor):
         self.time_limit = time_limit
         self._jobs: queue.SimpleQueue[tuple[Future[Any], Any, Any] | None] = queue.SimpleQueue()
         self._reader, self._alive = _CONTEXT.Pipe(duplex=False)
-        self._lock, self._left, self._broken = threading.Lock(), False, ""
+        self._lock, self._is_closed, self._broken = threading.Lock(), False, ""
         self._workers: set[_Worker] = set()
         self._keepers = [threading.Thread(target=self._keep, daemon=True) for _ in range(workers)]
         for keeper in self._keepers:
@@ -62,7 +62,7 @@ class WorkerPool(Executor):
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
         """As of any executor; the future fails with `WorkerLost` where its worker does."""
-        if self._broken or self._left:
+        if self._broken or self._is_closed:
             raise BrokenExecutor(self._broken)
         future: Future[T] = Future()
         self._jobs.put((future, fn, args))
@@ -71,7 +71,7 @@ class WorkerPool(Executor):
     def leave(self) -> None:
         """End the workers now, whatever they are doing."""
         with self._lock:
-            self._left = True
+            self._is_closed = True
             for worker in self._workers:
                 worker.process.kill()
         self.shutdown(wait=False)
@@ -90,7 +90,7 @@ class WorkerPool(Executor):
         worker: _Worker | None = None
         while (job := self._jobs.get()) is not None:
             future, fn, args = job
-            if self._left or not future.set_running_or_notify_cancel():
+            if self._is_closed or not future.set_running_or_notify_cancel():
                 continue
             try:
                 worker = worker or self._started()
@@ -110,7 +110,7 @@ class WorkerPool(Executor):
         """A worker that is ready; another one where a signal ends it before."""
         for _ in range(STARTS):
             with self._lock:
-                if self._left or self._broken:
+                if self._is_closed or self._broken:
                     break
                 worker = _Worker(self._reader)
                 self._workers.add(worker)
@@ -249,17 +249,17 @@ def _serve(pipe: connection.Connection, alive: connection.Connection) -> None:
         os.environ.setdefault(name, "1")  # NumPy is not read yet: workers share the processors
     threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
     pipe.send("ready")
-    said = 0.0
+    reported = 0.0
 
     def progress() -> None:
-        nonlocal said
-        if time.monotonic() - said > PAUSE:
+        nonlocal reported
+        if time.monotonic() - reported > PAUSE:
             pipe.send(("progress", None))
-            said = time.monotonic()
+            reported = time.monotonic()
 
     while (job := pipe.recv()) is not None:
         fn, args = job
-        said = 0.0
+        reported = 0.0
         try:
             answer = ("done", fn(*args, progress=progress))
         except CompensatorError as error:

@@ -23,13 +23,13 @@ from rcac_experiments.sweeps._problems import Damaged, StoreError
 MEMORY = 2**30  # bytes of the child, and four times what of a file is beyond 64 MiB
 SECONDS = 1.0  # of processor for a chunk, and one for each 64 MiB of its file
 LARGE = 2**26
-SILENCE = 60.0  # seconds of the clock, after which a drive or a file is taken for dead
+TIMEOUT = 60.0  # seconds of the clock, after which a drive or a file is taken for dead
 DEATHS = 2  # of children, after which the rest of the folder is not read
 ENVIRONMENT = {"ARROW_DEFAULT_MEMORY_POOL": "system", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1"}  # fmt: skip
 
-Wanted = tuple[int, int, Layout]  # the number of a chunk, its rows, its columns
-Found = tuple[int, Columns | str]  # its columns, or what is wrong with it
+ChunkRequest = tuple[int, int, Layout]  # the number of a chunk, its rows, its columns
+ChunkResult = tuple[int, Columns | str]  # its columns, or what is wrong with it
 
 
 def file_of(number: int) -> str:
@@ -37,9 +37,9 @@ def file_of(number: int) -> str:
     return f"{number:08d}.parquet"
 
 
-def read_here(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
+def read_in_process(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterator[ChunkResult]:
     """Those of some chunks that are there, in a folder of our own."""
-    for number, rows, layout in wanted:
+    for number, rows, layout in requests:
         try:
             data = folder.read(file_of(number), MOST_BYTES)
             yield number, decode(layout, number, rows, data)
@@ -49,32 +49,32 @@ def read_here(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
             yield number, str(fault)
 
 
-def read_guarded(folder: Directory, wanted: Sequence[Wanted]) -> Iterator[Found]:
+def read_guarded(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterator[ChunkResult]:
     """The same, after a child has read each of them within its limits."""
     faults: dict[int, str] = {}
-    left = list(wanted)
+    remaining = list(requests)
     for _ in range(DEATHS):
-        if left:
-            faults.update(_tried(folder, left))
-            left = [one for one in left if one[0] not in faults]
-        if left:
-            faults[left.pop(0)[0]] = "reading it took more memory or time than it may"
+        if remaining:
+            faults.update(_faults_by_child(folder, remaining))
+            remaining = [one for one in remaining if one[0] not in faults]
+        if remaining:
+            faults[remaining.pop(0)[0]] = "reading it took more memory or time than it may"
     words = f"it was not read: {DEATHS} chunks before it ended the process that read them"
-    faults.update({number: words for number, _, _ in left})
-    for one in wanted:
+    faults.update({number: words for number, _, _ in remaining})
+    for one in requests:
         if faults[one[0]]:
             yield one[0], faults[one[0]]
         else:
-            yield from read_here(folder, [one])
+            yield from read_in_process(folder, [one])
 
 
-def _tried(folder: Directory, wanted: Sequence[Wanted]) -> dict[int, str]:
+def _faults_by_child(folder: Directory, requests: Sequence[ChunkRequest]) -> dict[int, str]:
     """What a child found wrong with each chunk, as far as it came."""
-    layouts = list(dict.fromkeys(layout for _, _, layout in wanted))
+    layouts = list(dict.fromkeys(layout for _, _, layout in requests))
     task = {
         "folder": str(folder.path.absolute()), "handle": folder.handle,
         "layouts": [[layout.study, layout.columns] for layout in layouts],
-        "chunks": [[number, rows, layouts.index(layout)] for number, rows, layout in wanted],
+        "chunks": [[number, rows, layouts.index(layout)] for number, rows, layout in requests],
     }  # fmt: skip
     child = subprocess.Popen(
         # -P: nothing is imported from the folder that this process is in.
@@ -82,12 +82,12 @@ def _tried(folder: Directory, wanted: Sequence[Wanted]) -> dict[int, str]:
         stderr=subprocess.DEVNULL, env={**os.environ, **ENVIRONMENT},
         pass_fds=() if folder.handle is None else (folder.handle,),
     )  # fmt: skip
-    said: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(child, task, said), daemon=True).start()
+    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(child, task, lines), daemon=True).start()
     answers = []
     try:
         with suppress(queue.Empty):  # it hangs: nobody waits for a process that a drive holds
-            while line := said.get(timeout=SILENCE):
+            while line := lines.get(timeout=TIMEOUT):
                 answers.append(line)
     finally:
         child.kill()
@@ -99,17 +99,17 @@ def _tried(folder: Directory, wanted: Sequence[Wanted]) -> dict[int, str]:
     return dict(map(json.loads, answers[1:]))
 
 
-def _listen(child: subprocess.Popen[bytes], task: object, said: queue.SimpleQueue[bytes]) -> None:
+def _listen(child: subprocess.Popen[bytes], task: object, lines: queue.SimpleQueue[bytes]) -> None:
     """Give a child its task and hand on line by line what it says; nothing when it ends."""
     assert child.stdin is not None and child.stdout is not None
     with suppress(OSError):
         child.stdin.write(json.dumps(task).encode())
         child.stdin.close()
     for line in child.stdout:
-        said.put(line)
+        lines.put(line)
     child.wait()
     child.stdout.close()
-    said.put(b"")
+    lines.put(b"")
 
 
 def _serve() -> None:
@@ -120,13 +120,13 @@ def _serve() -> None:
     with suppress(Damaged):
         decode(layouts[0], 0, 0, b"")  # reads the libraries, before anything is limited
     print("ready", flush=True)
-    for number, rows, which in task["chunks"]:
+    for number, rows, index in task["chunks"]:
         size = 0
         with suppress(OSError):
             size = min(folder.about(file_of(number)).st_size, MOST_BYTES)
         _limit(MEMORY + 4 * max(size - LARGE, 0), SECONDS + size / LARGE)
-        found = dict(read_here(folder, [(number, rows, layouts[which])]))
-        fault = found.get(number, "")
+        results = dict(read_in_process(folder, [(number, rows, layouts[index])]))
+        fault = results.get(number, "")
         print(json.dumps([number, fault if isinstance(fault, str) else ""]), flush=True)
 
 

@@ -16,7 +16,7 @@ from rcac_experiments.sweeps._canonical import data_files, file_digests, source_
 from rcac_experiments.sweeps._cells import Cells
 from rcac_experiments.sweeps._chunk import error_text
 from rcac_experiments.sweeps._folder import Folder
-from rcac_experiments.sweeps._measures import Kept
+from rcac_experiments.sweeps._measures import Metric
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._study import Study
 from rcac_experiments.sweeps._study_file import StoredStudy
@@ -121,12 +121,12 @@ def replay_run(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_experiments.sweeps import Kept, Study, replay_run, run_study
+    >>> from rcac_experiments.sweeps import Metric, Study, replay_run, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 200}}
-    >>> study = Study({**base, "controller": {"n_c": 2, "R_theta": 1}}, [], [Kept("rms")],
+    >>> study = Study({**base, "controller": {"n_c": 2, "R_theta": 1}}, [], [Metric("rms")],
     ...     repetitions=8)
     >>> store = tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
@@ -224,7 +224,7 @@ def _study(
             base,
             [Axis(axis["name"], axis["values"], axis["sets"]) for axis in resolved["axes"]],
             [
-                Kept(restored(kept["measure"]), kept["name"], kept["arguments"])
+                Metric(restored(kept["measure"]), kept["name"], kept["arguments"])
                 for kept in resolved["keep"]
             ],
             repetitions=resolved["repetitions"],

@@ -149,9 +149,9 @@ def summarise(
     for name in axes:
         if name not in table.axes:
             raise InputError(f"{name!r} is no axis; the axes are {', '.join(table.axes)}.")
-    wanted = tuple(number(q, "a quantile") for q in items(quantiles, "quantiles"))
-    if any(not 0 <= q <= 1 for q in wanted):
-        raise InputError(f"the quantiles {wanted} must lie between 0 and 1.")
+    probabilities = tuple(number(q, "a quantile") for q in items(quantiles, "quantiles"))
+    if any(not 0 <= q <= 1 for q in probabilities):
+        raise InputError(f"the quantiles {probabilities} must lie between 0 and 1.")
     everything = {
         name: np.concatenate([table[name], table.failed.get(name, np.zeros(0, table[name].dtype))])
         for name in axes
@@ -167,8 +167,8 @@ def summarise(
     columns |= {"share": not_completed / np.maximum(runs, 1), "share_low": low, "share_high": high}
     columns["failed"] = np.bincount(of_failed, minlength=count)
     if measure:
-        columns |= _quantiles(table[measure], group, count, failed, wanted)
-    return SweepSummary(tuple(axes), measure, wanted, columns)
+        columns |= _quantiles(table[measure], group, count, failed, probabilities)
+    return SweepSummary(tuple(axes), measure, probabilities, columns)
 
 
 def _groups(axes: Columns, length: int) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:

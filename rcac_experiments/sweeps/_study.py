@@ -19,7 +19,7 @@ from rcac_experiments.sweeps._canonical import (
     name_of,
     plain,
 )
-from rcac_experiments.sweeps._measures import Kept
+from rcac_experiments.sweeps._measures import Metric
 from rcac_numeric.arrays._validation import instance_of, integer, items, one_of
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.engine._batches import SimulationCase
@@ -46,7 +46,7 @@ class Study(Value):
         frozen class at the top of a module, whose instance is called.
     axes : sequence of Axis or RandomAxis
         Every combination of their values is a cell.
-    keep : sequence of Kept
+    keep : sequence of Metric
         What is measured of every run, beside its outcome; nothing where it is left out.
     repetitions : int
         Runs of every cell, which differ in their noise; with `run.perturbation`, all but the first
@@ -70,7 +70,7 @@ class Study(Value):
 
     Examples
     --------
-    >>> from rcac_experiments.sweeps import Axis, Kept, Study
+    >>> from rcac_experiments.sweeps import Axis, Metric, Study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},
@@ -78,14 +78,14 @@ class Study(Value):
     ...     "run": {"steps": 200}}
     >>> study = Study(
     ...     base, [Axis("R_theta", [0.01, 1, 100], sets="controller.R_theta")],
-    ...     [Kept("rms")], repetitions=10)
+    ...     [Metric("rms")], repetitions=10)
     >>> study
     Study(30 runs: R_theta 3 x 10 repetitions)
     """
 
     base: dict[str, Any] | CaseFunction
     axes: tuple[Axis, ...]
-    keep: tuple[Kept, ...]
+    keep: tuple[Metric, ...]
     repetitions: int
     seed: int
     common_noise: bool
@@ -98,7 +98,7 @@ class Study(Value):
         self,
         base: Mapping[str, Any] | CaseFunction,
         axes: Sequence[Axis | RandomAxis],
-        keep: Sequence[Kept] = (),
+        keep: Sequence[Metric] = (),
         *,
         repetitions: int = 1,
         seed: int = 0,
@@ -115,10 +115,10 @@ class Study(Value):
             raise InputError(f"a study takes {', '.join(known)}, not {', '.join(others)}.{hint}")
         set_ = object.__setattr__
         set_(self, "seed", integer(seed, "seed"))
-        given = items(axes, "axes", Axis | RandomAxis)  # type: ignore[arg-type]
-        drawn = [axis.drawn(seed) if isinstance(axis, RandomAxis) else axis for axis in given]
+        requested = items(axes, "axes", Axis | RandomAxis)  # type: ignore[arg-type]
+        drawn = [axis.drawn(seed) if isinstance(axis, RandomAxis) else axis for axis in requested]
         set_(self, "axes", tuple(drawn))
-        set_(self, "keep", items(keep, "keep", Kept))
+        set_(self, "keep", items(keep, "keep", Metric))
         for kind, names in (
             ("axes", [axis.name for axis in drawn]),
             ("columns", [*(axis.name for axis in drawn), *(kept.name for kept in self.keep)]),

@@ -70,7 +70,7 @@ class StoredStudy:
     @property
     def measures(self) -> tuple[str, ...]:
         """The names of the columns of measures."""
-        return tuple(kept["name"] for kept in self.resolved["keep"])
+        return tuple(metric["name"] for metric in self.resolved["keep"])
 
     def grown(self, path: object, study: Study, *, among_others: bool = False) -> StoredStudy:
         """The same with what a study asks for beyond it; another study is refused.
@@ -104,11 +104,11 @@ def plan_of(resolved: Resolved, stages: tuple[Stage, ...], chunk_size: int) -> P
     if type(chunk_size) is not int or not 1 <= chunk_size <= LARGEST_CHUNK:
         raise ValueError(f"a chunk of {chunk_size} runs; there are 1 to {LARGEST_CHUNK}")
     axes = [Axis(axis["name"], axis["values"], axis["sets"]) for axis in resolved["axes"]]
-    for kept in resolved["keep"]:
-        require_column(kept["name"])
-        if not isinstance(kept["arguments"], dict):
+    for metric in resolved["keep"]:
+        require_column(metric["name"])
+        if not isinstance(metric["arguments"], dict):
             raise TypeError("the arguments of a measure are no table")
-    names = [*(axis.name for axis in axes), *(kept["name"] for kept in resolved["keep"])]
+    names = [*(axis.name for axis in axes), *(metric["name"] for metric in resolved["keep"])]
     if len({name.lower() for name in names}) != len(names):
         raise ValueError("two columns have one name")
     if not set(resolved["keep_signals"]) <= set(SIGNALS):
@@ -147,15 +147,19 @@ def read_text(data: bytes) -> StoredStudy:
     document = json.loads(data)
     if document.pop("format", None) != FORMAT:
         raise ValueError(f"it is of no format that this version reads, which is {FORMAT}")
-    study, made_with, mixed = document["study"], document["versions"], document["mixed"]
-    said = {name: document[name] for name in ("file", "title", "instruction_set", "created")}
-    texts = [*said.values(), *made_with, *made_with.values(), *mixed]
+    study, used_versions, mixed = document["study"], document["versions"], document["mixed"]
+    texts_by_name = {
+        name: document[name] for name in ("file", "title", "instruction_set", "created")
+    }
+    texts = [*texts_by_name.values(), *used_versions, *used_versions.values(), *mixed]
     if not all(type(text) is str for text in texts) or type(mixed) is not list:
         raise TypeError("something in it is of another kind")
     canonical_json(study)
     stages = tuple(Stage(tuple(lengths), count) for lengths, count in document["stages"])
     plan = plan_of(study, stages, document["chunk_size"])
-    return StoredStudy(study, plan=plan, versions=made_with, mixed=tuple(mixed), **said)
+    return StoredStudy(
+        study, plan=plan, versions=used_versions, mixed=tuple(mixed), **texts_by_name
+    )
 
 
 def _entries(text: bytes) -> int:

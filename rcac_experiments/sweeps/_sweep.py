@@ -38,7 +38,7 @@ CHUNK_SECONDS, CHUNK_BYTES = 0.3, 3e7
 WINDOW, WINDOW_OF_OTHERS = 3, 64
 
 # Values of one axis that are tried; of a longer one the first, the last, and some between.
-TRIED = 40
+LARGEST_TRIALS = 40
 
 
 class StudyInterrupted(KeyboardInterrupt):
@@ -126,13 +126,13 @@ def run_study(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_experiments.sweeps import Axis, Kept, Study, read_table, run_study
+    >>> from rcac_experiments.sweeps import Axis, Metric, Study, read_table, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 200}}
     >>> study = Study(
-    ...     base, [Axis("R_theta", [0.01, 100], sets="controller.R_theta")], [Kept("rms")],
+    ...     base, [Axis("R_theta", [0.01, 100], sets="controller.R_theta")], [Metric("rms")],
     ...     repetitions=10)
     >>> store = tempfile.mkdtemp() + "/study"
     >>> print(run_study(study, store, workers=0))
@@ -158,7 +158,7 @@ def run_study(
     under_way = usual if window is None else integer(window, "window", at_least=1)
     pool = Pool(executor, count, limit)
     require_library("pyarrow")
-    first = tried(study)
+    first = checked_first_cell(study)
     with Folder(store, make=True) as opened, KeyWatch():
         meter, coordinator = Meter(study.runs, 0), None
         try:
@@ -178,7 +178,7 @@ def run_study(
                     coordinator = Coordinator(
                         opened, pool,
                         _tasks(opened, study, "" if mixed else opened.study.instruction_set, limit),
-                        under_way, again, meter, progress or _silence,
+                        under_way, again, meter, progress or _no_progress,
                     )  # fmt: skip
                     coordinator.run(absent, anew)
             pool.end()
@@ -294,11 +294,11 @@ def _require_same(store: Folder, mixed: bool) -> list[str]:
     return differences
 
 
-def _silence(progress: Progress) -> None:
+def _no_progress(progress: Progress) -> None:
     """Say nothing of how far it is."""
 
 
-def tried(study: Study) -> Cell:
+def checked_first_cell(study: Study) -> Cell:
     """The first cell, after every value of every axis was tried once, the others at their first.
 
     A combination of values that cannot be made shows only where it is run, as an outcome.
@@ -326,6 +326,6 @@ def tried(study: Study) -> Cell:
 def _trials(study: Study, first: Coordinates) -> Iterator[tuple[str, Coordinates]]:
     yield "", first
     for axis in study.axes:
-        step = max(1, -(-len(axis) // TRIED))
+        step = max(1, -(-len(axis) // LARGEST_TRIALS))
         for i in sorted({*range(0, len(axis), step), len(axis) - 1} - {0}):
             yield axis.name, {**first, axis.name: axis.values[i]}

@@ -29,21 +29,21 @@ _OWN = re.compile(r"[/\\](numpy|scipy)(\.libs)?[/\\]")
 
 @functools.cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    found = {"python": f"{platform.python_implementation()} {platform.python_version()}"}
+    versions = {"python": f"{platform.python_implementation()} {platform.python_version()}"}
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "not installed"
+            versions[name] = "not installed"
     if commit := _commit(Path(__file__).resolve().parents[2]):
-        found["commit"] = commit
-    found["numpy's BLAS"] = _blas(np.show_config)
-    found["scipy's BLAS"] = _blas(scipy.show_config)
+        versions["commit"] = commit
+    versions["numpy's BLAS"] = _blas(np.show_config)
+    versions["scipy's BLAS"] = _blas(scipy.show_config)
     if kernels := _blas_kernels():
-        found["BLAS kernels"] = kernels
-    found["platform"] = f"{platform.system()} {platform.release()} {platform.machine()}"
-    found["processor"] = _processor()
-    return tuple((name, shortened(words, 200)) for name, words in found.items())
+        versions["BLAS kernels"] = kernels
+    versions["platform"] = f"{platform.system()} {platform.release()} {platform.machine()}"
+    versions["processor"] = _processor()
+    return tuple((name, shortened(words, 200)) for name, words in versions.items())
 
 
 def versions() -> dict[str, str]:

@@ -32,7 +32,7 @@ from rcac_experiments.sweeps._chunk import (
     failure,
     storable,
 )
-from rcac_experiments.sweeps._measures import Kept
+from rcac_experiments.sweeps._measures import Metric
 from rcac_experiments.sweeps._study import Coordinates, Study
 from rcac_numeric.analysis._loop_analysis import LoopAnalysis
 from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
@@ -95,25 +95,27 @@ def measured(cell: Cell, run: LoopAnalysis) -> tuple[list[float], str]:
     a run that did not complete is not even worth a word.
     """
     values, notes = [], []
-    for kept in cell.study.keep:
+    for metric in cell.study.keep:
         try:
-            values.append(_value(cell, kept, run))
+            values.append(_value(cell, metric, run))
         except CompensatorError as error:
             values.append(math.nan)
             if run.run.outcome == "completed":
-                notes.append(f"measure {kept.name}: {type(error).__name__}: {error}")
+                notes.append(f"measure {metric.name}: {type(error).__name__}: {error}")
         except TimeLimitReached:
             raise
         except BaseException as error:  # of the user's own function: SystemExit too
             if is_of_a_key(error):
                 raise
-            raise MeasureFailed(kept.name, error) from None
+            raise MeasureFailed(metric.name, error) from None
     return values, "; ".join(notes)
 
 
-def _value(cell: Cell, kept: Kept, run: LoopAnalysis) -> float:
-    quick = isinstance(kept.measure, str) and ONCE_FOR_A_CELL.get(kept.measure)
-    value = quick(cell, run, **kept.arguments) if quick else kept.function(run, **kept.arguments)
+def _value(cell: Cell, metric: Metric, run: LoopAnalysis) -> float:
+    quick = isinstance(metric.measure, str) and ONCE_FOR_A_CELL.get(metric.measure)
+    value = (
+        quick(cell, run, **metric.arguments) if quick else metric.function(run, **metric.arguments)
+    )
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -142,11 +144,11 @@ ONCE_FOR_A_CELL: dict[str, Callable[..., Any]] = {
 _KNOWN: dict[str, Cells] = {}
 
 
-def _silence() -> None:
+def _no_progress() -> None:
     """Tell nobody that a run has ended."""
 
 
-def run_chunk(task: ChunkTask, progress: Callable[[], None] = _silence) -> ChunkResult:
+def run_chunk(task: ChunkTask, progress: Callable[[], None] = _no_progress) -> ChunkResult:
     """Run some runs of a study; none of them can fail but as a record.
 
     `progress` is called when it begins, and whenever a run has ended.
@@ -239,9 +241,9 @@ def _together(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> li
                 under_way.append((run, cell))
                 yield case
 
-    def reduced(number: int, found: Run) -> RunRecord:
+    def reduced(number: int, loop_run: Run) -> RunRecord:
         run, cell = under_way[number]
-        record = _record(run, cell, found, found.failure)
+        record = _record(run, cell, loop_run, loop_run.failure)
         progress()
         return record
 
@@ -259,26 +261,28 @@ def _together(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> li
     return records
 
 
-def _record(run: int, cell: Cell, found: Run, words: str) -> RunRecord:
-    if found.outcome in FAILED:
+def _record(run: int, cell: Cell, loop_run: Run, words: str) -> RunRecord:
+    if loop_run.outcome in FAILED:
         if words.startswith(TimeLimitReached.__name__):
             raise TimeLimitReached(words)
-        return failure(run, found.outcome, words)
+        return failure(run, loop_run.outcome, words)
     try:
-        values, note = measured(cell, LoopAnalysis(found, cell.target))
+        values, note = measured(cell, LoopAnalysis(loop_run, cell.target))
     except MeasureFailed as failed:
         text = f"measure {failed.name}: {error_text(failed.cause)}"
         record = failure(run, MEASURE_FAILED, failed.cause)
         return RunRecord(run, record.outcome, storable(text), [], {})
-    signals = {name: np.array(getattr(found, name)) for name in cell.study.keep_signals}
+    signals = {name: np.array(getattr(loop_run, name)) for name in cell.study.keep_signals}
     error = storable("; ".join(part for part in (words, note) if part))
-    return RunRecord(run, found.outcome, error, values, signals)
+    return RunRecord(run, loop_run.outcome, error, values, signals)
 
 
 def _reference(cell: Cell, repetition: int) -> Run:
-    made = cell.specification
-    assert made is not None
-    plant, settings = require_supported(made.plant, made.settings, made.saturation)
+    specification = cell.specification
+    assert specification is not None
+    plant, settings = require_supported(
+        specification.plant, specification.settings, specification.saturation
+    )
     return simulate_reference(plant, settings, cell.w(repetition))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rcac_experiments.sweeps._axes import Axis
 from rcac_experiments.sweeps._folder import Folder
-from rcac_experiments.sweeps._measures import Kept
+from rcac_experiments.sweeps._measures import Metric
 from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Progress
 from rcac_experiments.sweeps._study import Study
@@ -40,7 +40,7 @@ def stored(
             Axis("plant", list(range(len(trials.variations)))),
             Axis("seed", list(range(trials.first, trials.first + trials.seeds))),
         ],
-        [Kept(rms), Kept(peak), Kept(Ms)],
+        [Metric(rms), Metric(peak), Metric(Ms)],
         lanes=False,
         title="Trials of a design",
     )

@@ -50,7 +50,7 @@ RULE = "rule"
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
 SAMPLES, NU, WIDTH, FORGETTING, SPARE = (1.0, 5.5), (-1.5, 1.0), (-1.5, 0.3), (-5.0, -2.5), 3
 HALF = 0.5  # of the points have lambda = 1
-KEPT = 0.5  # of the candidates: those that go on to the next round, with twice the draws
+SURVIVORS = 0.5  # of the candidates: those that go on to the next round, with twice the draws
 ROUNDS = 4
 
 Runner = Callable[[str, Trials], tuple[Trial, ...]]
@@ -236,12 +236,14 @@ def tune(
     }
     if design.reference.structure is not None:  # whose order is as it was asked for
         knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
-    made: dict[str, AnyController] = {FIXED: design.fixed}
+    settings_by_name: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
-        made[name] = settings_of(design.model, design.reference, design.expected, one)
+        settings_by_name[name] = settings_of(design.model, design.reference, design.expected, one)
     with _runner(store, workers, executor, progress) as runner:
-        candidates, chosen = _halved(design, made, knobs, steps, runner)
-        return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed), runner)
+        candidates, chosen = _halved(design, settings_by_name, knobs, steps, runner)
+        return _judged(
+            design, settings_by_name, chosen, candidates, steps, (held_out, seeds, seed), runner
+        )
 
 
 @contextlib.contextmanager
@@ -254,9 +256,9 @@ def _runner(
         raise InputError(f"progress = {progress!r} cannot be called; give ProgressLine().")
     if store is None:
         if workers is not None or executor is not None:
-            what = "executor" if workers is None else f"workers = {workers}"
+            option = "executor" if workers is None else f"workers = {workers}"
             raise InputError(
-                f"{what}, and no store: processes leave their runs in one. Give store, a folder, "
+                f"{option}, and no store: processes leave their runs in one. Give store, a folder, "
                 "or leave it out."
             )
 
@@ -275,10 +277,10 @@ def _runner(
     member(folder, f"round-1/{STUDY}")  # made now, or refused before anything is run
     if executor is not None and workers is not None:
         raise InputError("workers are processes of our own, and executor stands in their place.")
-    own = None
+    local_pool = None
     if executor is None:
         count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
-        executor = own = WorkerPool(count) if count else InProcess()  # once for all rounds
+        executor = local_pool = WorkerPool(count) if count else InProcess()  # once for all rounds
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
         return stored(trials, member(folder, f"{name}/{STUDY}").parent, executor, progress)
@@ -286,11 +288,11 @@ def _runner(
     try:
         yield into_store
     except BaseException:
-        if isinstance(own, WorkerPool):
-            own.leave()
+        if isinstance(local_pool, WorkerPool):
+            local_pool.leave()
         raise
-    if own is not None:
-        own.shutdown()
+    if local_pool is not None:
+        local_pool.shutdown()
 
 
 def _points(budget: int, seed: int) -> list[TuningParameters]:
@@ -314,7 +316,7 @@ def _knobs(point: Array) -> TuningParameters:
 
 def _halved(
     design: Design,
-    made: dict[str, AnyController],
+    settings_by_name: dict[str, AnyController],
     knobs: dict[str, TuningParameters],
     steps: int,
     runner: Runner,
@@ -323,42 +325,54 @@ def _halved(
     plants = corners(design.model, design.uncertainty)
     # A disturbance of unknown kind is each of its kinds in turn, and all are needed to compare.
     draws = 1 if design.expected.is_known else len(KINDS)
-    seen: dict[str, list[Trial]] = {}
-    found: dict[str, Candidate] = {}
-    alive, first = list(made), LEARNING
+    trials_by_name: dict[str, list[Trial]] = {}
+    candidates_by_name: dict[str, Candidate] = {}
+    alive, first = list(settings_by_name), LEARNING
     for i in range(ROUNDS):
-        batch = {name: made[name] for name in alive}
+        batch = {name: settings_by_name[name] for name in alive}
         trials = runner(f"round-{i + 1}", Trials(
             batch, design.model, design.expected, plants, steps, draws, first, design.saturation
         ))  # fmt: skip
         for name in alive:
             new = [one for one in trials if one.controller == name]
-            old = seen.get(name, [])
-            seen[name] = [a.with_draws(b) for a, b in zip(old, new, strict=True)] if old else new
+            old = trials_by_name.get(name, [])
+            trials_by_name[name] = (
+                [a.with_draws(b) for a, b in zip(old, new, strict=True)] if old else new
+            )
         for name in alive:
-            Ms = max(float(np.median(one.Ms)) for one in seen[name])
-            found[name] = Candidate(name, knobs.get(name), _beside(seen, name, FIXED), Ms, i + 1)
+            Ms = max(float(np.median(one.Ms)) for one in trials_by_name[name])
+            candidates_by_name[name] = Candidate(
+                name, knobs.get(name), _beside(trials_by_name, name, FIXED), Ms, i + 1
+            )
         first, draws = first + draws, draws if i == 0 else 2 * draws
         always = [FIXED, RULE]
-        points = sorted((n for n in alive if n not in always), key=lambda n: found[n].order)
-        alive = always + points[: int(np.ceil(KEPT * len(points)))]
+        points = sorted(
+            (n for n in alive if n not in always), key=lambda n: candidates_by_name[n].order
+        )
+        alive = always + points[: int(np.ceil(SURVIVORS * len(points)))]
     best = min(
-        (one for one in found.values() if one.rounds == ROUNDS and one.knobs is not None),
+        (
+            one
+            for one in candidates_by_name.values()
+            if one.rounds == ROUNDS and one.knobs is not None
+        ),
         key=lambda one: one.order,
     )
-    over_rule = _beside(seen, best.name, RULE)
+    over_rule = _beside(trials_by_name, best.name, RULE)
     surely = over_rule.losses < over_rule.wins or over_rule.interval[1] < 1
-    return tuple(found.values()), best if surely else found[RULE]
+    return tuple(candidates_by_name.values()), best if surely else candidates_by_name[RULE]
 
 
-def _beside(seen: dict[str, list[Trial]], name: str, other: str) -> Comparison:
+def _beside(trials_by_name: dict[str, list[Trial]], name: str, other: str) -> Comparison:
     """A candidate beside another one, on the draws that it has seen."""
-    trials = seen[name] if name == other else [*seen[name], *seen[other]]
+    trials = (
+        trials_by_name[name] if name == other else [*trials_by_name[name], *trials_by_name[other]]
+    )
     return compared(tuple(trials), name, other)
 
 
 def _judged(
-    design: Design, made: dict[str, AnyController], chosen: Candidate,
+    design: Design, settings_by_name: dict[str, AnyController], chosen: Candidate,
     candidates: tuple[Candidate, ...], steps: int, held_out: tuple[int, int, int],
     runner: Runner,
 ) -> Tuned:  # fmt: skip
@@ -368,9 +382,9 @@ def _judged(
     more error.
     """
     count, seeds, seed = held_out
-    settings = made[chosen.name]
+    settings = settings_by_name[chosen.name]
     controllers: dict[str, AnyController] = {
-        RCAC: settings, FIXED: design.fixed, RULE: made[RULE]
+        RCAC: settings, FIXED: design.fixed, RULE: settings_by_name[RULE]
     }  # fmt: skip
     controllers |= {
         name: one for name, one in design.alternatives.items() if not isinstance(one, str)
@@ -385,19 +399,19 @@ def _judged(
     saved = over_rule.wins - over_rule.losses
     if saved < 0 or (saved == 0 and not over_rule.ratio <= 1):  # it does not carry over
         chosen = next(one for one in candidates if one.name == RULE)
-        settings = made[RULE]
+        settings = settings_by_name[RULE]
         rule = [one for one in trials if one.controller == RULE]
         others = [one for one in trials if one.controller != RCAC]
         trials = (*(replace(one, controller=RCAC) for one in rule), *others)
     assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
     evidence = tuple(one for one in trials if one.controller != RULE)
-    own = replace(judging, controllers={RCAC: settings, FIXED: design.fixed})
+    nominal = replace(judging, controllers={RCAC: settings, FIXED: design.fixed})
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)
     reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs)
     tuned = replace(
         design, settings=settings, evidence=evidence,
-        verdict=verdict_of(evidence, own),
+        verdict=verdict_of(evidence, nominal),
         runs={**design.runs, RCAC: run}, reasons=reasons,
     )  # fmt: skip
     return Tuned(tuned, chosen, candidates, compared(trials, RCAC, RULE))
@@ -418,7 +432,7 @@ def drawn(
     [True, True, True]
     """
     rng = np.random.default_rng([seed, JUDGING])
-    found = []
+    variations = []
     varies = continuous_of(plant) is not None
 
     def between(low: float, high: float) -> float:
@@ -430,5 +444,5 @@ def drawn(
         delay = int(rng.integers(least, uncertainty.delay + 1))
         time = between(1 / uncertainty.time, uncertainty.time) if varies else 1.0
         noise = between(1.0, uncertainty.noise)
-        found.append(Variation(f"drawn {i + 1}", gain, delay, time, noise))
-    return tuple(found)
+        variations.append(Variation(f"drawn {i + 1}", gain, delay, time, noise))
+    return tuple(variations)

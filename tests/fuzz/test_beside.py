@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.cli._main import main
-from rcac_experiments.dissertation._reproduction import KeptCases, reproduce
+from rcac_experiments.dissertation._reproduction import CompletedCases, reproduce
 from rcac_numeric.arrays import _files
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="links and pipes of POSIX")
@@ -227,7 +227,7 @@ def test_kept_cases_and_pages_are_members(places):
     with pytest.raises(CompensatorError, match="no ordinary file"):
         reproduce([], received)
     assert outside(ours) == {"notes.txt": b"mine\n"}
-    assert KeptCases(received)
+    assert CompletedCases(received)
 
 
 def test_who_makes_a_folder_writes_its_members():

@@ -60,7 +60,7 @@ def tried(path, table):
         elif use is check_store:
             message.append("whole" if result.is_whole else "named")
         else:
-            assert read_here(path) == table
+            assert read_in_process(path) == table
             message.append("computed again")
     return message
 
@@ -68,7 +68,7 @@ def tried(path, table):
 @pytest.mark.parametrize("damage", hostile.DAMAGE)
 def test_bytes_that_change_are_seen_and_computed_again(whole, got, damage, monkeypatch, in_full):
     """In this process: 1.5 10^5 tries in others found no byte of a footer that ends it."""
-    monkeypatch.setattr(folders, "read_guarded", reader.read_here)
+    monkeypatch.setattr(folders, "read_guarded", reader.read_in_process)
     rng = random.Random(damage.__name__)
     path, victim = got
     observed = []
@@ -96,14 +96,14 @@ def test_a_hostile_folder_leads_nowhere(whole, got, kind):
         assert len(str(error)) < 2000 and kind not in COMPUTED
     try:
         run_study(STUDY, path, workers=0)
-        assert read_here(path) == whole[1]
+        assert read_in_process(path) == whole[1]
     except StoreError:
         assert kind not in COMPUTED
     assert victim.read_text() == "mine\n" and sorted(victim.parent.iterdir()) == mine
     assert "antigravity" not in set(sys.modules) - modules
 
 
-def read_here(path):
+def read_in_process(path):
     with folders.Folder(path) as store:
         return table_in(store, guarded=False)
 
@@ -142,7 +142,7 @@ def test_a_child_that_is_silent_is_left(whole, tmp_path, monkeypatch, says):
     child.write_text(f"#!/bin/sh\n{says}\nexec sleep 1000\n")
     child.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(child))
-    monkeypatch.setattr(reader, "SILENCE", 0.2)
+    monkeypatch.setattr(reader, "TIMEOUT", 0.2)
     if not says:
         with pytest.raises(StoreError, match="does not start"):
             check_store(whole[0])
@@ -154,7 +154,7 @@ def test_a_child_that_is_silent_is_left(whole, tmp_path, monkeypatch, says):
 
 def test_the_child_and_this_process_read_the_same(whole, monkeypatch):
     guarded = read_table(whole[0])
-    monkeypatch.setattr(folders, "read_guarded", reader.read_here)
+    monkeypatch.setattr(folders, "read_guarded", reader.read_in_process)
     assert read_table(whole[0]) == guarded == whole[1]
 
 

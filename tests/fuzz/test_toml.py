@@ -21,7 +21,7 @@ from rcac_experiments import json_schema, load_experiment
 from rcac_experiments.dissertation._examples import example_ids, read_example
 from rcac_experiments.files._builder import FILE, build
 from rcac_experiments.files._runs import TABLES
-from rcac_experiments.format._tables import ByKey, Deferred, Kinds, Table
+from rcac_experiments.format._tables import ByKey, Kinds, PartialTable, Table
 from rcac_experiments.format._values import (
     ByStep,
     Choice,
@@ -94,7 +94,7 @@ def written(form, rng, depth=0):
         return {name: again(form.entry) for name in rng.sample("wrdv", rng.randrange(3))}
     if isinstance(form, Either):
         return again(rng.choice([form.table, form.other]))
-    if isinstance(form, Deferred):
+    if isinstance(form, PartialTable):
         return again(form.table)
     if isinstance(form, ByKey):
         kind = rng.choice([None, *form.kinds.values()])

@@ -52,7 +52,7 @@ SAMPLES = {
     results.Reproduction: lambda seed: results.Reproduction((), Path(f"gallery-{seed}/index.html")),
     sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
     sweeps.RandomAxis: lambda seed: sweeps.RandomAxis("gain", "normal", [seed, 1], draws=2),
-    sweeps.Kept: lambda seed: sweeps.Kept("peak", "late", {"start": seed}),
+    sweeps.Metric: lambda seed: sweeps.Metric("peak", "late", {"start": seed}),
     sweeps.Study: lambda seed: sweeps.Study(
         {"run": {"steps": 9}},
         [sweeps.Axis("R_theta", [seed, -1], sets="run.R_theta")],

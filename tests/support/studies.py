@@ -48,9 +48,9 @@ def study(repetitions=20, **changes):
         sweeps.Axis("noise", [0.5, 2], sets="signals.w.white_noise"),
     ]
     keep = [
-        sweeps.Kept("rms"),
-        sweeps.Kept("peak", "late", {"start": 100}),
-        sweeps.Kept("steps"),
+        sweeps.Metric("rms"),
+        sweeps.Metric("peak", "late", {"start": 100}),
+        sweeps.Metric("steps"),
     ]
     arguments = {"repetitions": repetitions, "seed": 3, **changes}
     return sweeps.Study(
@@ -75,7 +75,7 @@ def contents(folder):
 def over_R_theta(values, measure, repetitions=1):
     """One axis that a measure can tell runs by."""
     axis = sweeps.Axis("R_theta", values, sets="controller.R_theta")
-    return study(repetitions, axes=[axis], keep=[sweeps.Kept("rms"), sweeps.Kept(measure)])
+    return study(repetitions, axes=[axis], keep=[sweeps.Metric("rms"), sweeps.Metric(measure)])
 
 
 def deadly(r):

@@ -31,7 +31,7 @@ def test_an_example_is_shown_as_it_is_and_can_be_run_as_ones_own(tmp_path):
         (["verify", "4.7", "--set", "controller.R_theta"], "KEY=VALUE"),
         (["verify", "4.7", "--set", "controller.R_thet=1"], "Did you mean 'R_theta'"),
         (["verify", "4.7", "--set", "controler.R_theta=1"], "Did you mean 'controller'"),
-        (["verify", "4.7", "--set", "controller.structure=fir"], "Words need quotes"),
+        (["verify", "4.7", "--set", "controller.structure=fir"], "Text needs quotes"),
         (["verify", "4.7", "--set", "run.steps=1\nseed=2"], "one value"),
         (["verify", "4.7", "--save", "run.mat"], "must end in .npz"),
         (["verify", "4.7", "--save", "nowhere/run.npz"], "no folder"),

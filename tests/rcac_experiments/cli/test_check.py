@@ -185,10 +185,10 @@ def test_the_noise_of_the_cost_is_that_of_the_option(tmp_path, signals):
 @pytest.mark.parametrize(
     ("noise", "words"),
     [
-        ("w", "--noise has the entry 'w'; write for instance d=1,v=0.25"),
-        ("w=", "--noise has the entry 'w='"),
-        ("w=loud", "'loud' is no number"),
-        ("w=1_0", "'1_0' is no number"),
+        ("w", "--noise: the entry 'w' must be NAME=VALUE, for instance d=1,v=0.25"),
+        ("w=", "--noise: the entry 'w=' must be"),
+        ("w=loud", "'loud' must be a number"),
+        ("w=1_0", "'1_0' must be a number"),
         ("w=1,w=2", "twice"),
         ("v=1", "w has no block or channel 'v'; it has w"),
         ("w=-1", "positive semidefinite"),
@@ -262,7 +262,7 @@ def test_a_bad_log_ends_with_status_2_and_says_why(tmp_path, name, write, words)
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ([], "say which structure.*--n-c 4"),
+        ([], "give their structure.*--n-c 4"),
         (["--n-c", 5], "has 8 coefficients.*has 10"),
         (["--n-c", 4, "--names", "u"], "entry 'u'"),
         (["--n-c", 4, "--names", "u=a,u=b"], "twice"),
@@ -395,4 +395,4 @@ def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     assert "--controller" in run(*options).output
     assert "in continuous time" in run(*options, "--controller", "1/(s + 1)").output
     both = run(*options, "--controller", pi, "--structure", "iir", "--n-c", "1")
-    assert both.exit_code == 2 and "the whole controller" in both.output
+    assert both.exit_code == 2 and "the complete controller" in both.output

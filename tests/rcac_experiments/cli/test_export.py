@@ -34,7 +34,7 @@ def test_the_command_on_a_run_that_was_kept(tmp_path):
         command = ["export", str(tmp_path / "run.npz"), "-o", str(tmp_path / "out"), *more]
         assert CliRunner().invoke(main, command).exit_code == 0
     wrong = CliRunner().invoke(main, [*command, "--run", "UD"])
-    assert wrong.exit_code and "one run as it was" in wrong.output
+    assert wrong.exit_code and "is a saved run" in wrong.output
     wrong = CliRunner().invoke(main, ["export", "4.7", "-o", str(tmp_path), "--run", "none"])
     assert wrong.exit_code and "the runs are" in wrong.output
 
@@ -51,7 +51,7 @@ def test_an_fmu_from_a_shell(tmp_path):
     for more, words in (
         ([], "sample time"),
         (["--sample-time", "-1"], "x>0"),
-        (["--sample-time", "1", "--real", "float32"], "--real belong"),
+        (["--sample-time", "1", "--real", "float32"], "--real apply"),
     ):
         wrong = run(main, ["export", "4.7", "-o", str(file), *more])
         assert wrong.exit_code == 2 and words in wrong.output

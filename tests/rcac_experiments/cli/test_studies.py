@@ -130,7 +130,7 @@ def test_a_scheduler_that_does_not_answer_is_named(tmp_path, monkeypatch):
         result.exit_code == 2 and "--scheduler tcp://127.0.0.1:9 does not answer" in result.stderr
     )
     result = rcac(*words, "tcp://127.0.0.1:9", "--workers", 2)
-    assert result.exit_code == 2 and "the scheduler has its own" in result.stderr
+    assert result.exit_code == 2 and "--workers counts local processes" in result.stderr
     assert not (tmp_path / "s").exists()
 
 

@@ -20,7 +20,7 @@ from rcac_experiments.dissertation import load_example, reproduce
 from rcac_experiments.dissertation._archive import write_archive
 from rcac_experiments.dissertation._reproduction import (
     FEW,
-    KeptCases,
+    CompletedCases,
     case_workers,
     digest_of,
     made,
@@ -96,7 +96,7 @@ def test_a_damaged_file_is_made_anew(experiments, undisturbed, tmp_path, damage)
 
 
 def test_a_kept_case_of_other_fields_is_made_anew(experiments, tmp_path):
-    remaining = KeptCases(tmp_path)
+    remaining = CompletedCases(tmp_path)
     remaining.keep(experiments[0], made(experiments[0]))
     record = json.loads((tmp_path / "7.1.json").read_text())
     del record["case"]["body"]

@@ -232,10 +232,10 @@ def test_a_check_of_ones_own_is_asked_before_anything_runs():
 # What completions, a control and silence make of a claim of a source.
 
 
-def result(holds, silence=""):
+def result(holds, missing_reason=""):
     check = Check("rms", "main", at_most=1.0)
     values = {True: (0.5,), False: (2.0,), None: (0.5, 2.0)}[holds]
-    return CheckResult(check, values, silence=silence)
+    return CheckResult(check, values, missing_reason=missing_reason)
 
 
 def verdict(own, others=(), control=None, **words):

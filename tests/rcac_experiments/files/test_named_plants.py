@@ -4,7 +4,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments.files._plants import PROBLEMS, read_plant
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._places import Location
 from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,
@@ -33,7 +33,7 @@ MADE = {
 
 
 def plant(**table):
-    return read_plant(table, Place("case", "plant")).build()
+    return read_plant(table, Location("case", "plant")).build()
 
 
 @pytest.mark.parametrize("name", sorted(set(PROBLEMS.kinds) - {"standard", "servo"}))

@@ -10,15 +10,15 @@ from compensator_theory import InputError
 from rcac_experiments.files._reference import kind_keys_table, kinds_table
 from rcac_experiments.files._schema import strict_schema
 from rcac_experiments.files._structures import STRUCTURES
-from rcac_experiments.format._parts import Part
-from rcac_experiments.format._places import Place
+from rcac_experiments.format._parts import PartialCall
+from rcac_experiments.format._places import Location
 from rcac_experiments.format._signatures import Composed, parameters_of
 from rcac_experiments.format._tables import Kinds, Table, form_of
 from rcac_experiments.format._values import Integer, Numbers
 from rcac_numeric import Structure, Tap
 from rcac_numeric.arrays._array_types import Array
 
-PLACE = Place("case.toml", "controller")
+PLACE = Location("case.toml", "controller")
 
 
 def spread(
@@ -32,7 +32,7 @@ def spread(
     return Structure(taps, 1, 1, n_c)
 
 
-ALL = Kinds({**STRUCTURES.kinds, "spread": Table(spread, given=["plant"])}, default="iir")
+ALL = Kinds({**STRUCTURES.kinds, "spread": Table(spread, supplied=["plant"])}, default="iir")
 
 
 @attrs.frozen
@@ -50,7 +50,9 @@ def read(**table):
 
 
 def test_it_is_read():
-    assert read(structure="spread", n_c=5) == Part(spread, {"n_c": 5}), "as Python would say it"
+    assert read(structure="spread", n_c=5) == PartialCall(spread, {"n_c": 5}), (
+        "as Python would say it"
+    )
     taps = read(structure="spread", n_c=5).of(None).taps
     assert [tap.delay for tap in taps] == [1, 3, 5]
     taps = read(structure="spread", n_c=5, spacing=4).of(None).taps
@@ -165,7 +167,7 @@ def test_what_has_a_default_may_be_needed():
 
 
 def test_an_argument_that_does_not_stand_in_the_file_is_given_later():
-    part = Table(length, given=["spring"]).read({"end": 2}, PLACE)
-    assert part == Part(length, {"end": 2.0})
+    part = Table(length, supplied=["spring"]).read({"end": 2}, PLACE)
+    assert part == PartialCall(length, {"end": 2.0})
     assert part.of(None, spring=Spring(10)) == 1
     assert Table(Spring).read({}, PLACE) == Spring(), "and what needs none is made at once"

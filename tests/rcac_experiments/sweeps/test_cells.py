@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
 from rcac_experiments.files import _runs
-from rcac_experiments.format._parts import Part
-from rcac_experiments.sweeps import Axis, Kept, Study
+from rcac_experiments.format._parts import PartialCall
+from rcac_experiments.sweeps import Axis, Metric, Study
 from rcac_experiments.sweeps._cells import Cells
 from rcac_numeric import TargetModel
 from rcac_numeric.arrays._values import fingerprint
@@ -52,7 +52,7 @@ def walks(draw):
     axes = [Axis(name, _apart(VALUES[path]), sets=path) for name, path in chosen.items()]
     where = {name: st.sampled_from(VALUES[path]) for name, path in chosen.items()}
     cells = draw(st.lists(st.fixed_dictionaries(where), min_size=2, max_size=8))
-    return Study(BASE, axes, [Kept("rms")]), cells
+    return Study(BASE, axes, [Metric("rms")]), cells
 
 
 def _apart(values):
@@ -83,7 +83,7 @@ def specification(cells, coordinates):
     return [getattr(built, name) for name in names]
 
 
-MAKES = Part.of
+MAKES = PartialCall.of
 
 
 def of_no_target(part, plant, **others):
@@ -113,10 +113,10 @@ def test_it_does_not_depend_on_those_before(walk):
     ],
 )
 def test_a_number_of_the_controller_reads_no_table(path, values, monkeypatch):
-    cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")]))
+    cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Metric("rms")]))
     first = cells.cell({"x": values[0]}).specification
     monkeypatch.setattr(_runs, "read_controllers", None)  # a call would fail
-    monkeypatch.setattr(Part, "of", of_no_target)
+    monkeypatch.setattr(PartialCall, "of", of_no_target)
     for value in values[1:]:
         built = cells.cell({"x": value}).specification
         assert built.settings.structure is first.settings.structure
@@ -132,12 +132,12 @@ def test_a_number_of_the_controller_reads_no_table(path, values, monkeypatch):
     ],
 )
 def test_a_target_model_is_made_once(path, values, monkeypatch):
-    cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")]))
+    cells = Cells(Study(BASE, [Axis("x", values, sets=path)], [Metric("rms")]))
     first = cells.cell({"x": values[0]}).specification
-    monkeypatch.setattr(Part, "of", of_no_target)
+    monkeypatch.setattr(PartialCall, "of", of_no_target)
     for value in values[1:]:
         built = cells.cell({"x": value}).specification
         assert built.settings.target is first.settings.target
         assert built != first
     with pytest.raises(AssertionError, match="made again"):
-        Cells(Study(BASE, [Axis("x", values, sets=path)], [Kept("rms")])).cell({"x": values[0]})
+        Cells(Study(BASE, [Axis("x", values, sets=path)], [Metric("rms")])).cell({"x": values[0]})

@@ -212,7 +212,7 @@ def edited(value, rng):
 
 def test_right_digests_make_no_wrong_plan_and_no_crash(made, tmp_path, in_full, monkeypatch):
     """A study edited by somebody who computes every digest anew: a whole folder, or none."""
-    monkeypatch.setattr(folders, "read_guarded", reader.read_here)
+    monkeypatch.setattr(folders, "read_guarded", reader.read_in_process)
     rng = random.Random(4)
     path, new = tmp_path / "old.sqlite", tmp_path / "new"
     for _ in range(1500 if in_full else 40):

@@ -9,7 +9,7 @@ import pytest
 from compensator_theory.errors import InputError
 from rcac_experiments.sweeps import (
     Axis,
-    Kept,
+    Metric,
     StudyInterrupted,
     export_table,
     read_table,
@@ -158,7 +158,7 @@ def test_failures_are_in_no_statistic_and_in_the_first_line(tmp_path):
         Axis("R_theta", [1.0, studies.RAISING], sets="controller.R_theta"),
         Axis("noise", [0.5, 2], sets="signals.w.white_noise"),
     ]
-    study = studies.study(3, axes=axes, keep=[Kept("rms"), Kept(studies.raising)])
+    study = studies.study(3, axes=axes, keep=[Metric("rms"), Metric(studies.raising)])
     run_study(study, store, workers=0)
     table, overview = read_table(store), sweep_overview(store)
     assert len(table) == table.failures == overview.failed == 6

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError
 from rcac_experiments.sweeps import (
     Axis,
-    Kept,
+    Metric,
     StoreError,
     check_store,
     export_table,
@@ -337,4 +337,4 @@ def test_an_overview_of_a_store_that_still_grows(tmp_path):
 def test_a_study_without_axes_and_measures(tmp_path):
     run_study(studies.study(3, axes=[], keep=[]), tmp_path / "s", workers=0)
     assert read_table(tmp_path / "s")["repetition"].tolist() == [0, 1, 2]
-    assert Kept("rms") == Kept("rms")
+    assert Metric("rms") == Metric("rms")

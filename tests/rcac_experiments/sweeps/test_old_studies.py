@@ -2,7 +2,7 @@
 
 import pytest
 
-from rcac_experiments.sweeps import Axis, Kept, Study
+from rcac_experiments.sweeps import Axis, Metric, Study
 
 
 def study():
@@ -13,7 +13,9 @@ def study():
         "controller": {"n_c": 2, "R_theta": 1e-20, "lambda": 0.99},
         "run": {"steps": 200},
     }
-    return Study(base, [Axis("R_theta", [0.01, 1, 100], sets="controller.R_theta")], [Kept("rms")])
+    return Study(
+        base, [Axis("R_theta", [0.01, 1, 100], sets="controller.R_theta")], [Metric("rms")]
+    )
 
 
 STUDY = "3647be7414e81284"

@@ -28,7 +28,7 @@ from hypothesis import strategies as st
 from compensator_theory.errors import InputError
 from rcac_experiments.sweeps import (
     Axis,
-    Kept,
+    Metric,
     StoreError,
     StudyInterrupted,
     check_store,
@@ -182,7 +182,7 @@ def test_a_study_grows_in_its_store(tmp_path, small_chunks):
     [
         ({"seed": 4}, "seed: 3 before, 4 now"),
         ({"repetitions": 3}, "repetitions: 20 before, 3 now"),
-        ({"keep": [Kept("rms")]}, "keep: "),
+        ({"keep": [Metric("rms")]}, "keep: "),
         ({"base": {**studies.BASE, "run": {"steps": 121}}}, "base.run.steps: 120 before, 121 now"),
         ({"axes": [Axis("R_theta", [0.01], sets="controller.R_theta"),
                    Axis("noise", [0.5, 2], sets="signals.w.white_noise")]},
@@ -331,7 +331,7 @@ def test_a_measure_that_raises_costs_its_run_and_no_other(tmp_path):
 
 def test_a_study_of_a_function(tmp_path):
     axes = [Axis("gain", [1, 3]), Axis("x_0", [0.0, 5.0])]
-    study = studies.study(4, base=studies.case_of_functions, axes=axes, keep=[Kept("peak")])
+    study = studies.study(4, base=studies.case_of_functions, axes=axes, keep=[Metric("peak")])
     store = tmp_path / "store"
     run_study(study, store, workers=0)
     table = read_table(store)
@@ -343,7 +343,7 @@ def test_a_study_of_a_function(tmp_path):
 def test_a_study_of_a_function_that_holds_data(tmp_path):
     def of(x_0):
         base = studies.CaseWithData(x_0)
-        return studies.study(2, base=base, axes=[Axis("gain", [1, 3])], keep=[Kept("peak")])
+        return studies.study(2, base=base, axes=[Axis("gain", [1, 3])], keep=[Metric("peak")])
 
     store = tmp_path / "store"
     run_study(of(5.0), store, workers=0)
@@ -358,7 +358,7 @@ def test_a_study_of_a_function_that_holds_data(tmp_path):
 
 def test_a_case_that_raises_is_a_run_that_failed(tmp_path):
     study = studies.study(
-        12, base=studies.case_that_raises, axes=[Axis("gain", [1, 3])], keep=[Kept("steps")]
+        12, base=studies.case_that_raises, axes=[Axis("gain", [1, 3])], keep=[Metric("steps")]
     )
     run_study(study, tmp_path / "store", workers=0)
     failed = read_table(tmp_path / "store").failed
@@ -384,7 +384,7 @@ def test_ball_arithmetic_and_signals_that_are_kept(tmp_path):
     base = {**studies.BASE, "run": {"steps": 30}}
     store = tmp_path / "store"
     study = studies.study(1, base=base, axes=[axis], common_noise=True,
-                          keep=[Kept("rms")], keep_signals=["z", "theta"])  # fmt: skip
+                          keep=[Metric("rms")], keep_signals=["z", "theta"])  # fmt: skip
     run_study(study, store, workers=0)
     table = read_table(store)
     assert table["rms"][0] == pytest.approx(table["rms"][1], rel=1e-10)
@@ -452,7 +452,7 @@ def test_two_that_make_a_study_grow_at_a_time_end_with_both(tmp_path, small_chun
 
     def study(values, repetitions):
         axis = Axis("R_theta", values, sets="controller.R_theta")
-        return studies.study(repetitions, axes=[axis], keep=[Kept("rms")])
+        return studies.study(repetitions, axes=[axis], keep=[Metric("rms")])
 
     store, observed = tmp_path / "store", []
     run_study(study([1.0], 9), store, workers=0)

@@ -14,7 +14,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_experiments.sweeps import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
+from rcac_experiments.sweeps import (
+    Axis,
+    Metric,
+    RandomAxis,
+    Study,
+    load_study,
+    read_table,
+    run_study,
+)
 from rcac_experiments.sweeps._canonical import canonical_json
 from rcac_experiments.sweeps._cells import PERTURBATION, WHOLE_RUN, Cells, generator, words_of
 from rcac_experiments.sweeps._files import study_of, study_schema
@@ -56,7 +64,7 @@ def test_the_fingerprint_is_that_of_what_decides_the_results():
     same = studies.study(title="in other words", file="elsewhere/study.toml")
     others = [
         studies.study(seed=4), studies.study(19), studies.study(lanes=False),
-        studies.study(keep=[Kept("rms")]), studies.study(common_noise=True),
+        studies.study(keep=[Metric("rms")]), studies.study(common_noise=True),
         studies.study(base=with_value(studies.BASE, "run.steps", 121)),
         studies.over_R_theta([1.0], studies.deadly), studies.over_R_theta([1.0], studies.raising),
     ]  # fmt: skip
@@ -221,18 +229,18 @@ def test_functions_must_be_found_by_workers():
     with pytest.raises(InputError, match="at the top of a module"):
         Study(lambda rng: None, [], [])
     with pytest.raises(InputError, match=r"the measure 'deadly': .*argument"):
-        Kept(studies.deadly, arguments={"much": 1})
+        Metric(studies.deadly, arguments={"much": 1})
 
 
 def test_keywords_in_the_wrong_place_are_told_the_right_one():
     with pytest.raises(InputError, match=r"goes into arguments=\{'start': 200\}") as message:
-        Kept("rms", start=200)
+        Metric("rms", start=200)
     assert "not start" in str(message.value)
-    assert Kept("rms", arguments={"start": 200}).arguments == {"start": 200}
+    assert Metric("rms", arguments={"start": 200}).arguments == {"start": 200}
     with pytest.raises(InputError, match=r"not kept\. Did you mean 'keep'\?"):
-        Study(studies.BASE, [], kept=[Kept("rms")])
+        Study(studies.BASE, [], kept=[Metric("rms")])
     with pytest.raises(InputError, match="Did you mean 'repetitions'"):
-        Study(studies.BASE, [], [Kept("rms")], repetition=3)
+        Study(studies.BASE, [], [Metric("rms")], repetition=3)
     assert Study(studies.BASE, []) == Study(studies.BASE, [], [])
 
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.cli._main import main
-from rcac_experiments.sweeps import Kept, StoreError, load_study, replay_run, run_study
+from rcac_experiments.sweeps import Metric, StoreError, load_study, replay_run, run_study
 from rcac_experiments.sweeps._canonical import digest, source_of
 from rcac_experiments.sweeps._chunk_files import decode, encode
 from rcac_experiments.sweeps._folder import Folder
@@ -49,7 +49,7 @@ def test_a_store_that_names_a_function_imports_nothing(tmp_path, evil, what):
     """Also where the hash of its source is right."""
     name, mark = evil
     path = tmp_path / "store"
-    run_study(studies.study(1, keep=[Kept("rms")], axes=[]), path, workers=0)
+    run_study(studies.study(1, keep=[Metric("rms")], axes=[]), path, workers=0)
     CliRunner().invoke(main, ["replay", str(tmp_path / "none"), "0"])  # imports what refusals need
     source = "def edit(*a, **k):\n    return 1.0\n"
     for function, hashed in ((name, digest(source)), ("click.termui:edit", "0" * 16)):
