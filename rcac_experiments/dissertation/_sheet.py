@@ -1,4 +1,4 @@
-"""Errata as a report: what is printed, what is true, and how that is known."""
+"""The report of errata: printed text, correction and evidence."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rcac_numeric.reports._sheet import Block, Fact, Section, Sheet, Text
 def errata_sheet(
     entries: Sequence[Erratum], where: str = "", checked: Mapping[str, Checked] | None = None
 ) -> Sheet:
-    """What is said of the errata of one place, or of all."""
+    """Return the report of the errata of one place, or of all."""
     results = checked or {}
     place = f" at {where}" if where else ""
     remark = f": {len(entries)}{place}, {_counted(entries)}" if entries else f": none known{place}"
@@ -29,14 +29,15 @@ def errata_sheet(
 def _section(entry: Erratum, checked: Checked | None) -> Section:
     blocks: list[Block] = [
         Fact("printed", entry.printed),
-        Fact("true", entry.true),
-        Fact("read with charity", entry.charity),
+        Fact("correct", entry.true),
+        Fact("favourable reading", entry.charity),
         Fact("evidence", entry.evidence.words),
     ]
     if checked is not None:
         blocks += [
             Text(
-                f"{'so' if fact.holds else 'NOT SO'}: {fact.words}", "good" if fact.holds else "bad"
+                f"{'confirmed' if fact.holds else 'NOT CONFIRMED'}: {fact.words}",
+                "good" if fact.holds else "bad",
             )
             for fact in checked.facts
         ]
@@ -61,6 +62,6 @@ def _record(entry: Erratum, checked: Checked | None) -> dict[str, object]:
 
 
 def _counted(entries: Sequence[Erratum]) -> str:
-    """How many are shown by which kind of evidence."""
+    """Count the errata by kind of evidence."""
     count = Counter(entry.evidence.kind for entry in entries)
     return ", ".join(f"{count[kind]} {words}" for kind, words in EVIDENCE.items() if count[kind])

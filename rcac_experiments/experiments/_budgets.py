@@ -1,4 +1,4 @@
-"""How much an experiment may cost, asked before anything of it is made or run."""
+"""Limits of memory and operations of an experiment, checked before its simulation."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from rcac_numeric.plants._schedules import PlantSchedule
 
 # In ball arithmetic a multiplication takes about as long as this many of the compiled step.
 REFERENCE = 5000
-# What a step costs beside its l_theta^2 multiplications.
+# Operations of a step in addition to its l_theta^2 multiplications.
 OVERHEAD = 100
 
 
 @dataclass(frozen=True, eq=False)
 class ExperimentBudget(Value):
-    """What an experiment may take; more has to be asked for.
+    """Limits of memory and operations for an experiment.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class ExperimentBudget(Value):
         repetitions: int,
         window: int = 0,
     ) -> None:
-        """Refuse a run that would not fit.
+        """Refuse a run that exceeds the memory limit.
 
         R_theta, P(0), P and its factor are l_theta x l_theta; of every repetition w, u, y and z
         are kept, and theta at every stride-th step.
@@ -61,9 +61,9 @@ class ExperimentBudget(Value):
         if needed > self.memory:
             raise InputError(
                 f"the run {name!r} of {steps} steps with l_theta = {sum(sizes)} coefficients and "
-                f"{repetitions} repetition{'s' * (repetitions > 1)} would keep {needed:.3g} bytes; "
-                f"{self.memory:.3g} are allowed. Use a smaller n_c, fewer steps, a larger stride "
-                f"or fewer repetitions; or allow more with ",
+                f"{repetitions} repetition{'s' * (repetitions > 1)} needs {needed:.3g} bytes; the "
+                f"limit is {self.memory:.3g}. Use a smaller n_c, fewer steps, a larger stride "
+                f"or fewer repetitions; or raise the limit with ",
                 _more("memory", needed),
                 ".",
             )
@@ -71,25 +71,25 @@ class ExperimentBudget(Value):
     def operations_of(
         self, structures: list[Structure], *, steps: int, repetitions: int, reference: bool
     ) -> float:
-        """About how many multiplications a run takes."""
+        """Return the approximate number of multiplications of a run."""
         squares = sum(float(structure.l_theta) ** 2 for structure in structures)
         factor = REFERENCE if reference else 1
         return float(steps) * repetitions * (squares + OVERHEAD) * factor
 
     def require_operations(self, needed: float) -> None:
-        """Refuse an experiment that would run too long."""
+        """Refuse an experiment that exceeds the limit of operations."""
         if needed > self.operations:
             raise InputError(
-                f"the runs would take about {needed:.3g} operations, steps x repetitions x "
-                f"l_theta^2 added up; {self.operations:.3g} are allowed. Use fewer steps or "
-                f"repetitions; or allow more with ",
+                f"the runs need about {needed:.3g} operations (sum of steps x repetitions x "
+                f"l_theta^2); the limit is {self.operations:.3g}. Use fewer steps or "
+                f"repetitions; or raise the limit with ",
                 _more("operations", needed),
                 ".",
             )
 
 
 def _more(limit: str, value: float) -> Advice:
-    """A limit above the value, which is rounded up to two digits."""
+    """Return advice to set the limit 5 % above the value."""
     needed_limit = f"{1.05 * value:.1e}"
     return Advice(
         "ExperimentBudget", ((limit, needed_limit),), f"{{function}}({limit}={needed_limit})"

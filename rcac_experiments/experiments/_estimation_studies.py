@@ -101,7 +101,7 @@ def _error(r: EstimatedRun, start: int, stop: int | None) -> Array:
 def _window(r: EstimatedRun, start: int, stop: int | None) -> slice:
     end = len(r.estimate) if stop is None else min(stop, len(r.estimate))
     if start >= end:
-        raise InputError(f"no step of the run lies between start = {start} and stop = {stop}.")
+        raise InputError(f"the run has no step between start = {start} and stop = {stop}.")
     return slice(start, end)
 
 
@@ -153,7 +153,7 @@ class EstimationStudy(Value):
         return float(self.system.parameter_trajectory(self.steps)[-1])
 
     def execute(self) -> StudyResult:
-        """Run it for each seed."""
+        """Run the estimator for each seed."""
         seeds = range(self.seed, self.seed + self.seeds)
         return StudyResult(
             self, tuple(self.estimator.execute(self.system, self.steps, seed) for seed in seeds)
@@ -162,18 +162,18 @@ class EstimationStudy(Value):
 
 @dataclass(frozen=True, eq=False)
 class StudyResult(Value):
-    """What a study produced, one run for each seed."""
+    """The results of a study, one run for each seed."""
 
     study: EstimationStudy
     repetitions: tuple[EstimatedRun, ...]
 
     @property
     def over_seeds(self) -> bool:
-        """Whether its repetitions are other draws."""
+        """Whether the repetitions use different noise."""
         return self.study.seeds > 1
 
     def missing_reason(self, measure: str) -> str:
-        """Why it answers nothing: an estimate that never leaves where it began."""
+        """The reason why a measure has no value: the estimate never changed."""
         if measure not in OF_ESTIMATES:
             return ""
         still = all(np.ptp(run.estimate) == 0 for run in self.repetitions if len(run.estimate))
@@ -181,15 +181,15 @@ class StudyResult(Value):
 
     @property
     def may_end(self) -> bool:
-        """That an estimator diverges is an answer."""
+        """True: divergence of an estimator is a result."""
         return True
 
     def values(
         self, measure: str, arguments: Mapping[str, object], until: int | None = None
     ) -> tuple[float, ...]:
-        """A measure of each run; NaN where a run diverged before what is measured."""
+        """Return a measure of each run; NaN if the run diverged before the measured steps."""
         if until is not None:
-            raise InputError(f"until = {until} is for runs of loops; leave it out.")
+            raise InputError(f"until = {until} applies to runs of loops; remove until.")
         return tuple(_value(run, measure, arguments) for run in self.repetitions)
 
 

@@ -74,7 +74,7 @@ class ExactSystem(Value):
 
 
 class Evaluation(NamedTuple):
-    """Whether a statement is so, None where that is undecided; and what was found."""
+    """Whether a statement holds (None: undecided), and the computed result."""
 
     holds: bool | None
     words: str
@@ -382,7 +382,7 @@ class ExactCheck(Value):
             object.__setattr__(self, "statement", self.statement.make.__name__)
         if self.statement not in STATEMENTS:
             raise InputError(
-                f"there is no statement {self.statement!r}; known are {', '.join(STATEMENTS)}."
+                f"the statement {self.statement!r} is not known; known are {', '.join(STATEMENTS)}."
                 f"{did_you_mean(self.statement, STATEMENTS)}"
             )
         try:
@@ -392,15 +392,15 @@ class ExactCheck(Value):
 
     @property
     def runs(self) -> tuple[str, ...]:
-        """None: nothing runs."""
+        """No run: a statement needs no simulation."""
         return ()
 
     def moved(self, moves: Mapping[str, str]) -> ExactCheck:
-        """Itself: it is of no run."""
+        """Return the statement itself, which has no run."""
         return self
 
     def evaluate(self, results: Mapping[str, object] | None = None) -> ExactResult:
-        """Decide it; nothing that ran has a part in it."""
+        """Decide the statement, without results of runs."""
         try:
             result = STATEMENTS[self.statement](self.system, **self.arguments)
         except CompensatorError as error:
@@ -410,7 +410,7 @@ class ExactCheck(Value):
 
 @dataclass(frozen=True, eq=False)
 class ExactResult(Value):
-    """What was found exactly, and whether it is what is claimed.
+    """The exact result, and whether it agrees with the claim.
 
     Attributes
     ----------

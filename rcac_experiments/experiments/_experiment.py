@@ -1,4 +1,4 @@
-"""An experiment as data: what is run and what is claimed; run, measured and judged."""
+"""Experiments: their runs, measures, claims and verdicts."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class RunSpecification(Value):
         return first.update.name if isinstance(first, ControllerSettings) else "fixed"
 
     def execute(self) -> RunResult:
-        """Run it, as often as it asks for."""
+        """Simulate all repetitions of the run."""
         runs: list[Run]
         if self.reference:
             plant, settings = require_supported(self.plant, self.settings, self.saturation)
@@ -122,7 +122,7 @@ class RunSpecification(Value):
         return RunResult(self, tuple(LoopAnalysis(run, self.target) for run in runs))
 
     def cases(self) -> list[SimulationCase]:
-        """What is simulated: one case for each seed, or for each repetition."""
+        """Return one case for each seed or repetition."""
         rng = np.random.default_rng([self.seed, 1])
         cases = []
         for number in range(self.seeds * self.repetitions):
@@ -140,7 +140,7 @@ class RunSpecification(Value):
         return cases
 
     def _start(self, seed: int) -> dict[str, Array]:
-        """The initial state, where it is not zero."""
+        """Return the initial state, or None for zero."""
         if self.x_0 is None and not self.x_0_deviation:
             return {}
         x_0 = np.zeros(self.plant.n) if self.x_0 is None else self.x_0
@@ -150,7 +150,7 @@ class RunSpecification(Value):
 
 @dataclass(frozen=True, eq=False)
 class RunResult(Value):
-    """What a run specification produced."""
+    """The results of a run specification."""
 
     specification: RunSpecification
     repetitions: tuple[LoopAnalysis, ...]
@@ -167,22 +167,22 @@ class RunResult(Value):
 
     @property
     def as_expected(self) -> bool:
-        """Whether the run ended as its specification says."""
+        """Whether the run ended as expected."""
         expected = self.specification.expected
         return expected == "mixed" or self.diverged == (expected == "diverged")
 
     @property
     def over_seeds(self) -> bool:
-        """Whether its repetitions are other draws."""
+        """Whether the repetitions use different noise."""
         return self.specification.seeds > 1
 
     @property
     def may_end(self) -> bool:
-        """Whether it is known to diverge."""
+        """Whether divergence is expected."""
         return self.specification.expected != "completed"
 
     def missing_reason(self, measure: str) -> str:
-        """Why it answers nothing: a controller that adapts never moves from where it began."""
+        """The reason why a measure has no value: the coefficients never changed."""
         return "" if measure in OF_PLANT else self._reason
 
     @cached_property
@@ -192,17 +192,17 @@ class RunResult(Value):
             for one in controllers_of(self.specification.settings)
         ]
         moves = any(_moves(repetition.run) for repetition in self.repetitions)
-        return "" if moves or not any(adapts) else "nothing was adapted"
+        return "" if moves or not any(adapts) else "no coefficient adapted"
 
     def values(
         self, measure: str, arguments: Mapping[str, object], until: int | None = None
     ) -> tuple[float, ...]:
-        """A measure of each repetition; NaN where it ended before there was anything to measure."""
+        """Return a measure of each repetition; NaN if it ended before the first value."""
         return tuple(_value(one, measure, arguments, until) for one in self.repetitions)
 
 
 def _moves(run: Run) -> bool:
-    """Whether any coefficient leaves its initial value by more than the last digits of a unit."""
+    """Return whether a coefficient changes by more than rounding."""
     first = run.theta[0] if len(run.theta) else run.theta_final
     moved = np.vstack([run.theta, run.theta_final[None]]) - first
     return bool((~(np.abs(moved) <= STILL * np.maximum(1.0, np.abs(first)))).any())
@@ -264,7 +264,7 @@ class Experiment(Value):
 
     @property
     def main_run(self) -> RunSpecification:
-        """The run that is plotted and compared in detail: the first one."""
+        """The first run, which is plotted and compared in detail."""
         if not self.runs:
             subject = "estimates: no controller of it" if self.studies else "is exact: nothing"
             raise InputError(f"{self.id or self.title!r} {subject} is run.")
@@ -303,12 +303,12 @@ class Experiment(Value):
         return replaced(self, runs=runs, studies=studies, reduced_runs=reduced)
 
     def held_out(self, group: int = 0) -> Experiment:
-        """The same experiment on seeds by which no setting and no bound was chosen.
+        """Return the experiment with test seeds, by which no setting and no bound was chosen.
 
         Parameters
         ----------
         group : int
-            Which of the groups of such seeds; every one is disjoint from the others.
+            Number of the group of test seeds; the groups are disjoint.
 
         Examples
         --------
@@ -496,13 +496,13 @@ def verify(
 
 
 def _known(check: Check, experiment: Experiment) -> None:
-    """Refuse a check that could not be evaluated, before anything runs."""
+    """Refuse an invalid check before the simulation."""
     known: Mapping[str, Callable[..., float]] = MEASURES
     if experiment.studies:
         known = ESTIMATION_MEASURES
     if check.measure not in known:
         raise InputError(
-            f"a claim asks for the measure {check.measure!r}; known are {', '.join(known)}."
+            f"the measure {check.measure!r} of a claim is not known; known are {', '.join(known)}."
             f"{did_you_mean(check.measure, known)}"
         )
     try:
@@ -520,5 +520,5 @@ def _known(check: Check, experiment: Experiment) -> None:
     if len({repeated[name] for name in (check.run, check.relative_to) if name}) > 1:
         raise InputError(
             f"a claim divides a measure of {check.run!r} by that of {check.relative_to!r}, "
-            "repetition by repetition; give them as many seeds and repetitions."
+            "pair by pair; give both runs the same number of seeds and repetitions."
         )

@@ -99,7 +99,7 @@ class FigureRequest(Value):
             raise InputError(
                 'a figure of the kind "distribution" names its measure'
                 if not self.measure
-                else f"a figure of the kind {self.kind!r} draws no measure; leave measure out"
+                else f"a figure of the kind {self.kind!r} draws no measure; remove measure"
             )
 
 
@@ -117,12 +117,13 @@ def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureReq
     for name in request.runs:
         if name not in runs:
             raise InputError(
-                f"a figure asks for the run {name!r}; the runs are {', '.join(runs)}."
+                f"the run {name!r} of a figure is not known; the runs are {', '.join(runs)}."
                 f"{did_you_mean(name, runs)}"
             )
     if request.measure and request.measure not in MEASURES:
         raise InputError(
-            f"a figure asks for the measure {request.measure!r}; known are {', '.join(MEASURES)}."
+            f"the measure {request.measure!r} of a figure is not known; known are "
+            f"{', '.join(MEASURES)}."
             f"{did_you_mean(request.measure, MEASURES)}"
         )
     return request

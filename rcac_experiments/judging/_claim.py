@@ -1,4 +1,4 @@
-"""What is said of an experiment, whose words they are, and the verdict that its checks give."""
+"""Claims about an experiment, their sources, and the verdicts of their checks."""
 
 from __future__ import annotations
 
@@ -16,72 +16,74 @@ from rcac_experiments.format._values import Integer
 from rcac_numeric.arrays._validation import number
 from rcac_numeric.arrays._values import Value
 
-# What comes of a claim on one completion of what its source says.
+# The outcomes of a claim on one completion of its source.
 HOLDS, FAILS = "holds", "does not hold"
 UNDETERMINED, NO_ANSWER = "undetermined", "no answer"
 OUTCOMES = {
-    HOLDS: "all of its checks do",
-    FAILS: "one of its checks does not, though what it measures is there",
-    UNDETERMINED: "repetitions that differ in their last digits disagree",
-    NO_ANSWER: "nothing was measured: the run ended, nothing was adapted, or a measure is refused",
+    HOLDS: "all of its checks hold",
+    FAILS: "one of its checks fails on measured values",
+    UNDETERMINED: "repetitions that differ only in their last digits disagree",
+    NO_ANSWER: "not evaluated: the run ended, no coefficient adapted, or a measure is refused",
 }
 
-# What is said of a sentence of a source.
+# The verdicts on a sentence of a source.
 REPRODUCED, DEPENDS, NOT_REPRODUCED = "reproduced", "depends", "not reproduced"
 MISPRINT = "misprint"
 VERDICTS = {
-    REPRODUCED: "it holds for what the source states, and for every completion tried of what it "
-    "leaves open",
-    DEPENDS: "it holds for some completions of what the source leaves open and not for others; "
-    "which ones stands beside it",
-    NOT_REPRODUCED: "it holds for none of the completions that were tried, though the same checks "
-    "succeed on a run where they should; that is said of our runs, which may miss what the author "
-    "did",
-    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is corrected, "
-    "and named",
-    UNDETERMINED: "rounding or chance decides, or nothing could be measured",
+    REPRODUCED: "the sentence holds for the settings of the source, and for every simulated value "
+    "of "
+    "the settings that it leaves open",
+    DEPENDS: "the sentence holds for some values of the open settings and fails for others; the "
+    "table "
+    "lists them",
+    NOT_REPRODUCED: "the sentence holds for none of the simulated values, although the same "
+    "checks hold "
+    "on a control run; the verdict applies to these runs, which may differ from those of the "
+    "author",
+    MISPRINT: "the sentence holds after the correction of an evident misprint, which is named",
+    UNDETERMINED: "rounding or chance decides, or no value was measured",
 }
 RECORDS = (*dict.fromkeys((*VERDICTS, *OUTCOMES)),)
 
 TEXT, READING, OURS = "the text", "a reading", "ours"
 CLASSES = {
-    TEXT: "the source says exactly this; its words are quoted",
-    READING: "the source says it in words that leave room; how they are read, with charity, stands "
-    "beside the quote",
-    OURS: "a question of ours: what was measured, and no verdict on the source",
+    TEXT: "a quoted sentence of the source",
+    READING: "a quoted sentence that needs an interpretation; the favourable interpretation is "
+    "given",
+    OURS: "an additional check, without a verdict on the source",
 }
 
 
 class Measured(Protocol):
-    """What a run left behind, of which checks ask."""
+    """The results of a run that checks read."""
 
     @property
     def over_seeds(self) -> bool:
-        """Whether its repetitions are other draws."""
+        """Whether the repetitions use different noise."""
 
     def missing_reason(self, measure: str) -> str:
-        """Why it has no answer to a measure, though it ran; empty where it has one."""
+        """The reason why a completed run has no value of a measure, or an empty text."""
 
     @property
     def may_end(self) -> bool:
-        """Whether it is known to diverge, so that what is then not there is an answer."""
+        """Whether divergence is expected, so that missing values are a result."""
 
     def values(
         self, measure: str, arguments: Mapping[str, Any], until: int | None
     ) -> tuple[float, ...]:
-        """A measure of each repetition; NaN where it ended before there was anything to measure."""
+        """Return a measure of each repetition; NaN if the run ended before the first value."""
 
 
 class Answer(Protocol):
-    """What a check found."""
+    """The result of a check."""
 
     @property
     def holds(self) -> bool | None:
-        """Whether what is checked is so; None where that is undetermined."""
+        """Whether the check holds; None if undetermined."""
 
     @property
     def missing_reason(self) -> str:
-        """Why there is no answer; empty where there is one."""
+        """The reason why the check was not evaluated, or an empty text."""
 
 
 class AnyCheck(Protocol):
@@ -89,25 +91,25 @@ class AnyCheck(Protocol):
 
     @property
     def runs(self) -> tuple[str, ...]:
-        """The runs that it needs."""
+        """The names of the required runs."""
 
     def evaluate(self, results: Mapping[str, Measured]) -> Answer:
-        """Decide it."""
+        """Evaluate the check."""
 
     def moved(self, moves: Mapping[str, str]) -> AnyCheck:
-        """The same check of other runs."""
+        """Return the same check for other runs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Refused(Value):
-    """A check that could not be evaluated, and why; it spoils its own claim and no other."""
+    """A check that was not evaluated, with its reason; it affects only its own claim."""
 
     check: AnyCheck
     missing_reason: str
     holds: bool | None = None
 
     def __str__(self) -> str:
-        return f"no answer: {self.missing_reason}"
+        return f"not evaluated: {self.missing_reason}"
 
 
 @attrs.frozen(eq=False)
@@ -219,7 +221,7 @@ class Claim(Value):
 
 @dataclass(frozen=True, eq=False)
 class Verdict(Value):
-    """A claim, what was measured, and whether it holds.
+    """A claim, its measured values and its verdict.
 
     Attributes
     ----------
@@ -245,19 +247,19 @@ class Verdict(Value):
 
     @property
     def outcome(self) -> str:
-        """A key of `OUTCOMES`: what came of it on its own run."""
+        """A key of `OUTCOMES`: the outcome on the run of the claim."""
         return outcome_of(self.results)
 
     @property
     def outcomes(self) -> dict[str, str]:
-        """The map: from each completion, its own run first, to what came of it there."""
+        """The outcome on each completion, the run of the claim first."""
         computed = {name: outcome_of(results) for name, results in self.others.items()}
         record = {name: outcome for name, outcome in self.claim.over.items() if outcome}
         return {self.claim.run: self.outcome, **record, **computed}
 
     @property
     def verdict(self) -> str:
-        """A key of `VERDICTS`, of a claim of ours its outcome; computed, never typed in."""
+        """A key of `VERDICTS`; the outcome for a claim without a quote."""
         if not self.claim.quote:
             return self.outcome
         verdicts = set(self.outcomes.values())
@@ -266,12 +268,12 @@ class Verdict(Value):
         if HOLDS in verdicts:
             return DEPENDS
         if self.control and outcome_of(self.control) != HOLDS:
-            return UNDETERMINED  # checks that succeed nowhere show nothing
+            return UNDETERMINED  # a check that fails on the control run proves nothing
         return NOT_REPRODUCED if verdicts == {FAILS} else UNDETERMINED
 
     @property
     def words(self) -> str:
-        """The verdict, and what it depends on."""
+        """The verdict, and the open settings on which it depends."""
         on = f" on {', '.join(self.claim.open)}" if self.claim.open else ""
         return self.verdict + (on if self.verdict == DEPENDS else "")
 
@@ -287,7 +289,7 @@ class Verdict(Value):
 
     @property
     def changed_completions(self) -> tuple[str, ...]:
-        """The completions that gave another outcome than the one of record."""
+        """The completions with an outcome that differs from the recorded one."""
         outcomes = self.outcomes
         return tuple(
             name for name, outcome in self.claim.over.items() if outcomes.get(name, "") != outcome
@@ -300,7 +302,7 @@ class Verdict(Value):
 
 
 def outcome_of(results: tuple[Answer, ...]) -> str:
-    """A key of `OUTCOMES`: what several checks together give."""
+    """Return the joint outcome of several checks, a key of `OUTCOMES`."""
     if any(result.holds is False and not result.missing_reason for result in results):
         return FAILS
     if any(result.missing_reason for result in results):
@@ -309,7 +311,7 @@ def outcome_of(results: tuple[Answer, ...]) -> str:
 
 
 def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str]) -> Verdict:
-    """The verdict of a claim from what ran."""
+    """Return the verdict of a claim from the results of its runs."""
 
     def answers(checks: Sequence[AnyCheck]) -> Iterator[Answer]:
         for check in checks:
@@ -410,11 +412,11 @@ class Check(Value):
 
     @property
     def runs(self) -> tuple[str, ...]:
-        """The runs that it needs."""
+        """The names of the required runs."""
         return tuple(name for name in (self.run, self.relative_to) if name)
 
     def moved(self, moves: Mapping[str, str]) -> Check:
-        """The same check of other runs."""
+        """Return the same check for other runs."""
         other = moves.get(self.relative_to, self.relative_to) if self.relative_to else ""
         return attrs.evolve(self, run=moves.get(self.run, self.run), relative_to=other)
 
@@ -432,7 +434,7 @@ class Check(Value):
                 )
             reason = reason or other.missing_reason(self.measure)
         if not reason and not result.may_end and np.isnan(values).all():
-            reason = "the run ended before there was anything to measure"
+            reason = "the run ended before the first value"
         return CheckResult(self, values, result.over_seeds, reason)
 
 
@@ -498,7 +500,7 @@ class CheckResult(Value):
             if self.over_seeds and self.check.statistic == "each":
                 low, high = self.proportion
                 value += f", a share between {low:.2f} and {high:.2f}"
-        reason = f" (no answer: {self.missing_reason})" if self.missing_reason else ""
+        reason = f" (not evaluated: {self.missing_reason})" if self.missing_reason else ""
         return f"{name}{step}{ratio} ({self.check.run}): {value}{reason}"
 
     def _inside(self, value: float) -> bool:

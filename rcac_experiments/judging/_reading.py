@@ -1,4 +1,4 @@
-"""The claims of a file, whatever kind of experiment it is, and what their source leaves open."""
+"""Read the claims of a file, and the settings that their source leaves open."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ MOST = 200  # completions of one file
 def check_table(
     measures: Mapping[str, Table[Any]], *, supplied: Sequence[str] = ()
 ) -> Table[Check]:
-    """The table of a check, whose measures are these."""
+    """Return the table of a check with these measures."""
     forms: dict[str, Form] = {"measure": Kinds(dict(measures))}
     return Table(Check, supplied=("arguments", *supplied), forms=forms)
 
 
 class Outcomes(MapOf):
-    """A table from each outcome to the completions that have it, kept the other way round."""
+    """A table from outcomes to completions, read as a mapping from completions to outcomes."""
 
     def read(self, value: object, place: Location) -> dict[str, str]:
-        """From the name of each completion to its outcome."""
+        """Return the outcome of each completion."""
         named = super().read(value, place)
         for outcome in named:
             if outcome not in OUTCOMES:
                 raise InputError(
-                    f"over names the outcome {outcome!r}; there are {', '.join(OUTCOMES)}."
+                    f"over: the outcome {outcome!r} must be one of {', '.join(OUTCOMES)}."
                     f"{did_you_mean(outcome, OUTCOMES)}"
                 )
         return {name: outcome for outcome, names in named.items() for name in names}
@@ -51,7 +51,7 @@ class Outcomes(MapOf):
 def claim_table(
     check: Table[Any], standards: Sequence[str] = (), *, runs: bool = True
 ) -> Table[Claim]:
-    """The table of a claim, whose checks are of this table."""
+    """Return the table of a claim with checks of this table."""
     standard_keys = () if standards else ("standard",)
     if not runs:
         standard_keys = (*standard_keys, "run", "verdicts", "open", "over", "control")
@@ -74,12 +74,12 @@ def claims_of(
     items: Sequence[OpenItem],
     standards: Mapping[str, Claim] | None = None,
 ) -> list[Claim]:
-    """What a claim of a file claims of these runs: itself, or one of each variant that it names."""
+    """Return the claims of a table: one, or one for each run of its verdicts."""
     text, checks = _words_and_checks(read, standards or {})
     if read.verdicts is not None and (read.run or read.recorded):
         raise InputError(
-            f"the claim {quoted(text)} has verdicts, so that run and verdict have no meaning; "
-            "leave them out."
+            f"the claim {quoted(text)} has verdicts, which replace run and verdict; remove "
+            "run and verdict."
         )
     for name in [read.run, read.control, *(read.verdicts or {})]:
         require_run(name, runs, "a claim")
@@ -107,14 +107,14 @@ def claims_of(
 def _words_and_checks(
     read: Claim, standards: Mapping[str, Claim]
 ) -> tuple[str, Sequence[AnyCheck]]:
-    """Its own, or those of the standard claim that it names."""
+    """Return text and checks of a claim, or of the standard claim that it names."""
     text = read.text or read.quote
     keys = [name for name, has in (("text", read.text), ("checks", read.checks)) if has]
     if read.standard:
         if keys:
             raise InputError(
-                f"a claim is standard = {quoted(read.standard)}, so that {' and '.join(keys)} "
-                "have no meaning; leave them out."
+                f"a claim has standard = {quoted(read.standard)}, which replaces "
+                f"{' and '.join(keys)}; remove {' and '.join(keys)}."
             )
         return standards[read.standard].text, standards[read.standard].checks
     if missing := [name for name, has in (("text", text), ("checks", read.checks)) if not has]:
@@ -126,19 +126,19 @@ def _words_and_checks(
 def _checks_of(
     run: str, checks: Sequence[AnyCheck], quote: str, runs: Sequence[str]
 ) -> tuple[AnyCheck, ...]:
-    """Checks of a run where they name none, if all that they need is there."""
+    """Return the checks with the run of the claim as default; refuse unknown runs."""
     of_run = tuple(check.moved({"": run}) for check in checks)
     for check in of_run:
         for name in check.runs:
             require_run(name, runs, "a claim")
         number = getattr(check, "quoted", "")
         if number and number not in quote:
-            raise InputError(f"quoted = {number!r} does not stand in the quote {quoted(quote)}.")
+            raise InputError(f"quoted = {number!r} must be part of the quote {quoted(quote)}.")
     return of_run
 
 
 def _map(read: Claim, run: str, runs: Sequence[str], items: Sequence[OpenItem]) -> dict[str, str]:
-    """From the name of each completion of a run to its outcome of record."""
+    """Return the recorded outcome of each completion of a run."""
     known = {item.what for item in items if item.completions}
     axes = [name for name in read.open if name in known]
     combinations([name for name in read.open if name not in known], items)
@@ -155,50 +155,55 @@ def _map(read: Claim, run: str, runs: Sequence[str], items: Sequence[OpenItem]) 
 
 
 def open_table(value: Table[Any]) -> Table[OpenItem]:
-    """An item of [[open]], whose values are of this table."""
+    """Return the table of an item of [[open]] with values of this table."""
     return Table(OpenItem, forms={"values": ListOf(value)})
 
 
 def opens(value: Table[Any]) -> ListOf:
-    """[[open]], whose values are of this table."""
+    """Return the array [[open]] with values of this table."""
     return ListOf(open_table(value), needed="an array of tables, [[open]]")
 
 
 def tables_of(items: Sequence[OpenItem]) -> dict[str, dict[str, Any]]:
-    """The tables of each value of [[open]] as they stand in the file, by the value's name."""
+    """Return the tables of each value of [[open]], by its name."""
     tables: dict[str, dict[str, Any]] = {}
     for value in (value for item in items for value in item.values):
         changes = attrs.asdict(value, recurse=False)
         name = changes.pop("name")
         if name in tables:
-            raise InputError(f"[[open]] has two values {quoted(name)}; name each its own.")
+            raise InputError(
+                f"[[open]] has two values {quoted(name)}; give each value a different name."
+            )
         tables[name] = {key: v for key, v in changes.items() if v is not None}
     names = [item.what for item in items]
     if twice := next((what for what in names if names.count(what) > 1), None):
-        raise InputError(f"[[open]] names {quoted(twice)} twice; give each item its own name.")
+        raise InputError(
+            f"[[open]] has two items {quoted(twice)}; give each item a different name."
+        )
     return tables
 
 
 def combinations(names: Sequence[str], items: Sequence[OpenItem]) -> list[tuple[str, ...]]:
-    """Every combination of the values of the items of these names, but for all that is chosen."""
+    """Return all combinations of values of these items, except the chosen one."""
     known = {item.what: item for item in items}
     for name in names:
         if name not in known:
             raise InputError(
-                f"a claim is open in {quoted(name)}; [[open]] has {', '.join(known) or 'none'}."
+                f"open = {quoted(name)} of a claim must be an item of [[open]]: "
+                f"{', '.join(known) or 'none'}."
                 f"{did_you_mean(name, known)}"
             )
     sets = [("", *known[name].completions) for name in names]
-    combinations = [tuple(filter(None, values)) for values in product(*sets)]
-    if len(combinations) > MOST:
-        raise InputError(f"a claim is open in {len(combinations)} completions; {MOST} are allowed.")
-    return [values for values in combinations if values]
+    choices = [tuple(filter(None, values)) for values in product(*sets)]
+    if len(choices) > MOST:
+        raise InputError(f"a claim has {len(choices)} completions; at most {MOST} are allowed.")
+    return [values for values in choices if values]
 
 
 def completed_runs(
     claims: Iterable[Claim], items: Sequence[OpenItem]
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """The runs and the values of [[open]] that claims are judged over, each pair once."""
+    """Yield each pair of a run and values of [[open]] that a claim needs, once."""
     names = set()
     for claim in claims:
         runs = dict.fromkeys([claim.run, *(run for check in claim.checks for run in check.runs)])
@@ -210,12 +215,12 @@ def completed_runs(
 
 
 def completion_name(run: str, values: Sequence[str]) -> str:
-    """What the completion of a run by values of [[open]] is called."""
+    """Return the name of the completion of a run by values of [[open]]."""
     return f"{run}; {'; '.join(values)}" if run else "; ".join(values)
 
 
 def require_run(name: str, runs: Iterable[str], who: str) -> None:
-    """Refuse the name of a run that is not there."""
+    """Refuse the name of an unknown run."""
     names = tuple(runs)
     if name and name not in names:
         raise InputError(

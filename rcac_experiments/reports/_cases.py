@@ -1,4 +1,4 @@
-"""One case of a page: its claims with their verdicts, its report and its pictures, as text."""
+"""One case of a page as text: claims with verdicts, report and figures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rcac_numeric.reports._rendering import HOME, sheet_html, whole_page
 from rcac_numeric.reports._sheet import Sheet
 from rcac_numeric.reports._svg import svg_of
 
-FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
+FIRST = 2  # sections of the report before the figures: problem and claims
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class ClaimRow(Value):
 
 @dataclass(frozen=True)
 class Picture(Value):
-    """A picture and what it shows."""
+    """A figure and its title."""
 
     title: str
     svg: str
@@ -80,7 +80,7 @@ class Picture(Value):
 
 @dataclass(frozen=True)
 class Case(Value):
-    """What a page says of one experiment; plain text throughout, so that it can be kept.
+    """The content of a page about one experiment, as text that can be stored.
 
     Attributes
     ----------
@@ -107,22 +107,22 @@ class Case(Value):
 
     @property
     def anchor(self) -> str:
-        """Where it stands on a page."""
+        """The anchor of the case on a page."""
         return "e" + re.sub(r"[^A-Za-z0-9.-]+", "-", self.id)
 
     @property
     def chapter(self) -> str:
-        """What stands before the first dot of its number; empty where it has none."""
+        """The chapter of the number; empty without a number."""
         match = re.match(r"([1-9]|[A-B])\.\d", self.id)
         return match[1] if match else ""
 
     def to_record(self) -> dict[str, Any]:
-        """As JSON can hold it."""
+        """Return the case as a JSON object."""
         return asdict(self)
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Case:
-        """What `to_record` gave."""
+        """Read the result of `to_record`."""
         try:
             claims = tuple(
                 ClaimRow(**{**row, "notes": tuple(row["notes"])}) for row in record["claims"]
@@ -130,11 +130,11 @@ class Case(Value):
             pictures = tuple(Picture(**picture) for picture in record["pictures"])
             return cls(**{**record, "claims": claims, "pictures": pictures})
         except (KeyError, TypeError) as error:
-            raise InputError(f"this is no case of a page: {error}.") from None
+            raise InputError(f"the record must be a case of a page: {error}.") from None
 
 
 def case_of(verification: Verification) -> Case:
-    """What a page says of a verification."""
+    """Return the case of a verification."""
     experiment = verification.experiment
     sheet = verification_sheet(verification)
     name = experiment.id or "case"
@@ -177,7 +177,7 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
     try:
         drawn = page_figures(verification)
     except CompensatorError as error:
-        return (Picture(f"No picture: {shortened(str(error))}", ""),)
+        return (Picture(f"No figure: {shortened(str(error))}", ""),)
     return tuple(
         Picture(title, svg_of(figure, f"p{prefix}-{i}", f"{name}: {title}"))
         for i, (title, figure) in enumerate(drawn.items())
@@ -185,7 +185,7 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
 
 
 def _settings(verification: Verification) -> str:
-    """What makes each run what it is, in a line: arithmetic, seed, steps."""
+    """Return arithmetic, seed and steps of each run in one line."""
     studies = verification.experiment.studies
     return "; ".join(
         [
@@ -204,9 +204,9 @@ NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matpl
 
 
 def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **more: Any) -> str:
-    """The page of one case."""
+    """Return the HTML page of one case."""
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
-    lead = case.source or "A case, its claims and what was measured."
+    lead = case.source or "A case with its claims and measured values."
     values: dict[str, Any] = {
         "title": title,
         "lead": lead,
@@ -217,7 +217,7 @@ def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **mo
 
 
 def versions_of(cases: Sequence[Case]) -> dict[str, Any]:
-    """Versions, machine and seeds: what else decides the numbers of a page."""
+    """Return versions, machine and seeds, on which the numbers of a page depend."""
     machine = f"Python {platform.python_version()}, {platform.system()} on {platform.machine()}"
     versions = [f"{name} {version(name)}" for name in NAMED]
     return {"versions": versions, "machine": machine, "cases": cases}

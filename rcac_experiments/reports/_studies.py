@@ -1,4 +1,4 @@
-"""Studies as reports: how their runs ended, a run made again, whether a store is whole."""
+"""Reports of a study: outcomes of its runs, a repeated run, the check of a store."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.reports._loop import health_lines, health_record
 from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
-# Groups that a reader looks through, and errors.
+# Rows of the tables of groups and errors.
 LONGEST_TABLE, MOST_ERRORS = 40, 5
 
 
 def sweep_sheet(overview: SweepOverview) -> Sheet:
-    """What a store holds."""
+    """Return the report of the runs in a store."""
     return Sheet(
         title=overview.title or overview.path,
         health=_health(overview),
@@ -34,13 +34,14 @@ def _health(overview: SweepOverview) -> tuple[Text, ...]:
     results = len(overview.table)
     if overview.failed:
         words = f"{overview.failed} of {overview.total} runs failed"
-        how = "and are in no number below; --retry-failed (retry_failed=True) runs them again."
-        sentences.append(Text(f"{words} {how}", "bad"))
+        how = "the numbers below exclude them. Repeat them with --retry-failed (retry_failed=True)."
+        sentences.append(Text(f"{words}; {how}", "bad"))
     if overview.done < overview.total:
         sentences.append(
             Text(
-                f"{overview.done} of {overview.total} runs have been run; the numbers below are "
-                "of those.",
+                f"{overview.done} of {overview.total} runs are finished; the numbers below use "
+                "these "
+                "runs.",
                 "warning",
             )
         )
@@ -50,9 +51,9 @@ def _health(overview: SweepOverview) -> tuple[Text, ...]:
     elif results and not overview.failed:
         sentences.append(Text(f"All {results} runs completed.", "good"))
     if noted := sum(overview.errors.values()):
-        sentences.append(Text(f"{noted} runs have an error recorded.", "bad"))
+        sentences.append(Text(f"{noted} runs have a recorded error.", "bad"))
     if overview.mixed:
-        words = f"Not all runs were made with the same: {'; '.join(overview.mixed)}."
+        words = f"The runs used different versions: {'; '.join(overview.mixed)}."
         sentences.append(Text(words, "warning"))
     return tuple(sentences)
 
@@ -68,7 +69,7 @@ def _study(overview: SweepOverview) -> Section:
         Fact("repetitions", str(overview.repetitions)),
         Fact("seed", str(overview.seed)),
         Fact("fingerprint", overview.fingerprint),
-        Fact("made with", f"{versions}; {overview.instruction_set}; {overview.created}"),
+        Fact("versions", f"{versions}; {overview.instruction_set}; {overview.created}"),
     ]
     record = {
         "study": {
@@ -99,7 +100,7 @@ def _outcomes(overview: SweepOverview) -> Section:
         share = _percent(count / len(overview.table))
         rows.append(cells(Text(outcome, level), str(count), share, interval))
     table = SheetTable(("outcome", "runs", "share", "95 % interval"), tuple(rows))
-    return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
+    return Section("Outcomes", (table,) if rows else (), {"outcomes": overview.outcomes})
 
 
 def _groups(overview: SweepOverview) -> Section:
@@ -119,12 +120,12 @@ def _groups(overview: SweepOverview) -> Section:
     rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
     blocks: list[Block] = [SheetTable(tuple(heads), tuple(rows))]
     if len(summary) > LONGEST_TABLE:
-        words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
+        words = f"{len(summary) - LONGEST_TABLE} more groups; use fewer axes in --by, or --json."
         blocks.append(Text(words, "quiet"))
     of = ", with the 95 % interval of the share that did not complete"
     if summary.measure:
         of += f", and {summary.measure} of the completed runs"
-    return Section("Group by group", tuple(blocks), record, of)
+    return Section("Groups", tuple(blocks), record, of)
 
 
 def _row(summary: SweepSummary, i: int, measured: list[str]) -> Any:
@@ -147,7 +148,7 @@ def _errors(overview: SweepOverview) -> Section:
             for words, count in list(errors.items())[:MOST_ERRORS]
         ]
         if (more := len(errors) - MOST_ERRORS) > 0:
-            blocks.append(Text(f"and {more} others; `{column}` of the table has them all."))
+            blocks.append(Text(f"and {more} more; the column `{column}` of the table lists all."))
     record = {
         "failures": [{"error": e, "runs": n} for e, n in overview.failures.items()],
         "errors": [{"error": e, "runs": n} for e, n in overview.errors.items()],
@@ -166,11 +167,16 @@ def _value(value: Any) -> str:
 
 
 def replay_sheet(replayed: ReplayedRun) -> Sheet:
-    """Whether every bit came out again, and what the run is."""
+    """Return the report of a repeated run: comparison with the stored run, and its results."""
     run = replayed.analysed.run
-    sentences = [Text("Bit for bit the run that is stored.", "good")]
+    sentences = [Text("The repeated run is bit-identical to the stored run.", "good")]
     if not replayed.is_identical:
-        sentences = [Text(f"Not the run that is stored: {', '.join(replayed.differences)}.", "bad")]
+        sentences = [
+            Text(
+                f"The repeated run differs from the stored run: {', '.join(replayed.differences)}.",
+                "bad",
+            )
+        ]
         sentences += [
             Text(f"{name} was {then} and is {now}.", "warning")
             for name, (then, now) in replayed.differing_versions.items()
@@ -183,7 +189,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
         Fact("outcome", f"{run.outcome} after {run.steps} steps"),
     ]
     if replayed.stored_error:
-        facts.append(Fact("recorded", replayed.stored_error, "bad"))
+        facts.append(Fact("recorded error", replayed.stored_error, "bad"))
     rows = [
         cells(name, _number(replayed.stored[name]), _number(replayed.found[name]))
         for name in replayed.stored
@@ -214,30 +220,27 @@ def _number(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.17g}"
 
 
-MOST_FAULTS = 20  # that a reader looks through
+MOST_FAULTS = 20  # rows of the report
 
 
 def store_sheet(check: StoreCheck) -> Sheet:
-    """Whether a store is whole, and what is wrong with it."""
+    """Return the report of the check of a store."""
     lost = sum(last - first + 1 for first, last in check.damaged)
-    sentences = [Text("Everything in it is what was stored.", "good")]
+    sentences = [Text("The store is intact: all files match their digests.", "good")]
     if not check.total:
-        sentences = [Text("No study was stored in it yet, and nothing is damaged. If a sweep "
-                          "into it "
-                     "was killed at its beginning, give the same `rcac sweep` again.",
+        sentences = [Text("The store contains no study yet; nothing is damaged. If `rcac sweep` "
+                          "was interrupted at its start, run the same command again.",
                      "warning")]  # fmt: skip
     if not check.is_whole:
-        sentences = [Text(f"It is damaged: {lost} runs are not what was stored.", "bad")]
-        sentences.append(
-            Text("What is damaged is computed again by the same `rcac sweep`.", "warning")
-        )
+        sentences = [Text(f"The store is damaged: {lost} runs do not match their digests.", "bad")]
+        sentences.append(Text("Repeat the damaged runs with the same `rcac sweep`.", "warning"))
     blocks: list[Block] = [
-        Fact("runs stored and right", f"{check.done} of {check.total}"),
-        Fact("of them failed", str(check.failed)),
+        Fact("intact runs", f"{check.done} of {check.total}"),
+        Fact("failed runs", str(check.failed)),
         *(Text(shortened(words, 300), "bad") for words in check.faults[:MOST_FAULTS]),
     ]
     if (more := len(check.faults) - MOST_FAULTS) > 0:
-        blocks.append(Text(f"and {more} others; --json has them all."))
+        blocks.append(Text(f"and {more} more; --json lists all."))
     record = {
         "path": check.path,
         "is_whole": check.is_whole,

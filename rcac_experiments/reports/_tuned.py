@@ -1,4 +1,4 @@
-"""What is said of a tuned design."""
+"""The report of a tuned design."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ BEST = 8  # candidates in the table of a report
 
 
 def tuned_sheet(tuned: Tuned) -> Sheet:
-    """What tuning brought, then the tuned design on plants and draws that chose nothing."""
+    """Return the report: gain by tuning, tests of the tuned design, candidates."""
     sheet, beside = design_sheet(tuned.design), tuned.beside_rule
     (k, n), (low, high) = beside.stable, beside.interval
     words = (
-        f"Held out, the chosen settings have {beside.ratio:.3g} of the rms of the rule's "
-        f"({low:.3g} to {high:.3g}); {k} of {n} runs stable, the rule {beside.fixed_stable[0]}."
+        f"Test plants: rms error of the tuned settings {beside.ratio:.3g} of that of the rule "
+        f"({low:.3g} to {high:.3g}); {k} of {n} runs stable (rule: {beside.fixed_stable[0]})."
     )
     if tuned.chosen.name == RULE:
-        words = f"None of {len(tuned.candidates) - 2} points was surely better than the rule."
+        count = len(tuned.candidates) - 2
+        words = f"None of {count} candidates is significantly better than the rule."
     ranked = sorted(tuned.candidates, key=lambda one: (-one.rounds, one.order))
     rows = tuple(cells(*_candidate(one)) for one in ranked[:BEST])
     head = ("candidate", "rounds", "rms/fixed", "lost", "Ms", "N_0", "nu", "width", "order +",
@@ -31,8 +32,11 @@ def tuned_sheet(tuned: Tuned) -> Sheet:
         for one in ranked
     ]  # fmt: skip
     candidates = Section(
-        "What was tried",
-        (SheetTable(head, rows), Text("On the plants at the corners of the uncertainty.")),
+        "Candidates",
+        (
+            SheetTable(head, rows),
+            Text("Simulated on the plants at the corners of the uncertainty."),
+        ),
         {"candidates": record, "chosen": tuned.chosen.name},
     )
     verdict, *rest = sheet.health
@@ -48,6 +52,6 @@ def _candidate(one: Candidate) -> tuple[str, ...]:
              f"{one.Ms:.3g}")  # fmt: skip
     if knobs is None:
         return *row, "", "", "", "", ""
-    samples = "as it is" if knobs.samples is None else f"{knobs.samples:.3g}"
+    samples = "default" if knobs.samples is None else f"{knobs.samples:.3g}"
     return (*row, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
             f"{knobs.forgetting:.6g}")  # fmt: skip

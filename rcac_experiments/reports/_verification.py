@@ -32,11 +32,11 @@ from rcac_numeric.reports._loop import (
 from rcac_numeric.reports._sheet import Block, Fact, Level, Section, Sheet, SheetTable, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}
-MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there are
+MOST_COMPLETIONS = 6  # of an outcome that are listed by name
 
 
 def verification_sheet(verification: Verification) -> Sheet:
-    """What was run, what was claimed and measured, and what the final controller does."""
+    """Return the report: problem, claims with measured values and verdicts, final controller."""
     experiment = verification.experiment
     health = loop_health(verification) if verification.results else None
     return Sheet(
@@ -55,16 +55,18 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     if verification.estimates:
         return estimation_health(verification)
     if health is None:
-        return _changed(verification) or (Text("Decided exactly: no run, no tolerance."),)
+        return _changed(verification) or (
+            Text("Exact result, without a simulation or a tolerance."),
+        )
     main = verification.main
     sentences: list[Text] = []
     poles: tuple[Text, ...] = ()
     if main.diverged:
-        words = ", as it is known to" if main.as_expected else ""
+        words = ", as expected" if main.as_expected else ""
         last = main.first.run.steps - 1
         sentences.append(
             Text(
-                f"The loop diverged after step {last}{words}; the controller below is that of "
+                f"The loop diverged after step {last}{words}; the report shows the controller of "
                 "that step.",
                 "bad",
             )
@@ -75,14 +77,13 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
     sentences += poles_and_health(poles, [first])
     sentences += _changed(verification)
     sentences += [
-        Text(f"Run {name!r} did not end as it is known to.", "bad")
-        for name in verification.surprising
+        Text(f"Run {name!r} did not end as expected.", "bad") for name in verification.surprising
     ]
     return (*sentences, *rest)
 
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:
-    """What only an example that runs has."""
+    """Return the sections of an example with runs."""
     if verification.estimates:
         return (estimation_section(verification),)
     if not verification.results:
@@ -93,9 +94,9 @@ def _of_runs(verification: Verification) -> tuple[Section, ...]:
 
 
 def _changed(verification: Verification) -> tuple[Text, ...]:
-    """That verdicts of record have changed, where some have."""
+    """Return a sentence with the number of changed verdicts, if any."""
     count = sum(verdict.has_changed for verdict in verification.verdicts)
-    return (Text(f"{count} of the verdicts of record changed.", "bad"),) if count else ()
+    return (Text(f"{count} of the recorded verdicts changed.", "bad"),) if count else ()
 
 
 def _problem(verification: Verification, health: LoopHealth | None) -> Section:
@@ -108,23 +109,23 @@ def _problem(verification: Verification, health: LoopHealth | None) -> Section:
 
 
 def _claims(verification: Verification) -> Section:
-    """First what a source says, then what is asked besides."""
+    """Return the claims of the source, then the additional claims."""
     verdicts = sorted(verification.verdicts, key=lambda v: v.claim.owner == OURS)
     quoted = any(v.claim.quote for v in verdicts)
     rows = tuple(
         cells(_words_of(v, quoted), [Text(str(r)) for r in v.results], _verdict(v))
         for v in verdicts
     )
-    heads = ("the text's words" if quoted else "claim", "measured", "verdict")
+    heads = ("sentence of the text" if quoted else "claim", "measured", "verdict")
     table = (SheetTable(heads, rows),)
     opens = tuple(Fact(item.what, _open_words(item)) for item in verification.experiment.open)
-    open_items = Section("What the text leaves open", opens) if opens else Section()
+    open_items = Section("Settings that the text leaves open", opens) if opens else Section()
     record = {"claims": [claim_record(v) for v in verification.verdicts]}
     return joined("Claims" if rows else "", Section("", table if rows else (), record), open_items)
 
 
 def claim_record(v: Verdict) -> dict[str, Any]:
-    """A claim, what was measured and its verdict, as JSON can hold them."""
+    """Return a claim, its measured values and its verdict as a JSON object."""
     claim = v.claim
     return {
         "whose": claim.owner,
@@ -148,20 +149,20 @@ def claim_record(v: Verdict) -> dict[str, Any]:
 def _words_of(v: Verdict, beside_quotes: bool) -> list[Text]:
     claim = v.claim
     if claim.owner == OURS:
-        return [Text(claim.text), *([Text("a question of ours", "quiet")] if beside_quotes else [])]
+        return [Text(claim.text), *([Text("additional check", "quiet")] if beside_quotes else [])]
     sentences = [
         Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")
     ]
     sentences.append(Text(claim.place, "quiet"))
     if claim.reading:
-        sentences.append(Text(f"read as: {claim.reading}", "quiet"))
+        sentences.append(Text(f"interpretation: {claim.reading}", "quiet"))
     if claim.text != claim.quote:
         sentences.append(Text(f"checked: {claim.text}", "quiet"))
     return sentences
 
 
 def _open_words(item: OpenItem) -> str:
-    others = f"; tried too: {', '.join(item.completions)}" if item.completions else ""
+    others = f"; also simulated: {', '.join(item.completions)}" if item.completions else ""
     reason = f". {item.reason}" if item.reason else ""
     return f"chosen: {item.chosen}{others}{reason}"
 
@@ -176,12 +177,12 @@ def _verdict(verdict: Verdict) -> list[Text]:
     if reason := _reason(verdict):
         lines.append(Text(reason, "quiet"))
     if verdict.has_changed:
-        lines.append(Text(f"was: {claim.recorded}", "bad"))
+        lines.append(Text(f"recorded verdict: {claim.recorded}", "bad"))
     return lines
 
 
 def map_lines(verdict: Verdict) -> list[str]:
-    """For which completions a claim holds, and on which run its checks succeed, in words.
+    """Return the completions for which a claim holds, and the result of its control run.
 
     Examples
     --------
@@ -196,7 +197,9 @@ def map_lines(verdict: Verdict) -> list[str]:
     if len(outcomes) > 1:
         for outcome in dict.fromkeys(outcomes.values()):
             names = [name for name, result in outcomes.items() if result == outcome]
-            text = "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} of them"
+            text = (
+                "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} completions"
+            )
             lines.append(f"{outcome}, of {len(outcomes)} completions: {text}")
     if verdict.control:
         control = outcome_of(verdict.control)
@@ -205,12 +208,12 @@ def map_lines(verdict: Verdict) -> list[str]:
 
 
 def _reason(verdict: Verdict) -> str:
-    """Why the claim does not hold, where it does not."""
+    """Return the reason of a claim that does not hold."""
     return "" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else verdict.claim.reason
 
 
 def _runs(verification: Verification) -> Section:
-    """Every run side by side: what each arithmetic makes of the same data."""
+    """Return the table of all runs, which compares the arithmetics."""
     results = verification.results
     record = [
         {
@@ -224,7 +227,7 @@ def _runs(verification: Verification) -> Section:
         }
         for name, r in results.items()
     ]
-    heads = ("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
+    heads = ("run", "arithmetic", "worst pole distance", "updates decided by rounding", "outcome")
     rows = tuple(_run(name, result) for name, result in results.items())
     if len(rows) == 1:
         return Section(record={"runs": record})
@@ -235,7 +238,7 @@ def _run(name: str, result: RunResult) -> Any:
     first = result.first.run
     distance = ""
     if not result.first.obstacle:
-        # Of seeds the first: what all of them do is what the claims measure.
+        # The claims measure all seeds; the table shows the first.
         compared = result.repetitions[: 1 if result.specification.seeds > 1 else None]
         values = sorted(r.comparison.worst_distance for r in compared)
         distance = f"{values[len(values) // 2]:.3g}"
@@ -245,38 +248,41 @@ def _run(name: str, result: RunResult) -> Any:
     digits = getattr(first, "digits", None)
     if digits is not None:
         arithmetic += f", {digits:.0f} digits certified"
-    guard = f"{first.guard_count} updates" if first.guard_count else "none"
+    guard = str(first.guard_count)
     outcome = [Text(first.outcome)]
     if result.diverged:
         known = ", as expected" if result.as_expected else ""
         level: Level = "quiet" if known else "bad"
         outcome = [Text(f"diverged at {first.steps}{known}", level)]
     elif not result.as_expected:
-        outcome.append(Text("though expected to diverge", "bad"))
+        outcome.append(Text("divergence was expected", "bad"))
     return cells(name, arithmetic, distance, guard, outcome)
 
 
-# What a report says of the studies of an estimation example.
+# The report of an estimation example.
 
 
 def estimation_health(verification: Verification) -> tuple[Text, ...]:
-    """Whether every estimate came from data that determine it."""
+    """Return a warning for each run whose data do not determine the parameter."""
     results = verification.estimates
     undetermined = [name for name, result in results.items() if _initial_share(result) > 0.5]
     sentences = [
-        Text(f"Run {name!r}: the data do not determine the parameter.", "warning")
+        Text(
+            f"Run {name!r}: insufficient excitation, the data do not determine the parameter.",
+            "warning",
+        )
         for name in undetermined
     ]
     if not sentences:
-        sentences = [Text("Estimates of a parameter whose true value is known.")]
+        sentences = [Text("Estimates of a parameter with known true value.")]
     sentences += _changed(verification)
     return tuple(sentences)
 
 
 def estimation_section(verification: Verification) -> Section:
-    """Every run side by side: the estimator, its seeds, and the estimate at the end."""
+    """Return the table of all runs: estimator, seeds and final estimate."""
     results = verification.estimates
-    heads = ("run", "estimator", "seeds", "truth at the end", "estimate at the end", "outcome")
+    heads = ("run", "estimator", "seeds", "true final value", "final estimate", "outcome")
     rows = tuple(
         cells(
             name,

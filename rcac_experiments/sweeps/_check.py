@@ -1,4 +1,4 @@
-"""Whether the folder of a study is whole."""
+"""The check of the folder of a study."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from rcac_numeric.arrays._values import Value
 
 @dataclass(frozen=True)
 class StoreCheck(Value):
-    """What a check of a store found.
+    """Result of the check of a store.
 
     Attributes
     ----------
     path : str
     done, total : int
-        Runs whose rows are what was stored, and runs of the study.
+        Intact stored runs, and runs of the study.
     failed : int
-        How many of the former failed.
+        Failed runs among the intact ones.
     damaged : tuple of (int, int)
-        Runs, the first and the last one of each chunk, that had ended and are not what was stored.
+        First and last run of each damaged chunk.
     faults : tuple of str
-        All that is wrong, in words.
+        Description of each damage.
     """
 
     path: str
@@ -35,13 +35,13 @@ class StoreCheck(Value):
 
     @property
     def is_whole(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether nothing is damaged."""
         return not self.faults
 
     def __str__(self) -> str:
         if not self.total:
-            return f"{self.path}: no study was stored in it yet; nothing is damaged."
-        words = f"{self.path}: {self.done} of {self.total} runs are stored and right"
+            return f"{self.path}: the store contains no study yet; nothing is damaged."
+        words = f"{self.path}: {self.done} of {self.total} runs are stored and intact"
         words += f", {self.failed} of them failed" if self.failed else ""
         if self.is_whole:
             return f"{words}; nothing is damaged."
@@ -49,22 +49,21 @@ class StoreCheck(Value):
         lines = [f"{words}; {lost} are damaged."] if lost else [f"{words}."]
         lines += self.faults
         if lost:
-            lines.append("What is damaged is computed again when the study is run.")
+            lines.append("The same `run_study` repeats the damaged runs.")
         return "\n".join(lines)
 
 
 def check_store(store: str | Path) -> StoreCheck:
-    """Read everything in a store and hold it against its digests and its plan.
+    """Compare all files of a store with their digests and with the plan of the study.
 
-    Nothing is changed. That runs have not been run yet is no fault, nor that none has and not even
-    the study is there, as where a sweep was killed before its first chunk. What is damaged is
-    computed again by the call of `run_study` that made the store.
+    The store is not changed. Missing runs are no damage, and neither is a store without a study, as
+    after a sweep that was killed before its first chunk. The same call of `run_study` repeats
+    damaged runs.
 
     Raises
     ------
     StoreError
-        Where the folder is no store, or its study is damaged, so that nothing can be held against
-        it.
+        If the folder is no store, or if its study is damaged, so that no run can be checked.
 
     Examples
     --------
@@ -101,7 +100,7 @@ def check_store(store: str | Path) -> StoreCheck:
                 failed += chunk.failed
         faults += [
             f"{CHUNKS}/{name} is no chunk of this study, and other readers of {CHUNKS}/*.parquet "
-            "would count its rows: move it elsewhere"
+            "would include its rows: move it to another folder"
             for name in opened.strangers()
         ]
     return StoreCheck(str(opened.path), done, total, failed, tuple(damaged), tuple(faults))

@@ -1,6 +1,6 @@
-"""Stores of version 0.2 and before, which were SQLite files: read once, and made into a folder.
+"""Convert the stores of version 0.2 and earlier, which are SQLite files, to folders.
 
-All that is known of them is here, and goes with a later version.
+A later version will remove this module.
 """
 
 from __future__ import annotations
@@ -46,23 +46,22 @@ TABLES = {
 
 
 def convert_store(old: str | Path, folder: str | Path) -> StoreCheck:
-    """Make the folder of a study from a store of an earlier version, an SQLite file.
+    """Convert a store of an earlier version, an SQLite file, to the folder of a study.
 
-    The file is read as it stands, and nothing in it or beside it is changed. Its runs keep their
-    numbers; those that are not what was stored are left out, named in the answer, and computed
-    when the study is run into the folder.
+    The file and its folder are not changed. Runs keep their numbers; damaged runs are omitted, are
+    listed in the result, and are computed when the study is run into the new folder.
 
     Parameters
     ----------
     old : path
     folder : path
-        Made where there is none; one that holds a study already is refused.
+        It is made if it does not exist; a folder with a study is refused.
 
     Raises
     ------
     StoreError
-        Where the file is no such store, something lies beside it that SQLite left there, its study
-        is damaged, or the folder cannot be used.
+        If the file is no such store, if SQLite left a journal beside it, if its study is damaged,
+        or if the folder cannot be used.
 
     Examples
     --------
@@ -91,7 +90,7 @@ def convert_store(old: str | Path, folder: str | Path) -> StoreCheck:
         plan = about.plan
         with Folder(folder, make=True) as new:
             if not new.is_new:
-                raise StoreError(f"{folder} holds a study already; give one that is not there.")
+                raise StoreError(f"{folder} contains a study; give a new folder.")
             new.begin(about)
             for number in range(1, plan.chunks + 1):
                 try:
@@ -127,15 +126,17 @@ def _require_old(path: Path) -> int:
     for end in BESIDE:
         if os.path.lexists(os.path.realpath(path) + end):
             raise StoreError(
-                f"{path.name}{end} lies beside {path}: results wait in it, or it is from others "
-                "and leads elsewhere. Nothing was changed. If the store is yours, give its last "
-                "command once more to the version that wrote it; else remove that file."
+                f"{path.name}{end} lies beside {path}: it may contain unwritten results, or come "
+                "from "
+                "others. Nothing was changed. If the store is yours, run its last command again "
+                "with "
+                "the version that wrote it; otherwise remove that file."
             )
     return size
 
 
 def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
-    """What the store says of its study; raises one of `NO_STUDY`, or SQLite's own error."""
+    """Read the study of the store; raise one of `NO_STUDY`, or an error of SQLite."""
     execute = connection.execute
     execute("PRAGMA trusted_schema = OFF")
     execute("PRAGMA cell_size_check = ON")
@@ -176,7 +177,7 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
 def _records(
     connection: sqlite3.Connection, about: StoredStudy, origin: str, number: int
 ) -> list[RunRecord]:
-    """The runs of a chunk that has ended; none where it has not. Raises `Damaged`, and others."""
+    """Read the runs of a completed chunk; raise `Damaged` or other errors."""
 
     def rows_of(statement: str, values: Row, most: int) -> list[Row]:
         found = connection.execute(f"SELECT {statement}", values).fetchmany(most + 1)
@@ -204,8 +205,8 @@ def _records(
     _, _, _, state, _, _, tries, failed, seconds, bound = chunks[0]
     if state != DONE and not rows and bound is None:
         return []
-    said = [origin, (number, first, last, tries, failed, seconds), rows]
-    if state != DONE or bound != _digest(said):
+    signed = [origin, (number, first, last, tries, failed, seconds), rows]
+    if state != DONE or bound != _digest(signed):
         raise Damaged("they are not what was stored")
     # From here on only who can compute digests comes: the numbers are what he wrote.
     if [row[:3] for row in rows] != about.plan.places(number):

@@ -289,7 +289,7 @@ class Coordinator:
         if not self.pool.is_ours:
             return _Gone(type(error).__name__)
         return InputError(
-            f"worker processes cannot be started: {error} workers=0 does all in one process."
+            f"worker processes cannot be started: {error} Use workers=0 for one process."
         )
 
     def _store_error(self, why: str) -> StoreError:
@@ -299,7 +299,7 @@ class Coordinator:
         """
         self.pool.leave()
         self.pool, self.in_flight, self.todo = Pool(None, 1), {}, []
-        words = "Go on with a new one."
+        words = "Continue with a new executor."
         for work in dict.fromkeys(reversed(self._suspects)):
             task = self.task_of(work.number)
             if work.missing:
@@ -309,15 +309,15 @@ class Coordinator:
                 where = next(at for at, some in task.runs if died[0] in dict(some))
                 named = ", ".join(f"{name} = {value}" for name, value in where.items())
                 words = (
-                    f"The run {died[0]} ({named}) ends its worker, one of ours too, and is stored "
-                    "as failed: go on with a new executor. Processes of our own (workers=2) lose "
-                    "that run alone, and a function that makes the executor, executor=lambda: "
-                    "ProcessPoolExecutor(2) for instance, makes it again."
+                    f"Run {died[0]} ({named}) ends every worker, and is stored as failed: continue "
+                    "with a new executor. With workers=2 only that run is lost; a function such "
+                    "as executor=lambda: ProcessPoolExecutor(2) makes a new executor itself."
                 )
                 break
         self.pool.end()
         return StoreError(
-            f"the executor broke: it takes nothing more ({why}). What had ended is kept. {words}"
+            f"the executor broke and accepts no more tasks ({why}). Completed runs are stored. "
+            f"{words}"
         )
 
     def _keep(self, part: ChunkPart, records: list[RunRecord]) -> None:

@@ -1,7 +1,7 @@
-"""The store of a study: a folder with study.json, and a file for each chunk of runs that has ended.
+"""The store of a study: a folder with study.json and a file for each completed chunk of runs.
 
-Results are deterministic. So nothing is locked, leased or repaired: a chunk that is computed twice
-is the same chunk, and one that is missing or damaged is computed again.
+Results are deterministic, so a store needs no locks, leases or repair: a chunk that is computed
+twice is the same chunk, and a missing or damaged chunk is computed again.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ EXACT = 2**53  # integers up to it are float64
 
 @dataclass(frozen=True)
 class Chunk:
-    """A chunk whose file is there: its runs first, ..., last, and its columns, or a fault."""
+    """A stored chunk: its runs first, ..., last, and its columns, or a fault."""
 
     number: int
     first: int
@@ -59,12 +59,12 @@ class Chunk:
 
     @property
     def failed(self) -> int:
-        """How many of its runs failed."""
+        """The number of failed runs."""
         return sum(outcome in FAILED for outcome in self.columns.get("outcome", ()))
 
     @property
     def fault_words(self) -> str:
-        """Which runs are damaged, and how."""
+        """The damaged runs and the fault."""
         return f"the runs {self.first} to {self.last} ({file_of(self.number)}): {self.fault}"
 
 
@@ -86,8 +86,9 @@ class Folder:
             raise
         except (OSError, ValueError) as error:  # a null character in the path is the latter
             raise StoreError(
-                f"{str(path)!r} cannot be made or read ({getattr(error, 'strerror', error)}): is "
-                "there such a folder, and may you write to it?"
+                f"{str(path)!r} cannot be made or read ({getattr(error, 'strerror', error)}): "
+                "check "
+                "that the folder exists and that you may write to it."
             ) from None
 
     def __enter__(self) -> Folder:
@@ -102,7 +103,7 @@ class Folder:
 
     @property
     def is_new(self) -> bool:
-        """Whether no study is in it yet; a folder with other things in it is refused."""
+        """Whether the folder is empty; a folder with other files is refused."""
         return self._read() is None
 
     def _read(self) -> StoredStudy | None:
@@ -110,46 +111,48 @@ class Folder:
             return read_text(self.directory.read(STUDY, LARGEST_FILE))
         except (Damaged, *NO_STUDY) as fault:
             raise StoreError(
-                f"{self.path} is damaged or no store of a study: its {STUDY} is none ({fault}). "
-                "Nothing was changed. Without its study nothing in it can be checked; take it from "
+                f"{self.path} is damaged or no store of a study: its {STUDY} is invalid ({fault}). "
+                "Nothing was changed. No run can be checked without {STUDY}; restore the file from "
                 "a copy, or run the study into another folder."
             ) from None
         except FileNotFoundError:
             others = [n for n in self.directory.names() if n != CHUNKS and not is_part(n)]
             if others or self.numbers():
                 raise StoreError(
-                    f"{self.path} is no store of a study: it has no {STUDY}, and other things are "
-                    "in it. Nothing was changed. Give a folder of its own, which `rcac sweep` "
-                    "makes; a store whose study was lost is taken from a copy."
+                    f"{self.path} is no store of a study: it has no {STUDY}, and contains other "
+                    "files. "
+                    "Nothing was changed. Give a separate folder, which `rcac sweep` makes; "
+                    "restore "
+                    "a store without {STUDY} from a copy."
                 ) from None
             return None
 
     @property
     def study(self) -> StoredStudy:
-        """What is said of the study, as it was when it was last read."""
+        """The description of the study, as it was last read."""
         return self._about or self.refreshed()
 
     def refreshed(self) -> StoredStudy:
-        """What is said of the study now: another process may have made it grow."""
+        """Read the description of the study again, which another process may have extended."""
         about = self._read()
         if about is None:
             raise StoreError(
-                f"{self.path} is empty: no study was stored in it. If a sweep into it was killed "
-                "at its beginning, give the same `rcac sweep` again."
+                f"{self.path} is empty: it contains no study. If `rcac sweep` was interrupted "
+                "at its start, run the same command again."
             )
         if about != self._about:
             self._about, self._layouts = about, {}
         return about
 
     def begin(self, about: StoredStudy) -> None:
-        """Write down the study, unless another process just did."""
+        """Write the study, unless another process has just done so."""
         data = text_of(about)
         if self.is_new:
             self.directory.make(CHUNKS)
             self.directory.put(STUDY, data)
 
     def grow(self, study: Study, mixed: Sequence[str] = (), *, among_others: bool = False) -> None:
-        """Add what the study asks for and the store has not, and what was mixed into it."""
+        """Extend the stored study, and record differing versions."""
         about = self.refreshed()
         words = (*about.mixed, *(w for w in mixed if w not in about.mixed))
         new = about.grown(self.path, study, among_others=among_others)
@@ -157,7 +160,7 @@ class Folder:
         self.refreshed()
 
     def write(self, about: StoredStudy) -> None:
-        """Put what is said of the study in the place of what was said."""
+        """Replace the description of the study."""
         if about != self.study:
             self.directory.put(STUDY, text_of(about))
 
@@ -165,13 +168,13 @@ class Folder:
 
     @property
     def chunks(self) -> Directory | None:
-        """The folder with the files of chunks; None where there is none."""
+        """The folder of the chunks, or None."""
         if self._chunks is None:
             self._chunks = self.directory.inside(CHUNKS)
         return self._chunks
 
     def numbers(self) -> list[int]:
-        """The chunks of which there is a file."""
+        """The numbers of the stored chunks."""
         return sorted(filter(None, map(_number, self.chunks.names() if self.chunks else ())))
 
     def strangers(self) -> list[str]:
@@ -249,21 +252,23 @@ class Folder:
         for chunk in self.read(numbers, guarded):
             if chunk.fault:
                 raise StoreError(
-                    f"{self.path} is damaged: {chunk.fault_words}. Nothing was changed. The same "
-                    "`rcac sweep` (run_study) computes again what is damaged; `rcac store check` "
-                    "(check_store) names all of it."
+                    f"{self.path} is damaged: {chunk.fault_words}. Nothing was changed. Repeat "
+                    "the damaged "
+                    "runs with the same `rcac sweep` (run_study); list all of them with `rcac "
+                    "store "
+                    "check` (check_store)."
                 )
             yield chunk
 
     def cell_columns(self, cells: Sequence[int] | NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-        """The coordinates of some cells, an array for each axis."""
+        """Return the coordinates of some cells, an array for each axis."""
         plan = self.study.plan
         by_axis = zip(plan.values.items(), plan.indices(cells), strict=True)
         return {name: column(values)[places] for (name, values), places in by_axis}
 
 
 def _fault(about: StoredStudy, number: int, layout: Layout, columns: Columns) -> str:
-    """What is wrong with rows whose digest is right: only who can compute digests comes here."""
+    """Return the fault of rows with a correct digest, which only an edited store has."""
     for name, values in _planned(about, number, layout).items():
         if list(columns[name]) != list(values):
             return f"its column {name} is not that of the study"
@@ -278,7 +283,7 @@ def _fault(about: StoredStudy, number: int, layout: Layout, columns: Columns) ->
 
 
 def _planned(about: StoredStudy, number: int, layout: Layout) -> dict[str, list[Any]]:
-    """The columns of a chunk that follow from the plan."""
+    """Return the columns of a chunk that the plan determines."""
     plan, kinds = about.plan, dict(layout.columns)
     run, cell, repetition = map(list, zip(*plan.places(number), strict=True))
     columns = {"run": run, "cell": cell, "repetition": repetition}
@@ -323,17 +328,18 @@ def _number(name: str) -> int | None:
 
 
 def _no_folder(path: Path) -> StoreError:
-    """Why something that is no folder is no store."""
+    """Return the error for a path that is no folder."""
     if not os.path.lexists(path):
         return StoreError(f"{path} cannot be read: there is no such folder.")
     if path.is_file():
         with path.open("rb") as file:
             if file.read(len(SQLITE)) == SQLITE:
                 return StoreError(
-                    f"{path} is a store of an earlier version, an SQLite file: `rcac store convert "
-                    f"{path} -o FOLDER` (convert_store) makes a folder of it."
+                    f"{path} is a store of an earlier version, an SQLite file: convert it with "
+                    f"`rcac store convert {path} -o FOLDER` (convert_store)."
                 )
     return StoreError(
-        f"{path} is no store of a study: it is a file, and a store a folder with a {STUDY}. "
-        "Nothing was changed. `rcac sweep` makes stores; `rcac verify` runs an experiment's .toml."
+        f"{path} is no store of a study: it is a file, and a store is a folder with {STUDY}. "
+        "Nothing was changed. Make a store with `rcac sweep`; run an experiment's .toml with "
+        "`rcac verify`."
     )

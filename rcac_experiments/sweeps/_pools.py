@@ -1,7 +1,7 @@
-"""The default executor: processes that end when who started them ends, however that happens.
+"""The default executor: processes that end with their parent process.
 
-Each worker has a thread here that sends it one task at a time. So it is known which task a worker
-was at when it died or took too long: that task alone is lost, and the worker is replaced.
+A thread sends each worker one task at a time. If a worker dies or exceeds its time limit, only its
+task is lost, and the worker is replaced.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _CONTEXT = multiprocessing.get_context("spawn")
 
 
 class WorkerLost(Exception):
-    """A task has no result, since its worker is no more; `outcome` says how it ended."""
+    """A task has lost its worker; `outcome` is the reason."""
 
     def __init__(self, outcome: str, words: str) -> None:
         super().__init__(words)
@@ -44,10 +44,9 @@ class WorkerLost(Exception):
 
 
 class WorkerPool(Executor):
-    """A pool of fresh processes, none of which outlives its parent.
+    """A pool of new processes, which end with their parent.
 
-    What is submitted is called with the keyword `progress`, to be called whenever something has
-    been done.
+    A submitted function receives the keyword `progress`, a function to call after each run.
     """
 
     def __init__(self, workers: int, time_limit: float | None = None) -> None:
@@ -61,7 +60,7 @@ class WorkerPool(Executor):
             keeper.start()
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """As of any executor; the future fails with `WorkerLost` where its worker does."""
+        """Submit a task; its future raises `WorkerLost` if its worker is lost."""
         if self._broken or self._is_closed:
             raise BrokenExecutor(self._broken)
         future: Future[T] = Future()
@@ -69,7 +68,7 @@ class WorkerPool(Executor):
         return future
 
     def leave(self) -> None:
-        """End the workers now, whatever they are doing."""
+        """Kill the workers."""
         with self._lock:
             self._is_closed = True
             for worker in self._workers:
@@ -77,7 +76,7 @@ class WorkerPool(Executor):
         self.shutdown(wait=False)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Let the workers end; with `wait` when they have done what they were given."""
+        """End the workers; with `wait` after their submitted tasks."""
         for _ in self._keepers:
             self._jobs.put(None)
         if wait:
@@ -86,7 +85,7 @@ class WorkerPool(Executor):
         self._alive.close()
 
     def _keep(self) -> None:
-        """The life of one worker and its successors, in a thread of its own."""
+        """Run one worker and its successors, in a separate thread."""
         worker: _Worker | None = None
         while (job := self._jobs.get()) is not None:
             future, fn, args = job
@@ -107,7 +106,7 @@ class WorkerPool(Executor):
             self._forget(worker)
 
     def _started(self) -> _Worker:
-        """A worker that is ready; another one where a signal ends it before."""
+        """Start a worker; start another one if a signal ends it before it is ready."""
         for _ in range(STARTS):
             with self._lock:
                 if self._is_closed or self._broken:
@@ -137,7 +136,7 @@ class WorkerPool(Executor):
 
 
 class _Worker:
-    """A process, and this end of the pipe to it."""
+    """A process and the parent's end of its pipe."""
 
     def __init__(self, alive: connection.Connection) -> None:
         self.pipe, other = _CONTEXT.Pipe()
@@ -146,7 +145,7 @@ class _Worker:
         other.close()
 
     def wait_until_ready(self) -> int | None:
-        """None when it is ready; the status it ended with where it never was."""
+        """Return None when the process is ready, or its exit status."""
         try:
             self.pipe.recv()
         except (EOFError, OSError):
@@ -155,7 +154,7 @@ class _Worker:
         return None
 
     def call(self, fn: Callable[..., Any], args: tuple[Any, ...], time_limit: float | None) -> Any:
-        """What the function returns there; raises what it raises, or `WorkerLost`."""
+        """Return the result of the function in the process; raise its error, or `WorkerLost`."""
         begun = False
         try:
             self.pipe.send((fn, args))
@@ -175,27 +174,27 @@ class _Worker:
             raise WorkerLost(WORKER_DIED, f"the process that ran it ended with {ended}") from None
 
     def end(self) -> None:
-        """Let it end by itself."""
+        """End the process after its task."""
         with contextlib.suppress(OSError):
             self.pipe.send(None)
             self.process.join(5)
 
 
 class InProcess(Executor):
-    """An executor that does everything here and now: one process, one thread."""
+    """An executor that calls each function at once, in this process and thread."""
 
     def __init__(self, time_limit: float | None = None) -> None:
         if time_limit is not None and not (
             hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
         ):
             raise InputError(
-                "time_limit with workers=0 interrupts the main thread of a POSIX system by "
-                "SIGALRM, and this is none: use workers=1, whose process can be ended."
+                "time_limit with workers=0 needs the main thread of a POSIX system, which SIGALRM "
+                "interrupts: use workers=1, whose process can be ended."
             )
         self.time_limit = time_limit
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """Call it; Ctrl-C leaves at once."""
+        """Call the function; Ctrl-C interrupts it."""
         future: Future[T] = Future()
         future.set_running_or_notify_cancel()
         try:
@@ -228,7 +227,7 @@ class InProcess(Executor):
 
 
 def _guard() -> str:
-    """What a script that starts workers must have, unless it has it."""
+    """Return advice for a script without the guard that workers need."""
     try:
         file = getattr(sys.modules.get("__main__"), "__file__", None)
         guarded = file is None or "__name__" in Path(file).read_text(errors="replace")
@@ -237,13 +236,14 @@ def _guard() -> str:
     if guarded:
         return ""
     return (
-        ' A script that starts some must do so under `if __name__ == "__main__":`, since each of '
-        "them reads it again."
+        ' A script must start workers under `if __name__ == "__main__":`, since each worker '
+        "imports "
+        "the script."
     )
 
 
 def _serve(pipe: connection.Connection, alive: connection.Connection) -> None:
-    """A worker: it leaves Ctrl-C to its parent, watches for its end, and does what it is sent."""
+    """Run a worker: ignore Ctrl-C, end with the parent, and execute the tasks of the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # NumPy is not read yet: workers share the processors

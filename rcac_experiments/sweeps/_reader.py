@@ -23,7 +23,7 @@ from rcac_experiments.sweeps._problems import Damaged, StoreError
 MEMORY = 2**30  # bytes of the child, and four times what of a file is beyond 64 MiB
 SECONDS = 1.0  # of processor for a chunk, and one for each 64 MiB of its file
 LARGE = 2**26
-TIMEOUT = 60.0  # seconds of the clock, after which a drive or a file is taken for dead
+TIMEOUT = 60.0  # seconds until a drive or a file counts as unreadable
 DEATHS = 2  # of children, after which the rest of the folder is not read
 ENVIRONMENT = {"ARROW_DEFAULT_MEMORY_POOL": "system", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1"}  # fmt: skip
@@ -58,8 +58,8 @@ def read_guarded(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterato
             faults.update(_faults_by_child(folder, remaining))
             remaining = [one for one in remaining if one[0] not in faults]
         if remaining:
-            faults[remaining.pop(0)[0]] = "reading it took more memory or time than it may"
-    words = f"it was not read: {DEATHS} chunks before it ended the process that read them"
+            faults[remaining.pop(0)[0]] = "reading it exceeded the limits of memory or time"
+    words = f"it was not read: {DEATHS} earlier chunks ended the reading process"
     faults.update({number: words for number, _, _ in remaining})
     for one in requests:
         if faults[one[0]]:
@@ -93,7 +93,7 @@ def _faults_by_child(folder: Directory, requests: Sequence[ChunkRequest]) -> dic
         child.kill()
     if answers[:1] != [b"ready\n"]:
         raise StoreError(
-            f"{folder.path} cannot be read: the process that tries the chunks of others does not "
+            f"{folder.path} cannot be read: the process that checks the chunks does not "
             f"start ({sys.executable} -m {__name__})."
         )
     return dict(map(json.loads, answers[1:]))

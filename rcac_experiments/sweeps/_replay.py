@@ -32,7 +32,7 @@ from rcac_numeric.compiled._controllers import VARIABLE, instruction_set
 
 @dataclass(frozen=True, eq=False)
 class ReplayedRun(Result):
-    """A run of a study that was run again.
+    """A repeated run of a study.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ReplayedRun(Result):
     analysed : LoopAnalysis
         The run with its analyses.
     stored, found : dict from measures to floats
-        What is in the store, and what came out now; NaN where there is none.
+        Stored and repeated values; NaN for a missing value.
     stored_outcome, stored_error : str
     differing_versions : dict from names to (then, now)
     """
@@ -67,7 +67,7 @@ class ReplayedRun(Result):
 
     @property
     def is_identical(self) -> bool:
-        """Whether every bit that the store holds came out again."""
+        """Whether all stored values are bit-identical."""
         return not self.differences
 
     def plot(self, title: str = "") -> figures.Figure:
@@ -80,7 +80,7 @@ class ReplayedRun(Result):
         return replay_sheet(self)
 
     def report(self) -> str:
-        """What was run, and whether it is what the store holds."""
+        """Return the report: the run, and the comparison with the stored values."""
         return report_of(self._sheet())
 
     def __str__(self) -> str:
@@ -93,7 +93,7 @@ def replay_run(
     measures: Mapping[str, Callable[..., Any]] | None = None,
     data: str | Path | None = None,
 ) -> ReplayedRun:
-    """Run one run of a store again, bit for bit, with its signals and coefficients.
+    """Repeat one run of a store, bit for bit, with its signals and coefficients.
 
     A store chooses no code and no files. Functions that its study has come from the caller, and
     must have the source that they had then; so do the data files that it names.
@@ -138,7 +138,7 @@ def replay_run(
     functions = dict(measures or {})
     for name, function in functions.items():
         if not callable(function):
-            raise InputError(f"measures[{name!r}] = {function!r} is no function.")
+            raise InputError(f"measures[{name!r}] = {function!r} must be a function.")
     with Folder(store) as opened:
         about = opened.study
         plan = about.plan
@@ -146,14 +146,14 @@ def replay_run(
             raise StoreError(f"{store} has no run {run}; its runs are 0 to {plan.runs - 1}.")
         found = list(opened.results([plan.chunk_of(run)]))
     if not found:
-        raise StoreError(f"run {run} of {store} has not been run yet.")
+        raise StoreError(f"run {run} of {store} is not stored yet; run `run_study` first.")
     row = {name: values[run - found[0].first] for name, values in found[0].columns.items()}
     cell, repetition = plan.place(run)
     (coordinates,) = plan.coordinates([cell])
     study = _study(about, str(store), functions, data)
     if instruction_set() != about.instruction_set:
         raise StoreError(
-            f"{store} was run with the instructions {about.instruction_set}, this is "
+            f"{store} used the instruction set {about.instruction_set}, this process uses "
             f"{instruction_set()}: set the environment variable {VARIABLE}="
             f"{about.instruction_set} to replay it bit for bit."
         )

@@ -1,4 +1,4 @@
-"""Running a study into its store, from the start or from wherever it was stopped."""
+"""Run a study into its store, from the start or after an interruption."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ LARGEST_TRIALS = 40
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C while a study ran; the store is whole, and the same call goes on.
+    """Ctrl-C during a study; the store is intact, and the same call continues.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class StudyInterrupted(KeyboardInterrupt):
 
     def __init__(self, path: Path, done: int, total: int) -> None:
         self.done, self.total = done, total
-        super().__init__(f"{done} of {total} runs are stored in {path}, which is whole")
+        super().__init__(f"{done} of {total} runs are stored in {path}; the store is intact")
 
 
 def run_study(
@@ -191,7 +191,7 @@ def run_study(
 
 
 def _scan(folder: Folder, meter: Meter, retry_failed: bool) -> tuple[list[int], list[int]]:
-    """The chunks that have no file, and those that are written anew; the meter counts the rest."""
+    """Return the missing chunks and those to be replaced; the meter counts the others."""
     plan, there, anew = folder.study.plan, set(), []
     meter.total, meter.done, meter.failed = plan.runs, 0, 0
     for chunk in folder.read():
@@ -205,7 +205,7 @@ def _scan(folder: Folder, meter: Meter, retry_failed: bool) -> tuple[list[int], 
 
 
 def _tidy(folder: Folder) -> None:
-    """Remove what was being written when a process was killed, where that may be done."""
+    """Remove the incomplete files of killed processes, if permitted."""
     with suppress(OSError):
         folder.directory.remove_abandoned()
         if folder.chunks is not None:
@@ -215,7 +215,7 @@ def _tidy(folder: Folder) -> None:
 def _tasks(
     folder: Folder, study: Study, instructions: str, time_limit: float | None
 ) -> Callable[[int], ChunkTask]:
-    """What makes the task of a chunk."""
+    """Return the function that makes the task of a chunk."""
     pickled, fingerprint = pickle.dumps(study), study.fingerprint
     # A clock that starts anew with every run is read between few of them.
     at_once = 256 if time_limit is None else 8
@@ -234,9 +234,9 @@ def _tasks(
 
 
 def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
-    """As many runs as take a fraction of a second, found by running a few; their memory too.
+    """Return the number of runs that take a fraction of a second, measured on a few runs.
 
-    They are run where all others will be, as long as that can be made again: they may end it.
+    The runs use the executor of the study if it can be restarted, since a run may end it.
     """
     runs, seconds = 1, 0.0
     for attempt in range(5):
@@ -252,8 +252,7 @@ def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
         except BrokenExecutor as error:
             if isinstance(ours, WorkerPool):
                 raise InputError(
-                    f"worker processes cannot be started: {error} workers=0 does all in one "
-                    "process."
+                    f"worker processes cannot be started: {error} Use workers=0 for one process."
                 ) from None
             pool.renew()
             seconds = CHUNK_SECONDS
@@ -275,7 +274,7 @@ def _chunk_size(study: Study, first: Cell, pool: Pool) -> int:
 
 
 def _require_same(store: Folder, mixed: bool) -> list[str]:
-    """What would give other bits; refuse to go on with it, unless that is meant."""
+    """Return differing versions, which change bits; refuse them unless `mixed`."""
     row = store.study
     differences = [
         f"{name} {before} then, {now} now"
@@ -283,25 +282,25 @@ def _require_same(store: Folder, mixed: bool) -> list[str]:
     ]
     if instruction_set() != row.instruction_set:
         differences.append(
-            f"instructions {row.instruction_set} then, {instruction_set()} now (the environment "
-            f"variable {VARIABLE} chooses them)"
+            f"instruction set {row.instruction_set} then, {instruction_set()} now (the environment "
+            f"variable {VARIABLE} selects it)"
         )
     if differences and not mixed:
         raise StoreError(
-            f"{store.path} was begun elsewhere: {'; '.join(differences)}. Its runs would agree up "
-            "to rounding only. To go on all the same: mixed=True, or --mixed on the command line."
+            f"{store.path} was begun with other versions: {'; '.join(differences)}. New runs would "
+            "agree only up to rounding. To continue: mixed=True, or --mixed on the command line."
         )
     return differences
 
 
 def _no_progress(progress: Progress) -> None:
-    """Say nothing of how far it is."""
+    """Report no progress."""
 
 
 def checked_first_cell(study: Study) -> Cell:
-    """The first cell, after every value of every axis was tried once, the others at their first.
+    """Return the first cell, after a check of each value of each axis.
 
-    A combination of values that cannot be made shows only where it is run, as an outcome.
+    Only a run of its cell reveals an invalid combination of values, as an outcome.
     """
     try:
         pickle.dumps(study)

@@ -1,4 +1,4 @@
-"""Settings found by trying: Sobol's points of the knobs, halved on plants of the uncertainty."""
+"""Tune settings by simulation: Sobol points, halved on plants of the uncertainty."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ from rcac_numeric.engine._simulation import simulate
 RULE = "rule"
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
 SAMPLES, NU, WIDTH, FORGETTING, SPARE = (1.0, 5.5), (-1.5, 1.0), (-1.5, 0.3), (-5.0, -2.5), 3
-HALF = 0.5  # of the points have lambda = 1
-SURVIVORS = 0.5  # of the candidates: those that go on to the next round, with twice the draws
+HALF = 0.5  # share of the points with lambda = 1
+SURVIVORS = 0.5  # share of candidates for the next round, with twice the draws
 ROUNDS = 4
 
 Runner = Callable[[str, Trials], tuple[Trial, ...]]
@@ -58,19 +58,19 @@ Runner = Callable[[str, Trials], tuple[Trial, ...]]
 
 @dataclass(frozen=True)
 class Candidate:
-    """Settings that were tried, beside the fixed controller on the same draws.
+    """Simulated settings, compared with the fixed controller on the same draws.
 
     Attributes
     ----------
     name : str
         "rule", "fixed", or the number of the point.
     knobs : TuningParameters or None
-        None of the fixed controller.
+        None for the fixed controller.
     beside : Comparison
     Ms : float
-        Largest of the medians over the draws, of all plants: what is left of the robustness.
+        Maximum sensitivity: the largest of all plants, each the median over the draws.
     rounds : int
-        How many it took part in.
+        Number of rounds of the candidate.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Candidate:
 
     @property
     def order(self) -> tuple[int, float]:
-        """What is chosen by: runs that are lost, then rms, more where the peaks are too high."""
+        """The criterion: number of unstable runs, then rms, with a penalty on high peaks."""
         k, n = self.beside.stable
         ratio = self.beside.ratio * max(1.0, self.beside.peak / PEAK)
         return n - k, ratio if np.isfinite(ratio) else np.inf
@@ -89,17 +89,17 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Tuned(Result):
-    """A design with the settings that did best, judged on plants and draws that chose nothing.
+    """A design with the best settings, tested on plants and draws that were not used to choose.
 
     Attributes
     ----------
     design : Design
-        With the chosen settings; its evidence is held out.
+        With the chosen settings; its evidence is from test plants.
     chosen : Candidate
     candidates : tuple of Candidate
-        The rule, the fixed controller, and every point, on the plants that it was chosen by.
+        The rule, the fixed controller and all points, on the plants of the tuning.
     beside_rule : Comparison
-        The chosen settings beside the rule's, held out; the "fixed" of its fields is the rule.
+        The chosen settings compared with the rule on test plants; its "fixed" fields are the rule.
     """
 
     design: Design
@@ -109,20 +109,20 @@ class Tuned(Result):
 
     @property
     def settings(self) -> ControllerSettings:
-        """Of RCAC, as chosen."""
+        """The chosen settings of RCAC."""
         return self.design.settings
 
     @property
     def verdict(self) -> Recommendation:
-        """RCAC as chosen, or the fixed controller, held out."""
+        """The recommendation from test plants: the chosen RCAC, or the fixed controller."""
         return self.design.verdict
 
     def to_toml(self) -> str:
-        """The experiment file of the tuned design."""
+        """Return the experiment file of the tuned design."""
         return design_toml(self.design)
 
     def save(self, path: str | Path) -> None:
-        """Write `to_toml()` into a file, whole or not at all."""
+        """Write `to_toml()` into a file; an error leaves no partial file."""
         save_design(self.design, path)
 
     def _sheet(self) -> Any:
@@ -131,17 +131,17 @@ class Tuned(Result):
         return tuned_sheet(self)
 
     def report(self) -> str:
-        """The held-out verdict, what tuning brought over the rule, and the best candidates."""
+        """Return the report: verdict on test plants, comparison with the rule, best candidates."""
         return report_of(self._sheet())
 
     def plot(self) -> figures.Figure:
-        """The cost of every candidate against its robustness."""
+        """Plot the cost of every candidate against its robustness."""
         from rcac_experiments.plots._tuned import plot_tuned
 
         return plot_tuned(self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and the picture."""
+        """Return report and figure for a notebook."""
         return notebook_of(self._sheet(), self.plot)
 
     def __str__(self) -> str:
@@ -167,62 +167,59 @@ def tune(
     executor: Executor | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Tuned:
-    """Try other settings than the rule's, and judge the best on plants that chose nothing.
+    """Tune the settings of a design by simulation, and test the best on other plants.
 
     The points of a Sobol sequence over (N_0, nu, width of the bounds, spare order, lambda) run on
-    the plants at the corners of the uncertainty. In each round the better half goes on, with twice
-    the draws. The rule's settings and the fixed controller are candidates from the first round to
-    the last; what is left then is judged on plants drawn from inside the uncertainty, with draws
-    of their own. Where it loses more of these runs than it saves, or saves none and has a higher
-    rms, the rule's settings stay: that one choice of two looks at them, so that they flatter what
-    is handed out by as much.
+    the plants at the corners of the uncertainty. In each round the better half continues, with
+    twice the draws. The rule's settings and the fixed controller stay candidates in all rounds. The
+    best candidate is tested on plants inside the uncertainty, with separate draws. If it loses more
+    of these runs than it saves, or saves none and has a higher rms, the rule's settings are
+    returned. This last choice uses the test plants, so that their result is slightly optimistic.
 
     Parameters
     ----------
     design : Design
     budget : int
-        Points beside the rule's.
+        Number of points in addition to the rule.
     held_out : int
-        Plants to judge on; several things differ at once in each.
+        Number of test plants; several parameters differ at once in each.
     seeds : int
-        Draws on each of those.
+        Number of draws on each test plant.
     steps : int, optional
-        Of each run; by default those of the design.
+        Steps of each run; default: those of the design.
     seed : int
-        Of the sequence and of the plants.
+        Seed of the sequence and of the plants.
     store : path, optional
-        A folder, made where there is none: every run is kept there, and the same call after
-        whatever stopped it goes on with the rest, to the same result. Without it all run in
-        threads of this process.
+        A folder for all runs, made if it does not exist: after an interruption the same call
+        continues, to the same result. Without a store the runs use threads of this process.
     workers : int, optional
-        Processes that run into the store; as many as there are processors by default, and 0 for
-        this process alone.
+        Number of processes, with a store; default: number of processors; 0: this process.
     executor : concurrent.futures.Executor, optional
-        In the place of processes of our own, with a store: that of dask,
+        Replaces the processes, with a store: an executor of dask,
         ``Client(...).get_executor(pure=False)``, or of mpi4py. It is not shut down.
     progress : callable, optional
-        Called with a `Progress` while runs end, round by round; `ProgressLine()` writes it down.
+        Called with a `Progress` after runs of each round; `ProgressLine()` prints it.
 
     Raises
     ------
     InputError
-        Where this is no design, a number is out of range, or processes are asked for and no store.
+        If `design` is no design, a number is out of range, or processes are given without a store.
     StoreError
-        Where the store is one of another design or other arguments, or cannot be used.
+        If the store is of another design or other arguments, or cannot be used.
 
     Notes
     -----
-    Not for a lower error: on 30 random plants with 40 points the median of the held-out rms over
-    that of the rule's settings was 1.00. All 810 held-out runs ended stable, 783 with the rule's
-    settings: it is worth its time where these lose runs of the uncertainty; `design.verdict` says
-    whether they do, and the fixed controller that loses none is there without trying.
+    Tuning improves robustness, not the error: on 30 random plants with 40 points the median ratio
+    of the rms on test plants to that of the rule was 1.00. All 810 test runs were stable, 783 with
+    the rule's settings. Tune if `design.verdict` reports unstable runs; the fixed controller, which
+    loses none, needs no tuning.
 
     Examples
     --------
     >>> from rcac_numeric import design
     >>> from rcac_experiments import tune
-    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=1, steps=300)
-    >>> tuned = tune(found, budget=4, held_out=2, seeds=1)
+    >>> start = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=1, steps=300)
+    >>> tuned = tune(start, budget=4, held_out=2, seeds=1)
     >>> len(tuned.candidates), tuned.chosen in tuned.candidates
     (6, True)
     """
@@ -231,10 +228,8 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
-    knobs = {RULE: TuningParameters()} | {
-        str(i + 1): one for i, one in enumerate(_points(budget, seed))
-    }
-    if design.reference.structure is not None:  # whose order is as it was asked for
+    knobs = {RULE: TuningParameters()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
+    if design.reference.structure is not None:  # its order is fixed by the user
         knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
     settings_by_name: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
@@ -251,32 +246,32 @@ def _runner(
     store: str | Path | None, workers: int | None, executor: Executor | None,
     progress: Callable[[Progress], None] | None,
 ) -> Iterator[Runner]:  # fmt: skip
-    """What runs the trials of a round of this name: in threads, or by processes into a store."""
+    """Yield a function that runs the trials of a round, in threads or into a store."""
     if progress is not None and not callable(progress):
-        raise InputError(f"progress = {progress!r} cannot be called; give ProgressLine().")
+        raise InputError(f"progress = {progress!r} must be callable; use ProgressLine().")
     if store is None:
         if workers is not None or executor is not None:
             option = "executor" if workers is None else f"workers = {workers}"
             raise InputError(
-                f"{option}, and no store: processes leave their runs in one. Give store, a folder, "
-                "or leave it out."
+                f"{option} needs a store, a folder for the runs of processes. Give store=FOLDER, "
+                f"or remove {option.partition(' ')[0]}."
             )
 
         def in_threads(name: str, trials: Trials) -> tuple[Trial, ...]:
-            found = trials.in_threads()
+            results = trials.in_threads()
             if progress is not None:
                 progress(Progress(trials.runs, trials.runs, 0.0))
-            return found
+            return results
 
         yield in_threads
         return
     folder = Path(instance_of(store, "store", str | Path))
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"store = {folder} is a file, and a folder is needed.")
+        raise InputError(f"store = {folder} must be a folder; it is a file.")
     require_library("pyarrow")
-    member(folder, f"round-1/{STUDY}")  # made now, or refused before anything is run
+    member(folder, f"round-1/{STUDY}")  # an unusable folder is refused before the simulation
     if executor is not None and workers is not None:
-        raise InputError("workers are processes of our own, and executor stands in their place.")
+        raise InputError("workers and executor exclude each other; remove one of them.")
     local_pool = None
     if executor is None:
         count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
@@ -296,7 +291,7 @@ def _runner(
 
 
 def _points(budget: int, seed: int) -> list[TuningParameters]:
-    """Sobol's points of the knobs."""
+    """Return Sobol points of the tuning parameters."""
     sobol = qmc.Sobol(5, rng=np.random.default_rng([seed, 5]))
     points = sobol.random_base2(int(np.ceil(np.log2(budget))))[:budget]
     return [_knobs(point) for point in points]
