@@ -33,7 +33,7 @@ WORK = {
     "Retrospective Cost Adaptive Control",
     "author": "Y. Rahman",
     "kind": "doctoral dissertation",
-    "year": "year: not in the text that was worked from",
+    "year": "year not printed in our copy",
 }
 CHAPTERS = {
     "1": "Introduction", "2": "Retrospective cost adaptive control",
@@ -47,33 +47,36 @@ LEVELS = {REPRODUCED: "good", MISPRINT: "good", DEPENDS: "warning", NOT_REPRODUC
 LEAD = (
     "Retrospective cost adaptive control (RCAC) changes the coefficients of a discrete-time "
     "controller at every step, by recursive least squares, so that the loop comes near to a target "
-    "model that the designer has chosen. The dissertation shows what it can do on numbered "
-    "examples. Each of them was run again from what the text prints. Sentences of the text are "
-    "quoted, with a check that decides each; where the text leaves something open, what a reader "
-    "would try was tried. A verdict is computed from the runs; none is typed in."
+    "model of the designer. The dissertation demonstrates RCAC on numbered examples. Each example "
+    "was "
+    "simulated again from the printed data. A check decides each quoted sentence of the text; for "
+    "settings that the text leaves open, plausible values were simulated. All verdicts are "
+    "computed "
+    "from the runs."
 )
 LETTERS = {
     "k, q": "the step, and the forward shift: q y(k) = y(k + 1)",
-    "y, u, z": "what is measured, what is applied, and the performance that is to be small",
-    "w; r, d, v": "all that acts from outside: a command, a disturbance, the noise of a sensor",
+    "y, u, z": "measured output, control input, and performance variable, which RCAC drives to "
+    "zero",
+    "w; r, d, v": "exogenous input: command, disturbance, sensor noise",
     "G": "the plant; G_zu is its transfer function from u to z",
     "theta": "the coefficients of the controller; n_c is its order, and theta(k) changes from step "
     "k_w on",
-    "R_theta, R_u": "weights that hold theta and u back; lambda below 1 forgets old data",
+    "R_theta, R_u": "weights on the change of theta and on u; lambda below 1 forgets old data",
     "G_f": "the target model. It holds the nonminimum-phase zeros of G_zu, those outside the unit "
     "circle, which RCAC has to know; (2.49) holds none, (2.50) these",
-    "intercalated transfer function": "what the loop answers at z to an injection into the "
+    "intercalated transfer function": "the response at z to an injection into the "
     "controller; RCAC fits it to G_f",
-    "LQG": "the optimal controller for white noise, with the plant known; of high authority where "
-    "u costs nothing. H2 cost: the mean square of z that white noise makes",
-    "frozen": "with the coefficients of one step kept, as a fixed controller",
-    "control": "a run on which the same checks must succeed, so that a failure means something",
+    "LQG": "the optimal controller for white noise and a known plant; high authority means no "
+    "weight on u. H2 cost: the mean square of z under white noise",
+    "frozen": "with the coefficients of one step, as a fixed controller",
+    "control": "a run on which the same checks must hold, so that a failure is significant",
 }
 _EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)")
 
 
 def example_page(case: Case) -> str:
-    """The page of one example, a whole HTML document."""
+    """Return the HTML page of one example."""
     return case_page(
         _set(case),
         template="example.html",
@@ -85,11 +88,11 @@ def example_page(case: Case) -> str:
 
 def gallery_page(
     cases: Sequence[Case],
-    title: str = "The dissertation's examples, run again",
+    title: str = "The examples of the dissertation, simulated again",
     *,
     is_quick: bool = False,
 ) -> str:
-    """The page of several examples, chapters folded, with a table of all claims."""
+    """Return the HTML page of several examples by chapter, with a table of all claims."""
     wrong = _errata_at(cases)
     cases = [_set(case) for case in cases]
     return whole_page(
@@ -116,15 +119,14 @@ def gallery_page(
 
 
 def _set(case: Case) -> Case:
-    """The same case, the formulas of its quotes as such."""
+    """Return the case with typeset formulas in its quotes."""
     return replace(case, body=str(typeset_quotes(case.body)))
 
 
 def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
-    """How many sentences of the text, and readings of it, have each verdict; ours do not count.
+    """Count the verdicts on sentences of the text and on interpretations.
 
-    A sentence that several checks of one example are about counts once, with the least favourable
-    of their verdicts.
+    A sentence with several claims counts once, with the least favourable verdict.
     """
     worst: dict[tuple[str, ...], ClaimRow] = {}
     order = (REPRODUCED, MISPRINT, DEPENDS, UNDETERMINED, NOT_REPRODUCED)
@@ -142,7 +144,7 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
 
 
 def _chapters(cases: Sequence[Case], wrong: Sequence[Erratum]) -> list[dict[str, Any]]:
-    """The cases by chapter; what belongs to none comes first."""
+    """Return the cases by chapter; cases without a chapter come first."""
     chapters = []
     for number in dict.fromkeys(case.chapter for case in cases):
         cases_of_chapter = [case for case in cases if case.chapter == number]
@@ -167,7 +169,7 @@ def _errata_of(case: Case, wrong: Iterable[Erratum]) -> list[str]:
 
 
 def _errata_at(cases: Sequence[Case]) -> list[Erratum]:
-    """The errata of the examples, and of the equations that their sources name."""
+    """Return the errata of the examples and of the equations in their sources."""
     named = {f"Example {case.id}" for case in cases}
     cited = {number for case in cases for number in _EQUATION.findall(case.source)}
     return [

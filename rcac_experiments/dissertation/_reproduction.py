@@ -86,8 +86,8 @@ def reproduce(
     --------
     >>> import tempfile
     >>> from rcac_experiments.dissertation import load_example, reproduce
-    >>> found = reproduce(map(load_example, ["7.1", "B.2"]), tempfile.mkdtemp())
-    >>> found.exit_status, found.page.name, [case.id for case in found.cases]
+    >>> result = reproduce(map(load_example, ["7.1", "B.2"]), tempfile.mkdtemp())
+    >>> result.exit_status, result.page.name, [case.id for case in result.cases]
     (0, 'index.html', ['7.1', 'B.2'])
     """
     requests = list(experiments)
@@ -117,12 +117,12 @@ def reproduce(
 
 
 def verified_case(experiment: Experiment) -> Case:
-    """The case of one experiment; one that cannot be verified says why, and costs no other."""
+    """Verify one experiment; an error becomes a case with its reason."""
     try:
-        with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
+        with np.errstate(all="ignore"):  # an overflow is reported, without a warning of NumPy
             return case_of(verify(experiment))
     except CompensatorError as error:
-        message = f"This could not be verified: {error}"
+        message = f"Verification failed: {error}"
         body = str(rendered("sentence.html", level="bad", words=message))
         return Case(
             experiment.id, experiment.title, experiment.source, FAILED, (), body, "", (), ""
@@ -130,7 +130,7 @@ def verified_case(experiment: Experiment) -> Case:
 
 
 def reduced(experiment: Experiment) -> Experiment:
-    """The same experiment for a quick look: fewer seeds, and fewer repetitions."""
+    """Return the experiment with fewer seeds and repetitions."""
     few = experiment.reduced()
     runs = {
         name: replaced(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
@@ -145,11 +145,11 @@ def _written(cases: Sequence[Case], folder: Path, is_quick: bool) -> Reproductio
     return Reproduction(tuple(cases), page)
 
 
-# Cases that are done, kept in a folder so that none is made twice.
+# Completed cases are stored in a folder, so that a restart skips them.
 
 
 def digest_of(experiment: Experiment) -> str:
-    """A name for all that decides the case of an experiment: its data and our version."""
+    """Return the digest of the data of an experiment and the version of this package."""
     data = io.BytesIO()
     pickler = pickle.Pickler(data, protocol=5)
     pickler.fast = True  # no references: whether two equal texts are one object is chance
@@ -159,12 +159,12 @@ def digest_of(experiment: Experiment) -> str:
 
 @dataclass(frozen=True, eq=False)
 class CompletedCases(Value):
-    """A folder with one file for each case, replaced whole or not at all."""
+    """A folder with one file for each completed case."""
 
     folder: Path | str
 
     def find(self, experiment: Experiment) -> Case | None:
-        """The case of an experiment; None where it is not there, or of other data."""
+        """Return the stored case of an experiment; None if missing or of other data."""
         try:
             require_readable(self._file(experiment))
             record = parsed_json(self._file(experiment).read_text("utf-8"))
@@ -172,7 +172,7 @@ class CompletedCases(Value):
                 return None
             return Case.from_record(record["case"])
         except (OSError, ValueError, KeyError, TypeError, InputError):
-            return None  # a file that is not whole, or not ours: it is made anew
+            return None  # an invalid file: the case is computed again
 
     def keep(self, experiment: Experiment, case: Case) -> None:
         """Write the case of an experiment."""

@@ -1,4 +1,4 @@
-"""From the tables of an experiment file to an experiment: plant, target models, runs."""
+"""Build an experiment from the tables of its file: plant, target models, runs."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class File(Heading):
 
 FILE = Table(File)
 NO_RUN = (
-    "there is no table [run], which needs the key 'steps'. For a log that ran elsewhere no run is "
+    "the table [run] with the key 'steps' is missing. For a log of another program no run is "
     "needed: ",
     Advice("check_controller", (), "{function}(log, **check_arguments(file))"),
     ".",
@@ -118,7 +118,7 @@ def load_experiment(path: str | Path, budget: ExperimentBudget | None = None) ->
 
 
 def build(table: Raw, file: str, budget: ExperimentBudget | None = None) -> Experiment:
-    """The experiment that tables describe as a file would; `file` is named in errors."""
+    """Build an experiment from the tables of a file; errors name `file`."""
     require_plain(dict(table), file)
     return _built(table, file, budget or ExperimentBudget())
 
@@ -133,7 +133,7 @@ def _built(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     except CompensatorError as error:
         raise named(error, file) from None
     except MemoryError:
-        raise InputError(f"{file}: the case needs more memory than there is.") from None
+        raise InputError(f"{file}: not enough memory for the case.") from None
 
 
 def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
@@ -141,7 +141,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
     overrides = _overrides(table)
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"two runs are named {quoted(twice)}; give each its own name.")
+        raise InputError(f"two runs have the name {quoted(twice)}; give each run a different name.")
     items, tables = tuple(read.open), tables_of(read.open)
     claims = [c for one in read.claims for c in claims_of(one, names, items, STANDARD_CLAIMS)]
     errors, plants = Errors(), []
@@ -187,7 +187,7 @@ def _experiment(table: Raw, file: str, budget: ExperimentBudget) -> Experiment:
 
 
 def _read(table: Raw, file: str) -> tuple[File, list[RunTables]]:
-    """The file and its runs; everything that is wrong with any of its tables is said at once."""
+    """Read the file and its runs; report the errors of all tables together."""
     errors, runs, wrong = Errors(), [], frozenset[str]()
     try:
         read = FILE.read(table, Location(file))
@@ -212,7 +212,7 @@ def _overrides(table: Raw) -> list[Raw]:
 
 
 def _override_of(name: str, override: Raw, changes: Sequence[Raw]) -> dict[str, Any]:
-    """What a completion overrides: what its run does, and then each value."""
+    """Return the overrides of a completion: those of its run, then those of each value."""
     joined = dict(override)
     for change in changes:
         for key, value in change.items():
@@ -232,7 +232,7 @@ def _run_of(
 
 
 def _description(table: Raw) -> dict[str, str]:
-    """The file's own words for plant, signals, target and controllers, for the report."""
+    """Return plant, signals, target and controllers as the file writes them, for the report."""
     words = {}
     for name in ("plant", "signals", "target", "controller", "controllers", "saturation", "run"):
         parts = table.get(name, {})

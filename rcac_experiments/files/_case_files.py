@@ -1,4 +1,4 @@
-"""The plant, structure and target model that an experiment file has for a log."""
+"""Read plant, structure and target model of an experiment file, for a log."""
 
 from __future__ import annotations
 
@@ -77,8 +77,8 @@ def plant_and_tables(path: str | Path) -> tuple[Plant, Raw]:
         raise named(error, file) from None
     if isinstance(plant, PlantSchedule):
         raise InputError(
-            f"{file}: the plant changes while it runs; give the one plant that the controller "
-            "is to be checked with, without [[plant.changes]]."
+            f"{file}: the plant changes during the run; give the plant of the final controller, "
+            "without [[plant.changes]]."
         )
     return plant, table
 

@@ -186,7 +186,7 @@ class ControllerSpecification(Value):
 
 
 NO_TARGET = (
-    "there is no table [target]: what RCAC is to make of the loop. Add for instance\n\n"
+    "the table [target], the target model of RCAC, is missing. Add for instance\n\n"
     '[target]\nmodel = "pole placement"\npoles = ["0.5"]'
 )
 

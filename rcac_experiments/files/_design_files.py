@@ -216,8 +216,7 @@ def _require_same(text: str, plant: Plant, settings: ControllerSettings, w: Arra
     same &= np.array_equal(exogenous(run.signals, run.steps, JUDGING), w)
     if not (same and equal(run.settings, settings)):
         raise PrecisionError(
-            "the experiment file of this design does not read back as the design; keep the design "
-            "itself, by pickle."
+            "an experiment file cannot represent this design exactly; save the design by pickle."
         )
 
 
@@ -237,8 +236,8 @@ def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
         known = signal.steps_known
         if known is None and steps > SHORT:
             raise InputError(
-                f"a file holds {SHORT} values of {signal.description}, and the runs have {steps} "
-                f"steps: design(..., steps={SHORT}) or fewer, or keep the design by pickle."
+                f"a file holds at most {SHORT} values of {signal.description}, and the runs have "
+                f"{steps} steps: use design(..., steps={SHORT}), or save the design by pickle."
             )
         values = factor * signal.samples(min(steps, SHORT if known is None else known))
         return f"{{ recorded = {_numbers(Recorded(values).samples(len(values)))} }}"
@@ -300,15 +299,15 @@ def design_arguments(path: str | Path) -> DesignArguments:
         blocks = list(signals.get(name, []))
         if any(not equal(one, blocks[0]) for one in blocks[1:]):
             raise InputError(
-                f"{file}: the components of [signals] {name} differ, and design gives each the "
-                "same: write one of them, the largest."
+                f"{file}: the components of [signals] {name} differ, and design uses one for "
+                "all: write the largest component."
             )
     d, v, r, w = (one[0] if (one := signals.get(name)) else None for name in "dvrw")
     d = w if d is None else d
     if v is not None and not isinstance(v, WhiteNoise):
         raise InputError(
-            f"{file}: [signals] v is {v.description}, and design takes the sensor noise as white: "
-            "v = { white_noise = 0.01 }."
+            f"{file}: [signals] v is {v.description}, and design assumes white sensor noise: "
+            "write v = { white_noise = 0.01 }."
         )
     return {
         "plant": plant,

@@ -1,4 +1,4 @@
-"""TOML files as tables, and what the files of all experiments begin with."""
+"""Read TOML files as tables; the heading of all experiment files."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 
 
 def read_file(path: str | Path) -> tuple[Raw, str]:
-    """The tables of a user's file and its name."""
+    """Return the tables of a user's file and its name."""
     try:
         require_readable(Path(path))
         with Path(path).open("rb") as file:
@@ -62,7 +62,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
 
 
 def parsed(text: str) -> Raw:
-    r"""The tables of a TOML text; a number with more digits than float64 keeps them all."""
+    r"""Return the tables of a TOML text; numbers keep all their digits."""
     return tomllib.loads(text, parse_float=_number)
 
 
@@ -95,12 +95,12 @@ def require_short_keys(text: str, file: str) -> None:
 
 
 def without_strings(text: str) -> str:
-    """A TOML text with a blank in the place of each string and comment."""
+    """Replace each string and comment of a TOML text by a blank."""
     return _STRINGS.sub(" ", text)
 
 
 def require_plain(table: Raw, file: str) -> None:
-    """Refuse tables that are nested too deep, or whose text a terminal would obey."""
+    """Refuse tables with deep nesting or with control characters."""
     level: list[Any] = [table]
     for _ in range(DEEPEST + 2):
         inner: list[Any] = []
@@ -117,7 +117,7 @@ def require_plain(table: Raw, file: str) -> None:
 
 
 def named(error: CompensatorError, file: str) -> CompensatorError:
-    """The same error with the file's name in front, and of bearable length."""
+    """Return the error with the name of the file, at limited length."""
     if isinstance(error, FileError):
         return error.named(file)
     whole = error if error.source == file else type(error)(f"{file}: ", *error.args)
@@ -131,8 +131,8 @@ def _require_printable(text: str, file: str) -> None:
         is_control = unicodedata.category(character) == "Cc" and character not in "\n\t\r"
         if is_control or character in REORDERING:
             raise InputError(
-                f"{file}: the text {quoted(text)} holds the control character "
-                f"{character!a}, which a terminal would obey. Leave it out."
+                f"{file}: the text {quoted(text)} contains the control character "
+                f"{character!a}, which a terminal would execute. Remove it."
             )
 
 

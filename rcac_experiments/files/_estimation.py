@@ -96,7 +96,7 @@ def estimation_figure(request: FigureRequest, runs: Sequence[str]) -> FigureRequ
     return request
 
 
-STORED = 6  # numbers that are kept of each step
+STORED = 6  # stored numbers of each step
 
 
 BEGINNING = "What differs from those."
@@ -172,7 +172,9 @@ def estimation_experiment(table: Raw, file: str, budget: ExperimentBudget) -> Ex
     for run in table["runs"]:
         name = str(run["name"])
         if name in studies:
-            raise InputError(f"two runs are named {quoted(name)}; give each its own name.")
+            raise InputError(
+                f"two runs have the name {quoted(name)}; give each run a different name."
+            )
         require_run(run.get("like", ""), dict.fromkeys(raw, ""), f"the run {name!r}")
         base = raw[run["like"]] if run.get("like") else table
         raw[name] = {
@@ -222,8 +224,8 @@ def _require_budget(studies: Mapping[str, EstimationStudy], budget: ExperimentBu
     needed = sum(study.steps * study.seeds for study in studies.values())
     if 8.0 * STORED * needed > budget.memory:
         raise InputError(
-            f"the runs would keep {8.0 * STORED * needed:.3g} bytes; {budget.memory:.3g} are "
-            "allowed. Use fewer steps or seeds."
+            f"the runs need {8.0 * STORED * needed:.3g} bytes; the limit is {budget.memory:.3g}. "
+            "Use fewer steps or seeds."
         )
     largest = max(study.system.n for study in studies.values())
     budget.require_operations(float(needed) * (largest + 10) ** 2)

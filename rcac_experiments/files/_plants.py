@@ -323,14 +323,14 @@ PLANT = PartialTable(Table(_plant), is_replaced=True)
 def changing(
     first: Plant | PlantSchedule, changes: Sequence[tuple[Change, Plant | PlantSchedule]]
 ) -> PlantSchedule:
-    """A schedule of a plant and what becomes of it, each change with the plant it leads to."""
+    """Return the schedule of a plant and its changes, each with the resulting plant."""
     parts = [PlantChange(start=0, plant=_unchanging(first))]
     gain, delay = 1, 0
     for index, (change, plant) in enumerate(changes):
         gain = gain if change.gain is None else change.gain
         delay = delay if change.delay is None else change.delay
         if index == 0 and change.start == 0:
-            parts = []  # what the file says of step 0 itself
+            parts = []  # a change at step 0 replaces the first plant
         parts.append(
             PlantChange(
                 start=change.start,
@@ -367,7 +367,7 @@ def read_plant(value: object, place: Location) -> PartialCall[Plant | PlantSched
 def _unchanging(plant: Plant | PlantSchedule) -> Plant:
     if isinstance(plant, PlantSchedule):
         raise InputError(
-            "[plant] changes: this plant changes by itself. Leave changes out, or take a plant "
+            "[plant] changes: this plant has its own changes. Remove changes, or use a plant "
             'that does not, such as problem = "aircraft".'
         )
     return plant
@@ -379,7 +379,7 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
         return plant
     factor = exact.exact_number(gain)
     if not (factor.is_number and factor.is_real):
-        raise InputError(f"gain = {gain!r} is not a real number.")
+        raise InputError(f"gain = {gain!r} must be a real number.")
     problem = plant.problem
     scaled = {name: factor * getattr(problem, name) for name in ("B", "D_0", "E_2")}
     scaled_plant = from_problem(replace(problem, **scaled), plant.blocks)
@@ -391,5 +391,5 @@ def _require_coprime(plant: exact.TransferFunction) -> None:
         raise NotCoprimeError(
             "numerator and denominator of the plant G share the factor "
             f"{plant.common_factor().as_expr()}: no controller moves that pole. Cancel the factor, "
-            "or give the matrices A, B, D_1 and C if the hidden mode is meant."
+            "or give the matrices A, B, D_1 and C to keep the hidden mode."
         )

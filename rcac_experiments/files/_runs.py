@@ -246,7 +246,8 @@ def _require_agreement(part: PartialCall[Any], arithmetic: str | None, place: Lo
     if update is not None and arithmetic is not None and update.name != expected:
         raise InputError(
             f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update.name!r} "
-            "contradict each other; arithmetic is how the recursive update is computed."
+            "contradict each other; arithmetic selects the form of the recursive update. Remove "
+            "one."
         )
 
 
@@ -265,13 +266,13 @@ def require_sense(run: RunSpecification) -> None:
         run.saturation.bounds(run.plant.l_u)
         if isinstance(run.settings, Decentralized) and not run.settings.shared_u:
             raise InputError(
-                "with saturation, controllers that hold their own u cannot know which part of it "
-                "was applied. Set shared_u = true in [controller]."
+                "with saturation, separate controllers do not know the applied part of u. Set "
+                "shared_u = true in [controller]."
             )
     if run.seeds > 1 and run.repetitions > 1:
         raise InputError(
-            f"seeds = {run.seeds} and repetitions = {run.repetitions}: give one of them. Seeds "
-            "change the noise, repetitions only the last digits of the data."
+            f"seeds = {run.seeds} and repetitions = {run.repetitions} exclude each other; give "
+            "one. Seeds change the noise, repetitions only the last digits of the data."
         )
     if run.x_0 is not None and run.x_0.shape != (run.plant.n,):
         raise InputError(f"x_0 has {run.x_0.size} entries; the plant has {run.plant.n} states.")
@@ -285,8 +286,8 @@ def require_sense(run: RunSpecification) -> None:
         for name in ("k_w", "k_update"):
             if (start := getattr(controller, name)) >= run.steps:
                 raise InputError(
-                    f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
-                    "nothing would be adapted. Use more steps."
+                    f"{name} = {start} must be before the end of the run of {run.steps} steps; "
+                    "otherwise no coefficient adapts. Use more steps."
                 )
     for signal in run.signals:
         signal.require_length(run.steps)

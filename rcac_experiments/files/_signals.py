@@ -94,8 +94,8 @@ def _within(folder: Path, record: str) -> Path:
         is_inside = False
     if not is_inside:
         raise InputError(
-            f"[signals]: recorded = {quoted(record)} leads out of the folder of the file. An "
-            "experiment file opens records in its own folder alone; put a copy there."
+            f"[signals]: recorded = {quoted(record)} is outside the folder of the file. An "
+            "experiment file opens records only in its folder; put a copy there."
         )
     return path
 
@@ -146,7 +146,7 @@ def channels(
         parts = blocks.get(name)
         parts = [Step(0.0)] * width if parts is None else parts
         if len(parts) != width:
-            raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
+            raise InputError(f"[signals] {name} has {len(parts)} components; it needs {width}.")
         signals += parts
     return tuple(signals)
 

@@ -35,9 +35,9 @@ from rcac_numeric.targets._zero_directions import (
     zero_direction_target,
 )
 
-# Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
+# Limits for exact poles of filters and exact zeros of plants, in about a second.
 LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
-# What a file says otherwise than the library of the parameters of these names.
+# The keys of a file for parameters with another name in the library.
 NAMES = {"source": "markov_parameters", "filter": "G_f"}
 FORMS = {
     "poles": Exact(),
@@ -71,7 +71,7 @@ def _model(
     needs: Sequence[str] = (),
     **makers: Callable[..., Any],
 ) -> Table[TargetModel]:
-    """The table of a function that makes a target model, for the plant as it is at step 0."""
+    """Return the table of a function that makes a target model, for the plant at step 0."""
     whole = Composed(make, words, plant=_at_first, **makers)
     return Table(
         whole, supplied=("plant", *computed), needs=needs, forms=FORMS, names=NAMES, docs=DOCS
@@ -108,7 +108,7 @@ def known_of(
 
 
 def fitting(plant: Plant, target: TargetModel) -> TargetModel:
-    """The target itself, if its relative degree is that of a scalar G_zu."""
+    """Return the target model if its relative degree is that of a scalar G_zu."""
     if (plant.l_z, plant.l_u) != (1, 1):
         return target
     if target.relative_degree != (d_zu := _information(plant).d_zu):
@@ -138,7 +138,7 @@ def of_plant_directions(
     """The target model of a plant whose zeros and their directions can be found."""
     if plant.n > LARGEST_DIRECTED:
         raise InputError(
-            f"the plant has {plant.n} states; zero directions are found up to "
+            f"the plant has {plant.n} states; zero directions need at most "
             f'{LARGEST_DIRECTED}. Use model = "markov".'
         )
     return zero_direction_target(plant, taps=taps, squaring=squaring)
@@ -220,7 +220,7 @@ TARGET = PartialTable(Table(_target, is_later=True), is_replaced=True)
 def _information(plant: Plant) -> ModellingInformation:
     if plant.n > LARGEST_PLANT:
         raise InputError(
-            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
-            f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
+            f"the plant has {plant.n} states; exact relative degree and zeros need at most "
+            f"{LARGEST_PLANT}. Give d_zu, H and nmp_zeros in [target]."
         )
     return modelling_information(plant)

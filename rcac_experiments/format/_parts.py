@@ -1,4 +1,4 @@
-"""What a table asks to be made, before everything that it needs is known."""
+"""Calls of a table that wait for arguments which are known later."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ T = TypeVar("T")
 
 
 class Alias(ABC):
-    """A table that stands for an object with other fields than the table has keys."""
+    """A table for an object whose fields differ from the keys of the table."""
 
     @abstractmethod
     def build(self) -> Any:
-        """The object."""
+        """Build the object."""
 
 
 def resolved(value: Any, plant: Any) -> Any:
-    """A value with every specification in it resolved for a plant."""
+    """Resolve all partial calls in a value for a plant."""
     if isinstance(value, PartialCall):
         return value.of(plant)
     if isinstance(value, list | tuple):
@@ -36,29 +36,29 @@ def resolved(value: Any, plant: Any) -> Any:
 
 @lru_cache(maxsize=256)
 def signature_of(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
-    """The parameters of a function or class, which takes long to find and never changes."""
+    """Return the parameters of a function or class; cached, since inspection is slow."""
     return inspect.signature(make).parameters
 
 
 @attrs.frozen(eq=False)
 class PartialCall(Value, Generic[T]):
-    """A function or class, and the arguments that a table has for it, read and typed."""
+    """A function or class with the arguments of a table; other arguments follow later."""
 
     make: Callable[..., T]
     arguments: dict[str, Any]
 
     def argument(self, name: str) -> Any:
-        """An argument, or what it is where the table does not say it."""
+        """Return an argument, or its default."""
         if name in self.arguments:
             return self.arguments[name]
         return signature_of(self.make)[name].default
 
     def of(self, plant: Any, **others: Any) -> T:
-        """Make it, for this plant; `others` are arguments that do not stand in the file."""
+        """Call the function for a plant; `others` are arguments that are not in the file."""
         if "plant" in signature_of(self.make):
             others = {"plant": plant, **others}
         return self.make(**resolved(self.arguments, plant), **others)
 
     def build(self) -> T:
-        """Make what hangs on no plant, such as a plant itself."""
+        """Call the function without a plant, for instance to build a plant."""
         return self.of(None)

@@ -1,4 +1,4 @@
-"""Where in a file something stands, and how that is said in errors."""
+"""Locations in a file, and their text in errors."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ LONGEST_OF_SEVERAL = 700
 
 
 class _ShortRepr(reprlib.Repr):
-    """Short, and as TOML writes what Python writes otherwise."""
+    """A short repr, with booleans and decimals as in TOML."""
 
     def repr_Decimal(self, value: Decimal, level: int) -> str:
-        """The digits alone."""
+        """Return the digits."""
         return str(value)
 
     def repr_bool(self, value: bool, level: int) -> str:
-        """In small letters."""
+        """Return true or false."""
         return str(value).lower()
 
 
@@ -34,7 +34,7 @@ _SHORT_REPR.maxstring = _SHORT_REPR.maxother = _SHORT_REPR.maxlong = 100
 
 
 def quoted(value: object) -> str:
-    """A value for an error message, never longer than a few lines.
+    """Return the repr of a value for an error message, at most a few lines.
 
     Examples
     --------
@@ -46,27 +46,27 @@ def quoted(value: object) -> str:
 
 
 def shortened(text: str) -> str:
-    """A message cut to a length that a reader can bear."""
+    """Cut a message at a limited length."""
     if len(text) <= LONGEST_MESSAGE:
         return text
-    return f"{text[: LONGEST_MESSAGE - 60]} ... ({len(text)} characters in all)"
+    return f"{text[: LONGEST_MESSAGE - 60]} ... ({len(text)} characters)"
 
 
 class MissingKeyError(InputError):
-    """A table needs a key that it has not."""
+    """A required key of a table is missing."""
 
     key: str = ""
 
 
 class FileError(InputError):
-    """Everything that is wrong with a file, each error with its place."""
+    """All errors of a file, each with its location."""
 
     def __init__(self, text: str, errors: Sequence[CompensatorError] = ()) -> None:
         super().__init__(text)
         self.errors = tuple(errors)
 
     def named(self, file: str) -> InputError:
-        """What is wrong, one after another, as far as a reader can bear."""
+        """Return the list of errors, at limited length."""
         parts: list[str | Advice] = [f"{file}: ", f"{len(self.errors)} errors."]
         length = sum(map(len, map(str, parts)))
         for number, error in enumerate(self.errors, 1):
@@ -86,7 +86,7 @@ def _of_several(error: CompensatorError, file: str) -> tuple[str | Advice, ...]:
 
 
 class Errors:
-    """Collects errors, so that all of them can be said at once.
+    """Collect errors, to report all of them together.
 
     Examples
     --------
@@ -116,13 +116,13 @@ class Errors:
         return True
 
     def add(self, error: CompensatorError) -> None:
-        """One more, or those that it consists of; what was said already is not said again."""
+        """Add an error, or its parts; repeated errors are dropped."""
         known = {one.args for one in self.errors}
         parts = error.errors if isinstance(error, FileError) else (error,)
         self.errors += [one for one in parts if one.args not in known]
 
     def raise_any(self) -> None:
-        """Raise what was collected, if anything was."""
+        """Raise the collected errors, if any."""
         if len(self.errors) == 1:
             raise self.errors[0] from None
         if self.errors:
@@ -130,7 +130,7 @@ class Errors:
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """A hint at the known word that comes closest, or nothing."""
+    """Return a hint at the closest known word, or an empty text."""
     close = difflib.get_close_matches(str(word)[:80], list(known), n=1)
     return f" Did you mean {close[0]!r}?" if close else ""
 
@@ -147,9 +147,9 @@ class Location:
     key : str
         A key of that table; empty for the table itself.
     notes : tuple of str
-        What else tells the table from others of its name: its number in an array, its run.
+        Further identification of the table: its number in an array, its run.
     depth : int
-        How many tables and lists lie around it.
+        Number of enclosing tables and lists.
     """
 
     file: str
@@ -160,7 +160,7 @@ class Location:
 
     @property
     def where(self) -> str:
-        """The table's name as the file writes it."""
+        """The name of the table as in the file."""
         text = f"[{self.table}]" if self.table else "the top level"
         for i, note in enumerate(self.notes):
             text += f" {note}" if not i and note.startswith("no.") else f" of {note}"
@@ -170,33 +170,33 @@ class Location:
         return f"{self.where} {self.key}" if self.key and self.table else self.key or self.where
 
     def at(self, key: str) -> Location:
-        """One key of this table."""
+        """Return the location of a key of this table."""
         return replace(self, key=key)
 
     def inside(self) -> Location:
-        """The table that stands under this key."""
+        """Return the location of the table under this key."""
         name = f"{self.table}.{self.key}" if self.table and self.key else self.table or self.key
         return replace(self._deeper(), table=name, key="")
 
     def entry(self, note: str = "") -> Location:
-        """An entry of the list under this key; `note` tells it from the others."""
+        """Return the location of an entry of the list under this key, identified by `note`."""
         return replace(self._deeper(), notes=(note, *self.notes) if note else self.notes)
 
     def error(self, *parts: str | Advice) -> InputError:
-        """An error that names the file."""
+        """Return an error that names the file."""
         return InputError(f"{self.file}: ", *parts).of(self.file)
 
     def missing(self, key: str) -> MissingKeyError:
-        """That the table needs a key."""
+        """Return the error for a missing key."""
         error = MissingKeyError(f"{self.file}: ", f"{self.where} needs the key {key!r}.")
         error.key = key
         return error.of(self.file)
 
     def refuse(self, value: object, needed: str) -> InputError:
-        """That a value is not what is needed."""
+        """Return the error for an invalid value."""
         return self.error(f"{self} = {quoted(value)} must be {needed}.")
 
     def _deeper(self) -> Location:
         if self.depth >= DEEPEST:
-            raise self.error(f"{self.where} is nested more than {DEEPEST} deep.")
+            raise self.error(f"{self.where} is nested more than {DEEPEST} levels deep.")
         return replace(self, depth=self.depth + 1)

@@ -105,7 +105,7 @@ def keys_of(
 
 
 def form_of(hint: Any) -> Form:
-    """How a value of a type is read."""
+    """Return the form of a type."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         declared = next((one for one in inner[1:] if isinstance(one, Form)), None)
@@ -130,7 +130,7 @@ def form_of(hint: Any) -> Form:
         return Table(hint)
     elif (known := FORMS.get(origin or hint)) is not None:
         return known
-    raise TypeError(f"no form is known of {hint}")
+    raise TypeError(f"no form for the type {hint}")
 
 
 class Table(Form, Generic[T]):
@@ -139,7 +139,7 @@ class Table(Form, Generic[T]):
     Parameters
     ----------
     make : class or callable
-        What is made of it.
+        Function or class of the table.
     given : sequence of str
         Fields or parameters that do not stand in the file. Those of a class keep their defaults; of
         a function that has any a `PartialCall` is made, to be called with them.
@@ -227,7 +227,7 @@ class Table(Form, Generic[T]):
         return every
 
     def read(self, value: object, place: Location) -> Any:
-        """What the table describes: all keys known, none missing, each of its form."""
+        """Read the table: no unknown keys, no missing keys, each value of its form."""
         scope = place.inside() if place.key else place
         table = require_table(value, scope)
         errors = Errors()
@@ -267,7 +267,7 @@ class Table(Form, Generic[T]):
             raise type(error)(f"{scope.file}: ", *where, *error.args).of(scope.file) from None
 
     def require_known(self, table: Raw, scope: Location) -> None:
-        """Refuse keys that neither this table nor a kind that is spread over it has."""
+        """Refuse keys that neither this table nor one of its kinds has."""
         known, errors = self.all_keys(), Errors()
         every = f" Known keys: {', '.join(sorted(known))}."
         for name in table:
@@ -278,7 +278,7 @@ class Table(Form, Generic[T]):
         errors.raise_any()
 
     def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], scope: Location) -> None:
-        """Refuse keys that other kinds than the chosen ones read."""
+        """Refuse keys of kinds that were not chosen."""
         errors = Errors()
         known, names_of_keys = self.all_keys(), {key.name for key in self.keys}
         beside = {} if self.elsewhere is None else self.elsewhere[0].all_keys()
@@ -305,7 +305,7 @@ class Table(Form, Generic[T]):
 
 
 class Variant(Generic[T]):
-    """One way to write a kind: the keys that go with `marker`, where that key is there."""
+    """A variant of a kind, selected by the key `marker`."""
 
     def __init__(self, table: Table[T] | type[T], marker: str = "") -> None:
         self.table = table if isinstance(table, Table) else Table(table)
@@ -327,14 +327,14 @@ class Kind(Generic[T]):
         self.variants, self.is_whole, self.name = variants, is_whole, ""
 
     def variant(self, table: Raw) -> Variant[T]:
-        """The variant that a table is written as."""
+        """Return the variant of a table."""
         return next((v for v in self.variants if v.marker in table), self.variants[-1])
 
     def read_beside(self, table: Raw, scope: Location, is_known: bool = True) -> Any:
-        """The keys of this kind out of the table that it is spread over."""
+        """Read the keys of this kind from the table that contains them."""
         variant = self.variant(table)
         entries = {key: value for key, value in table.items() if key in variant.names}
-        if not is_known:  # a key that seems to be missing may be the one that is misspelt
+        if not is_known:  # the missing key may be a misspelt one
             for key in variant.table.keys:
                 if key.is_required and key.name not in entries:
                     return None
@@ -348,7 +348,7 @@ class Kind(Generic[T]):
         return variant.table.read(entries, scope)
 
     def read_whole(self, selector: str, table: Raw, scope: Location) -> Any:
-        """The whole table, without the key that chose this kind."""
+        """Read the whole table, without the key that selects the kind."""
         entries = {key: value for key, value in table.items() if key != selector}
         errors = Errors()
         for name in entries:
@@ -358,7 +358,7 @@ class Kind(Generic[T]):
         return self.variant(entries).table.read(entries, scope)
 
     def unread(self, name: str, selector: str, table: Raw, scope: Location) -> InputError:
-        """That a key is not read by this kind, and which ones are."""
+        """Return the error for a key of another kind, with the keys of this one."""
         variant = self.variant(table)
         extra = f" with {variant.marker}" if variant.marker else ""
         reads = [selector, *(key.name for key in variant.table.keys)]
@@ -396,7 +396,7 @@ class Kinds(Form, Generic[T]):
         return any(name in table.all_keys() for table in self.tables())
 
     def choose(self, selector: str, table: Raw, scope: Location) -> Kind[T]:
-        """The kind that a table names."""
+        """Return the kind that a table selects."""
         name = table.get(selector, self.default)
         if name is None:
             raise scope.missing(selector)
@@ -548,14 +548,14 @@ def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, An
 
 
 def require_table(value: object, scope: Location) -> Raw:
-    """`value` if it is a table."""
+    """Return `value` if it is a table; otherwise refuse it."""
     if not isinstance(value, Mapping):
         raise scope.error(f"{scope.where} must be a table, not {quoted(value)}.")
     return value
 
 
 def _require_form(forms: Iterable[Form], value: object, place: Location) -> None:
-    """Refuse a value that none of the kinds that have this key could read."""
+    """Refuse a value that is invalid for every kind with this key."""
     refusal: CompensatorError | None = None
     for form in forms:
         try:

@@ -1,4 +1,4 @@
-"""The forms that a value or a list in a file may have: how each is read and described."""
+"""The forms of values and lists in a file: reading, description and schema."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ DEEPEST_ARRAY = 3
 
 
 def is_number(value: object) -> bool:
-    """Whether a value stands for a real number; true and false do not."""
+    """Return whether a value is a real number; true and false are none."""
     return isinstance(value, int | float | Decimal) and not isinstance(value, bool)
 
 
 def as_float(value: Any) -> Any:
-    """Decimals, also those in lists, as the float64 that is nearest; the rest as it is."""
+    """Round decimals, also in lists, to float64; return other values unchanged."""
     if isinstance(value, Decimal):
         return float(value)
     return [as_float(entry) for entry in value] if isinstance(value, list) else value
@@ -90,7 +90,7 @@ class Real(Form):
             except CompensatorError as error:
                 raise place.error(f"{place} = {quoted(value)}: ", *error.args) from None
             if not (expression.is_number and expression.is_real):
-                raise place.error(f"{place} = {quoted(value)} is not a real number.")
+                raise place.error(f"{place} = {quoted(value)} must be a real number.")
             value = float(expression)
         if not is_number(value):
             raise place.error(f"{place} must be a real number, not {quoted(value)}.")
@@ -136,7 +136,7 @@ class Choice(Form):
             raise place.refuse(value, "a string")
         if value not in self.choices:
             hint = did_you_mean(value, self.choices)
-            raise place.error(f"{place} = {quoted(value)} is not known; choose {self.words}.{hint}")
+            raise place.error(f"{place} = {quoted(value)} must be {self.words}.{hint}")
         return value
 
     def schema(self) -> Schema:
@@ -179,8 +179,8 @@ class Numbers(Form):
                                   "allowed.")  # fmt: skip
             for leaf in _leaves(value):
                 if not is_number(leaf):
-                    raise place.error(f"{place} = {quoted(value)} must be {self.words}; its entry "
-                                      f"{quoted(leaf)} is none.")  # fmt: skip
+                    raise place.error(f"{place} = {quoted(value)} must be {self.words}; the entry "
+                                      f"{quoted(leaf)} is not.")  # fmt: skip
             if _shape(value) is None:
                 raise place.error(f"{place} = {quoted(value)} must be {self.words}; its rows "
                                   "differ "
@@ -332,7 +332,7 @@ class Row(Form):
         """As a tuple."""
         least = len(self.entries) if self.at_least is None else self.at_least
         if not isinstance(value, list) or not least <= len(value) <= len(self.entries):
-            raise place.error(f"{place} has the entry {quoted(value)}; {self.shown} is needed.")
+            raise place.error(f"{place}: the entry {quoted(value)} must be {self.shown}.")
         inside = place.entry()
         errors, read = Errors(), []
         for form, entry in zip(self.entries, value, strict=False):
@@ -438,7 +438,7 @@ class ByStep(Form):
         changes: dict[int, Any] = {}
         for step, entry in rows.read(value, place):
             if step in changes:
-                raise place.error(f"{place} names the step {step} twice.")
+                raise place.error(f"{place} has step {step} twice.")
             changes[step] = entry
         return changes
 

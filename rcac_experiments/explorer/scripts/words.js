@@ -1,4 +1,4 @@
-// What happened, in one sentence, and what RCAC knows of the plant.
+// The result of the run in one sentence, and what RCAC knows of the plant.
 import { backwardError, distances, modulus, withConjugates } from "./roots.js";
 import { polesAt } from "./loop.js";
 import { modelling } from "./plan.js";
@@ -44,43 +44,43 @@ export function sentence(found, outcome) {
   const { plan } = found, { dials } = plan, count = outcome.wanted.length;
   const untold = plan.zeros.filter(zero => modulus(zero) >= 1 && !withConjugates(dials.told)
     .some(known => Math.hypot(known[0] - zero[0], known[1] - zero[1]) < 0.05 * modulus(zero)));
-  if (outcome.kind === "still") return [["Nothing acts on the loop, so there is nothing to learn from. "], ["Give it a signal or noise.", "quiet"]];
+  if (outcome.kind === "still") return [["No input excites the loop, so RCAC cannot learn. "], ["Choose a signal or noise.", "quiet"]];
   if (outcome.kind === "lost") {
     const middle = polesAt(found, Math.floor(0.6 * found.done));
     const cancelled = untold.find(zero => middle.some(pole => Math.hypot(pole[0] - zero[0], pole[1] - zero[1]) < 0.02 * modulus(zero)));
-    const why = cancelled ? `RCAC put a pole on the zero ${shown(cancelled)} that it does not know, and u grows.`
-      : untold.length ? `The plant has a zero at ${shown(untold[0])} that RCAC does not know.`
-        : Number(dials.gain) < 0 ? "RCAC has the sign of the gain wrong."
-          : "What is asked is too much for this plant, too soon, or what RCAC assumes is wrong.";
+    const why = cancelled ? `RCAC cancels the unknown nonminimum-phase zero ${shown(cancelled)}, and u diverges.`
+      : untold.length ? `RCAC does not know the nonminimum-phase zero ${shown(untold[0])} of the plant.`
+        : Number(dials.gain) < 0 ? "RCAC assumes the wrong sign of the gain."
+          : "The requested poles are too fast for this plant, or an assumption of RCAC is wrong.";
     return [[`Diverged at step ${found.done}. `, "bad"], [why]];
   }
-  if (outcome.kind === "unstable") return [["Not stable: ", "bad"], [`with theta of the last step the loop has a pole of modulus ${text(outcome.largest)}. More steps, or another R_theta.`]];
+  if (outcome.kind === "unstable") return [["Unstable: ", "bad"], [`the loop with the final theta has a pole of modulus ${text(outcome.largest)}. Use more steps, or another R_theta.`]];
   const steps = settled(found);
   const calm = steps === null ? `|z| stays below ${small(late(found))}` : `z settles ${steps} steps after RCAC starts`;
   const what = plan.poles.some(pole => modulus(pole) > 1) ? "An unstable plant, stabilised: " : "Stable: ";
   if (outcome.kind === "reached") return [[what], [calm, "good"], [", and "],
-    [count === 1 ? "the pole asked for is reached" : `all ${count} poles asked for are reached`, "good"], [`, missed by ${small(outcome.worst)} at most.`]];
+    [count === 1 ? "the requested pole is reached" : `all ${count} requested poles are reached`, "good"], [`; largest distance ${small(outcome.worst)}.`]];
   const missed = outcome.far.filter(distance => distance > NEAR).length;
   const worst = outcome.wanted[outcome.far.indexOf(outcome.worst)];
-  if (!Number.isFinite(outcome.worst)) return [[what], [calm, "good"], [`, but the loop has ${outcome.poles.length} poles and ${count} are asked for: `], ["raise n_c.", "warning"]];
+  if (!Number.isFinite(outcome.worst)) return [[what], [calm, "good"], [`, but the loop has ${outcome.poles.length} poles for ${count} requested ones: `], ["raise n_c.", "warning"]];
   const few = 2 * dials.n_c < count ? ` n_c = ${dials.n_c} has ${2 * dials.n_c} coefficients for ${count} poles.` : "";
-  const which = count === 1 ? "the pole asked for is missed"
-    : missed === count ? `all ${count} poles asked for are missed` : `${missed} of ${count} poles ${missed === 1 ? "is" : "are"} missed`;
+  const which = count === 1 ? "the requested pole is missed"
+    : missed === count ? `all ${count} requested poles are missed` : `${missed} of ${count} requested poles ${missed === 1 ? "is" : "are"} missed`;
   return [[what], [calm, "good"], [", but "], [which, "warning"], [`, ${shown(worst)} by ${small(outcome.worst)}.${few}`]];
 }
 
-// What the poles alone do not say: margins, what theory predicts, and how often u is at its limit.
+// Margins, poles predicted by theory, and share of steps with u at its limit.
 export function besides(found, poles, margins, predicted) {
   const { plan } = found, parts = [];
   const factor = x => x === Infinity ? "∞" : Number(x.toPrecision(3)).toString();
   if (margins) parts.push(`Margins: the gain may change by ${factor(margins.down)} to ${factor(margins.up)}, the phase by `
     + `${margins.phase === Infinity ? "any angle" : `${text(margins.phase)}°`}.`);
-  else parts.push("A loop that is not stable has no margins.");
+  else parts.push("Margins: none, since the loop is unstable.");
   if (predicted) {
     const worst = Math.max(...distances(predicted, poles));
-    parts.push(`Theory puts the poles of a loop that matches the target at ${predicted.filter(([, y]) => y >= 0).map(shown).join(", ")};`
-      + ` ${Number.isFinite(worst) ? `theta's are off by ${small(worst)} at most.` : "theta has none."}`);
-  } else parts.push("No loop matches the target: RCAC is told what is not so, or n_c is too small.");
+    parts.push(`Theory predicts the poles of a loop that matches the target model: ${predicted.filter(([, y]) => y >= 0).map(shown).join(", ")};`
+      + ` ${Number.isFinite(worst) ? `the poles of theta differ by at most ${small(worst)}.` : "theta has no poles."}`);
+  } else parts.push("No loop matches the target model: an assumption of RCAC is wrong, or n_c is too small.");
   if (Number.isFinite(plan.bound)) {
     const learnt = found.u.subarray(plan.k_w), count = learnt.filter(value => Math.abs(value) > plan.bound).length;
     parts.push(`u is at its limit in ${Math.round(100 * count / Math.max(1, learnt.length))} % of the steps.`);

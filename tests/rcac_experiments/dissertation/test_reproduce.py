@@ -132,7 +132,7 @@ def test_one_that_cannot_be_verified_costs_no_other(experiments, tmp_path):
     bad = replace(bad, id="bad", claims=[replace(claim, checks=(unknown,))])
     reproduction = reproduce([bad, experiments[1]], tmp_path)
     assert [case.status for case in reproduction.cases] == [2, 0] and reproduction.exit_status == 2
-    assert "could not be verified" in reproduction.page.read_text()
+    assert "verification failed" in reproduction.page.read_text()
     assert not (tmp_path / "cases" / "bad.json").exists(), "it is tried again"
 
 

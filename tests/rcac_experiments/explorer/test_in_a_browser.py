@@ -435,7 +435,7 @@ def test_the_sentence_says_what_happened(opened):
         page.get_by_role("button", name=name).click()
         return settle(page)["sentence"]
 
-    assert "all 3 poles asked for are reached" in said("An unstable plant")
+    assert "all 3 requested poles are reached" in said("An unstable plant")
     diverged = r"Diverged at step \d+\. RCAC put a pole on the zero −2 that it does not know"
     assert re.match(diverged, said("A zero that RCAC does not know"))
     page.get_by_role("button", name="An unstable plant").click()

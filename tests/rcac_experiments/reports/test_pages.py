@@ -87,8 +87,8 @@ def test_the_author_stands_first_and_a_case_of_ones_own_knows_none(gallery, case
 
 
 def test_a_quick_look_says_so(cases):
-    assert "quick look" in Page(gallery_page(cases, is_quick=True)).text
-    assert "quick look" not in Page(gallery_page(cases)).text
+    assert "Quick run" in Page(gallery_page(cases, is_quick=True)).text
+    assert "Quick run" not in Page(gallery_page(cases)).text
 
 
 def test_an_example_is_one_click_away_and_opens_with_its_picture(gallery, cases):
