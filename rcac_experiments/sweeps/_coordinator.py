@@ -1,4 +1,4 @@
-"""Chunks on their way over any executor, never more than a window of them, until each is stored."""
+"""Submit chunks to an executor, a window at a time, and store their results."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from rcac_experiments.sweeps._problems import StoreError
 from rcac_experiments.sweeps._progress import Meter, Progress
 from rcac_experiments.sweeps._worker import run_chunk
 
-ALONE = 2  # times that a run that is by itself is lost before it is given up
-# Seconds between looks at Ctrl-C, and those that an executor of others has to answer at all after
-# it lost a run.
+ALONE = 2  # losses of a single run, after which it counts as failed
+# Seconds between checks for Ctrl-C, and seconds until an external executor must answer after a
+# loss.
 PATIENCE, ANSWER = 0.25, 60.0
 
 
 class Pool:
-    """The executor of a study: one of ours, one of others, or what a function makes again."""
+    """The executor of a study: the default pool, one of the user, or one from a function."""
 
     def __init__(
         self, executor: Executor | Callable[[], Executor] | None, workers: int,
@@ -41,14 +41,14 @@ class Pool:
         if executor is not None and not isinstance(executor, Executor) and not callable(executor):
             raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
         self._source, self._workers, self._limit = executor, workers, time_limit
-        # There each task has a worker, and a fate, of its own.
+        # In the default pools each task has a separate worker.
         self.is_ours = executor is None or isinstance(executor, WorkerPool | InProcess)
         self.renewable = executor is not None and not isinstance(executor, Executor)
         self._executor: Executor | None = None
 
     @property
     def executor(self) -> Executor:
-        """Made when the first run is to be run."""
+        """The executor; it is made for the first run."""
         if self._executor is None:
             if isinstance(self._source, Executor):
                 self._executor = self._source
@@ -61,17 +61,17 @@ class Pool:
         return self._executor
 
     def renew(self) -> None:
-        """Let go of one that broke; the next is made when it is needed."""
+        """Discard a broken executor; the next one is made on demand."""
         self.leave()
         self._executor = None
 
     def end(self) -> None:
-        """Let it end; what somebody else made, somebody else ends."""
+        """Shut down the executor, unless the user made it."""
         if self._executor is not None and self._executor is not self._source:
             self._executor.shutdown()
 
     def leave(self) -> None:
-        """Let go of it at once."""
+        """Stop the executor at once."""
         executor = self._executor
         if executor is None or executor is self._source:
             return
@@ -80,44 +80,44 @@ class Pool:
             return
         try:
             executor.shutdown(wait=False, cancel_futures=True)
-        except TypeError:  # loky's does not know it
+        except TypeError:  # loky has no cancel_futures
             executor.shutdown(wait=False)
 
 
 class _Gone(Exception):
-    """The executor takes nothing more; of what kind the error was that said so."""
+    """The executor accepts no more tasks; the text is the type of its error."""
 
 
 @dataclass(eq=False)
 class Work:
-    """A chunk that is being run, and what there is of it so far."""
+    """A chunk in progress, with its results so far."""
 
     number: int
     missing: set[int]
     records: list[RunRecord] = field(default_factory=list)
-    # How often runs were lost by themselves, and failed.
+    # Losses and failures of single runs.
     alone: Counter[int] = field(default_factory=Counter)
     failed: Counter[int] = field(default_factory=Counter)
 
 
 @dataclass(frozen=True)
 class ChunkPart:
-    """Some runs of a chunk; where one of them may end its worker, nothing goes beside them."""
+    """Some runs of a chunk; with `by_itself` no other task runs at the same time."""
 
     work: Work
     task: ChunkTask
     by_itself: bool = False
 
     def only(self, numbers: Collection[int]) -> ChunkPart:
-        """The same with some of its runs."""
+        """Return the part with some of its runs."""
         return ChunkPart(self.work, self.task.only(numbers), self.by_itself)
 
 
 class Coordinator:
-    """Submits the chunks that a folder has not, and writes what comes back.
+    """Submit the missing chunks of a folder, and store their results.
 
-    They go in random order: so two coordinators of one folder meet in few of them only, and both
-    leave out what the other has written.
+    The order is random, so that two coordinators of one folder rarely compute the same chunk; both
+    skip chunks that the other has stored.
     """
 
     def __init__(
@@ -134,14 +134,14 @@ class Coordinator:
         self.window, self.retries = window, retries
         self.meter, self.progress = meter, progress
         self.in_flight: dict[Future[ChunkResult], tuple[ChunkPart, Executor]] = {}
-        self.waiting: deque[ChunkPart] = deque()  # what goes once more
+        self.waiting: deque[ChunkPart] = deque()  # parts to submit again
         self.todo: list[int] = []
         self._absent: set[int] = set()
-        self._suspects: list[Work] = []  # of which something was lost, over an executor of others
-        self._ended = time.monotonic()  # when something ended last
+        self._suspects: list[Work] = []  # chunks with a loss in an external executor
+        self._ended = time.monotonic()  # time of the last completed task
 
     def run(self, absent: Iterable[int], again: Iterable[int] = ()) -> None:
-        """Until all of these are stored: chunks without a file, and those that are written anew."""
+        """Compute and store these chunks: the missing ones, and those to be replaced."""
         self._absent = set(absent)
         self.todo = [*self._absent, *again]
         SystemRandom().shuffle(self.todo)
@@ -168,7 +168,7 @@ class Coordinator:
             self.progress(self.meter.now())
 
     def _fill(self) -> None:
-        """Submit what may be."""
+        """Submit chunks up to the window."""
         while len(self.in_flight) < self.window:
             if any(part.by_itself for part, _ in self.in_flight.values()):
                 return
@@ -188,12 +188,12 @@ class Coordinator:
                 return
 
     def _next(self) -> int | None:
-        """A chunk that nobody has stored; None where there is none."""
+        """Return a chunk that is not stored, or None."""
         while self.todo:
             number = self.todo.pop()
             stored = self.folder.read([number], guarded=False) if number in self._absent else ()
             for chunk in stored:
-                if not chunk.fault:  # another coordinator's
+                if not chunk.fault:  # stored by another coordinator
                     self._count(list(chunk.columns["outcome"]), chunk.failed)
                     break
             else:
@@ -233,10 +233,10 @@ class Coordinator:
             self._keep(part, result.records)
 
     def _lose(self, part: ChunkPart, outcome: str, words: str) -> None:
-        """Run it again, in pieces; a run by itself is given up at last.
+        """Repeat a lost part in pieces; a single run finally counts as failed.
 
-        A worker of ours was at nothing else, so that its runs go one by one. One of others may
-        share its fate with what else was under way: that goes by itself, and is then halved.
+        A worker of the default pool runs one task, so its runs are repeated one by one. An external
+        worker may run other tasks: the part is repeated by itself, and is then halved.
         """
         work, numbers, shared = part.work, part.task.numbers, not self.pool.is_ours
         if shared:
@@ -260,7 +260,7 @@ class Coordinator:
         )
 
     def _require_answer(self) -> None:
-        """Wait until the executor does something, and refuse to go on where it is dead."""
+        """Wait for an answer of the executor; raise an error if it is dead."""
         try:
             future, end = self.pool.executor.submit(os.getpid), time.monotonic() + ANSWER
             while not wait([future], timeout=PATIENCE).done:
@@ -271,9 +271,9 @@ class Coordinator:
             raise self._broken(error) from None
 
     def _require_alive(self, progressed: bool) -> None:
-        """Ask an executor of others in which nothing ends for long whether it takes anything.
+        """Test an external executor that completes no task for a long time.
 
-        One that lost its scheduler may forget what it was given, and say so only then.
+        After the loss of its scheduler it may drop tasks, and report this only to a new one.
         """
         now = time.monotonic()
         if progressed or self.pool.is_ours:
@@ -293,9 +293,9 @@ class Coordinator:
         )
 
     def _store_error(self, why: str) -> StoreError:
-        """That an executor of others is gone, and which run it was that ended its workers.
+        """Return the error for a broken external executor, with the run that ended its workers.
 
-        A process of ours runs what was lost with it, the last first, until it has found the run.
+        A local process repeats the lost runs, the last first, until it identifies the run.
         """
         self.pool.leave()
         self.pool, self.in_flight, self.todo = Pool(None, 1), {}, []

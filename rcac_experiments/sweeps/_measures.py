@@ -98,7 +98,7 @@ STUDY_MEASURES: dict[str, MeasureFunction] = {
 
 @dataclass(frozen=True, eq=False, init=False)
 class Metric(Value):
-    """A number that is kept of every run.
+    """A number that is stored for every run.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Metric(Value):
         The name of a measure, or a function at the top of a module that takes an `LoopAnalysis` and
         returns a number.
     name : str, optional
-        Of its column; that of the measure where it is left out.
+        Name of its column; default: that of the measure.
     arguments : mapping
         Keyword arguments of the measure.
 
@@ -153,7 +153,7 @@ class Metric(Value):
 
     @property
     def function(self) -> MeasureFunction:
-        """What computes it."""
+        """The function of the measure."""
         if callable(self.measure):
             return self.measure
         if self.measure not in STUDY_MEASURES:
@@ -165,7 +165,7 @@ class Metric(Value):
 
     @property
     def needs_theta(self) -> bool:
-        """Whether it looks at theta over time; functions might."""
+        """Whether the measure needs theta over time; a function may."""
         return callable(self.measure) or self.measure in OF_THETA_OVER_TIME
 
     def __repr__(self) -> str:
@@ -175,7 +175,7 @@ class Metric(Value):
 
 
 def require_column(name: str) -> None:
-    """Refuse what cannot be the name of a measure's column."""
+    """Refuse an invalid name of a column."""
     if not isinstance(name, str) or not name.isidentifier() or name.lower() in RESERVED:
         raise InputError(
             f"a column cannot be called {name!r}; give `name` in letters, digits and "

@@ -19,13 +19,13 @@ class Progress:
     Attributes
     ----------
     done, total : int
-        Runs, those of earlier times and other processes included.
+        Stored runs, of all processes, and runs of the study.
     rate : float
-        Runs per second lately; 0 where it is not known yet.
+        Recent runs per second; 0 if unknown.
     diverged : int
         Runs of this process that did not complete.
     failed : int
-        Runs in the store of which nothing is known but an error; `retry_failed` runs them again.
+        Runs with an error and no result; `retry_failed` repeats them.
     """
 
     done: int
@@ -36,7 +36,7 @@ class Progress:
 
     @property
     def seconds_left(self) -> float:
-        """About how long it will take; infinite where that is not known yet."""
+        """Estimated remaining time; infinite if unknown."""
         return (self.total - self.done) / self.rate if self.rate else float("inf")
 
     def __str__(self) -> str:
@@ -53,7 +53,7 @@ class Progress:
 
 @dataclass
 class Meter:
-    """Counts what ends and says how fast that goes."""
+    """Count completed runs and their rate."""
 
     total: int
     done: int
@@ -62,7 +62,7 @@ class Meter:
     _history: deque[tuple[float, int]] = field(default_factory=deque)
 
     def now(self) -> Progress:
-        """How far it is at this moment."""
+        """Return the present progress."""
         moment = time.monotonic()
         self._history.append((moment, self.done))
         while moment - self._history[0][0] > MEMORY:
@@ -74,7 +74,7 @@ class Meter:
 
 
 class ProgressLine:
-    """Writes how far a study is on one line that is written over, in a terminal or a notebook.
+    """Print the progress of a study on one line of a terminal or a notebook.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class ProgressLine:
         self._stream, self._last, self._length = stream or sys.stderr, 0.0, 0
 
     def __call__(self, progress: Progress) -> None:
-        """Write it, unless that was just done."""
+        """Print the progress, at a limited rate."""
         moment = time.monotonic()
         if moment - self._last < PAUSE and progress.done < progress.total:
             return
@@ -101,7 +101,7 @@ class ProgressLine:
         self._last, self._length = moment, len(text)
 
     def end(self) -> None:
-        """Leave the line."""
+        """End the line."""
         if self._length:
             self._stream.write("\n")
             self._stream.flush()

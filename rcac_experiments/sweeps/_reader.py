@@ -20,11 +20,11 @@ from rcac_experiments.sweeps._chunk_files import MOST_BYTES, Columns, Layout, de
 from rcac_experiments.sweeps._directory import Directory
 from rcac_experiments.sweeps._problems import Damaged, StoreError
 
-MEMORY = 2**30  # bytes of the child, and four times what of a file is beyond 64 MiB
-SECONDS = 1.0  # of processor for a chunk, and one for each 64 MiB of its file
+MEMORY = 2**30  # bytes of the child, plus four times the size of a file beyond 64 MiB
+SECONDS = 1.0  # processor time for a chunk, plus 1 s for each 64 MiB of its file
 LARGE = 2**26
 TIMEOUT = 60.0  # seconds until a drive or a file counts as unreadable
-DEATHS = 2  # of children, after which the rest of the folder is not read
+DEATHS = 2  # lost children, after which the other chunks are not read
 ENVIRONMENT = {"ARROW_DEFAULT_MEMORY_POOL": "system", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1"}  # fmt: skip
 
@@ -33,12 +33,12 @@ ChunkResult = tuple[int, Columns | str]  # its columns, or what is wrong with it
 
 
 def file_of(number: int) -> str:
-    """The name of a chunk's file."""
+    """Return the name of a chunk's file."""
     return f"{number:08d}.parquet"
 
 
 def read_in_process(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterator[ChunkResult]:
-    """Those of some chunks that are there, in a folder of our own."""
+    """Read the stored chunks among the requested ones, in this process."""
     for number, rows, layout in requests:
         try:
             data = folder.read(file_of(number), MOST_BYTES)
@@ -50,7 +50,7 @@ def read_in_process(folder: Directory, requests: Sequence[ChunkRequest]) -> Iter
 
 
 def read_guarded(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterator[ChunkResult]:
-    """The same, after a child has read each of them within its limits."""
+    """Read chunks after a child process has read them within limits of memory and time."""
     faults: dict[int, str] = {}
     remaining = list(requests)
     for _ in range(DEATHS):
@@ -69,7 +69,7 @@ def read_guarded(folder: Directory, requests: Sequence[ChunkRequest]) -> Iterato
 
 
 def _faults_by_child(folder: Directory, requests: Sequence[ChunkRequest]) -> dict[int, str]:
-    """What a child found wrong with each chunk, as far as it came."""
+    """Return the fault of each chunk that a child process has read."""
     layouts = list(dict.fromkeys(layout for _, _, layout in requests))
     task = {
         "folder": str(folder.path.absolute()), "handle": folder.handle,
@@ -86,7 +86,7 @@ def _faults_by_child(folder: Directory, requests: Sequence[ChunkRequest]) -> dic
     threading.Thread(target=_listen, args=(child, task, lines), daemon=True).start()
     answers = []
     try:
-        with suppress(queue.Empty):  # it hangs: nobody waits for a process that a drive holds
+        with suppress(queue.Empty):  # a hanging drive must not block this process
             while line := lines.get(timeout=TIMEOUT):
                 answers.append(line)
     finally:
@@ -100,7 +100,7 @@ def _faults_by_child(folder: Directory, requests: Sequence[ChunkRequest]) -> dic
 
 
 def _listen(child: subprocess.Popen[bytes], task: object, lines: queue.SimpleQueue[bytes]) -> None:
-    """Give a child its task and hand on line by line what it says; nothing when it ends."""
+    """Send the task to a child and queue its output lines; an empty line at its end."""
     assert child.stdin is not None and child.stdout is not None
     with suppress(OSError):
         child.stdin.write(json.dumps(task).encode())
@@ -113,12 +113,12 @@ def _listen(child: subprocess.Popen[bytes], task: object, lines: queue.SimpleQue
 
 
 def _serve() -> None:
-    """The child: which chunks there are to read on stdin, what is wrong with each on stdout."""
+    """Run the child: read the chunks listed on stdin, and print the fault of each."""
     task = json.loads(sys.stdin.buffer.read())
     folder = Directory(Path(task["folder"]), task["handle"])
     layouts = [Layout(study, tuple(map(tuple, columns))) for study, columns in task["layouts"]]
     with suppress(Damaged):
-        decode(layouts[0], 0, 0, b"")  # reads the libraries, before anything is limited
+        decode(layouts[0], 0, 0, b"")  # imports the libraries before the limits apply
     print("ready", flush=True)
     for number, rows, index in task["chunks"]:
         size = 0
@@ -131,7 +131,7 @@ def _serve() -> None:
 
 
 def _limit(memory: int, seconds: float) -> None:
-    """From here on; the system ends the process that takes more."""
+    """Limit memory and time of this process; the system ends it beyond the limits."""
     if sys.platform == "win32":
         return
     import resource
