@@ -112,7 +112,7 @@ class Folder:
         except (Damaged, *NO_STUDY) as fault:
             raise StoreError(
                 f"{self.path} is damaged or no store of a study: its {STUDY} is invalid ({fault}). "
-                "Nothing was changed. No run can be checked without {STUDY}; restore the file from "
+                f"Nothing was changed. No run can be checked without {STUDY}; restore the file from "
                 "a copy, or run the study into another folder."
             ) from None
         except FileNotFoundError:
@@ -123,7 +123,7 @@ class Folder:
                     "files. "
                     "Nothing was changed. Give a separate folder, which `rcac sweep` makes; "
                     "restore "
-                    "a store without {STUDY} from a copy."
+                    f"a store without {STUDY} from a copy."
                 ) from None
             return None
 

@@ -137,8 +137,8 @@ class Metric(Value):
         if others:
             extra: dict[str, object] = dict(others)
             raise InputError(
-                f"Kept takes a measure, name and arguments, not {', '.join(extra)}; what the "
-                f"measure takes goes into arguments={extra!r}."
+                f"Metric has the parameters measure, name and arguments, not {', '.join(extra)}; write "
+                f"arguments of the measure as arguments={extra!r}."
             )
         default_name = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
         set_ = object.__setattr__
@@ -171,7 +171,7 @@ class Metric(Value):
     def __repr__(self) -> str:
         measure = self.measure if isinstance(self.measure, str) else self.measure.__name__
         arguments = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items())
-        return f"Kept({self.name} = {measure}({arguments}))"
+        return f"Metric({self.name} = {measure}({arguments}))"
 
 
 def require_column(name: str) -> None:

@@ -72,7 +72,7 @@ def test_what_show_cannot_do_it_says(store, tmp_path, monkeypatch, arguments, wo
 
 def test_a_run_is_replayed(store, tmp_path):
     result = rcac("replay", store, 7, "--plot", tmp_path / "run.png")
-    assert result.exit_code == 0 and "Bit for bit the run that is stored." in result.stdout
+    assert result.exit_code == 0 and "bit-identical to the stored run." in result.stdout
     assert (tmp_path / "run.png").stat().st_size > 1000
     loaded = json.loads(rcac("replay", store, 7, "--json").stdout)
     row = read_table(store)
@@ -91,7 +91,7 @@ def test_a_run_that_is_not_what_is_stored_ends_with_1(store, tmp_path):
         columns = decode(layout, 1, last - first + 1, file.read_bytes())
         file.write_bytes(sealed(encode(layout, 1, {**columns, "rms": 2 * columns["rms"]})))
     result = rcac("replay", path, 0)
-    assert result.exit_code == 1 and "Not the run that is stored: rms." in result.stdout
+    assert result.exit_code == 1 and "differs from the stored run: rms." in result.stdout
 
 
 def test_a_measure_that_fails_is_seen_in_the_status(tmp_path):
@@ -100,7 +100,7 @@ def test_a_measure_that_fails_is_seen_in_the_status(tmp_path):
     file.write_text(text.replace('{ measure = "rms" }', '{ measure = "coefficient", index = 8 }'))
     result = rcac("sweep", file, "-o", tmp_path / "s", "--workers", 0)
     assert result.exit_code == 1, result.output
-    assert "3 runs have an error recorded." in result.stdout  # those with six coefficients
+    assert "3 runs have a recorded error." in result.stdout  # those with six coefficients
     assert "measure coefficient: InputError: index = 8" in result.stdout
 
 
@@ -147,7 +147,7 @@ def test_an_old_store_is_converted(store, tmp_path):
     assert rcac("store", "convert", old, "-o", new).exit_code == 2
     (new / "chunks" / "00000001.parquet").write_bytes(b"PAR1")
     result = rcac("store", "check", new)
-    assert result.exit_code == 1 and "computed again by the same `rcac sweep`" in result.stdout
+    assert result.exit_code == 1 and "with the same `rcac sweep`" in result.stdout
     assert rcac("sweep", store.parent / "study.toml", "-o", new, "--workers", 0).exit_code == 0
     assert studies.contents(new) == studies.contents(store)
 

@@ -49,5 +49,5 @@ def test_a_changed_verdict_is_said_first(example):
     changed = replace(example, verdicts=(replace(first, claim=claim), *example.verdicts[1:]))
     sheet = verification_sheet(changed)
     assert [t.level for t in sheet.health][:2] == ["warning", "bad"]
-    assert "1 of the verdicts of record changed" in sheet.health[1].words
+    assert "1 of the recorded verdicts changed" in sheet.health[1].words
     assert "was: not reproduced" in as_text(sheet)

@@ -107,7 +107,7 @@ def test_what_is_no_old_store_is_refused(tmp_path, kind):
 
 def test_a_folder_with_a_study_is_left_alone(made):
     before = studies.contents(made[0])
-    with pytest.raises(StoreError, match="holds a study already"):
+    with pytest.raises(StoreError, match="contains a study"):
         convert_store(made[1], made[0])
     assert studies.contents(made[0]) == before
 

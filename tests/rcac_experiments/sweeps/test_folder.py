@@ -96,12 +96,12 @@ def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, what):
         text = (path / "study.json").read_text()
         (path / "study.json").write_text(text.replace('"seed": 3', '"seed": 4'))
         for use in (check_store, read_table, lambda p: run_study(studies.study(), p, workers=0)):
-            with pytest.raises(StoreError, match=r"study.json is none \(it is not what was writ"):
+            with pytest.raises(StoreError, match=r"study.json is invalid \(it is not what was writ"):
                 use(path)
         return
     elif what == "no study":
         (path / "study.json").unlink()
-        with pytest.raises(StoreError, match=r"it has no study\.json, and other things are in it"):
+        with pytest.raises(StoreError, match=r"it has no study\.json, and contains other files"):
             run_study(studies.study(), path, workers=0)
         return
     else:
@@ -138,8 +138,8 @@ def test_things_of_others_are_left_alone(tmp_path):
     (tmp_path / "case" / "study.toml").write_text(studies.FILE % {"steps": 50, "repetitions": 1})
     before = studies.contents(tmp_path)
     for name, words in (
-        ("full", "other things are in it"), ("text", "it is a file"),
-        ("case", "other things are in it"),
+        ("full", "contains other files"), ("text", "it is a file"),
+        ("case", "contains other files"),
         ("old", "rcac store convert"), ("nowhere/else", "is there such a folder"),
     ):  # fmt: skip
         with pytest.raises(StoreError, match=words) as caught:
@@ -331,7 +331,7 @@ def test_an_overview_of_a_store_that_still_grows(tmp_path):
         run_study(studies.study(), path, workers=0, progress=press)
     overview = sweep_overview(path)
     assert overview.done == 0 and overview.total == 120
-    assert "0 of 120 runs have been run" in overview.report()
+    assert "0 of 120 runs are finished" in overview.report()
 
 
 def test_a_study_without_axes_and_measures(tmp_path):

@@ -208,7 +208,7 @@ def test_other_versions_are_refused_unless_they_are_meant(tmp_path, monkeypatch,
     assert any("0.1 now" in words for words in sweep_overview(store).mixed)
     with Folder(store) as opened:
         opened.write(replace(opened.study, instruction_set="of another machine"))
-    with pytest.raises(StoreError, match="instructions of another machine then"):
+    with pytest.raises(StoreError, match="instruction set of another machine then"):
         run_study(studies.study(4), store, workers=0)
     assert run_study(studies.study(4), store, workers=0, mixed=True).done == 24
     with pytest.raises(StoreError, match="to replay it bit for bit"):
@@ -259,7 +259,7 @@ def test_an_executor_that_a_function_makes_is_made_again(tmp_path, small_chunks)
     assert table.failed["outcome"].tolist() == ["worker died"] and len(table) == 1
     with (
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as one,
-        pytest.raises(StoreError, match=r"run 0 \(R_theta = 13\.0\) ends its worker, one of ours"),
+        pytest.raises(StoreError, match=r"Run 0 \(R_theta = 13\.0\) ends every worker"),
     ):
         run_study(study, tmp_path / "t", executor=one)
     assert read_table(tmp_path / "t").failed["R_theta"].tolist() == [studies.DEADLY]
@@ -285,7 +285,7 @@ def test_the_run_is_named_whenever_its_executor_gives_up(tmp_path, small_chunks,
             return future
 
     study = studies.over_R_theta([1.0, studies.DEADLY, 2.0], studies.deadly)
-    with pytest.raises(StoreError, match=r"The run 1 \(R_theta = 13\.0\) ends its worker"):
+    with pytest.raises(StoreError, match=r"Run 1 \(R_theta = 13\.0\) ends every worker"):
         run_study(study, tmp_path / "s", executor=Nannies())
     table = read_table(tmp_path / "s")
     assert table.failed["R_theta"].tolist() == [studies.DEADLY] and len(table) == 2

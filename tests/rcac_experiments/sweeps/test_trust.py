@@ -75,7 +75,7 @@ def test_functions_of_the_caller_must_be_those_of_then(tmp_path):
         replay_run(path, 0, {"raising": studies.deadly})
     with pytest.raises(StoreError, match="a store runs no code"):
         replay_run(path, 0, {"deadly": studies.deadly})
-    with pytest.raises(InputError, match="is no function"):
+    with pytest.raises(InputError, match="must be a function"):
         replay_run(path, 0, {"raising": 3})
 
 
