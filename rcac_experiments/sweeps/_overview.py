@@ -113,7 +113,7 @@ def sweep_overview(
     ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 50}}
     >>> study = Study(base, [Axis("R_theta", [0.1, 10], sets="controller.R_theta")],
-    [Metric("rms")])
+    ...     [Metric("rms")])
     >>> store = tempfile.mkdtemp() + "/study"
     >>> _ = run_study(study, store, workers=0)
     >>> overview = sweep_overview(store)
