@@ -51,14 +51,14 @@ def with_check(**check):
         ({"measure": "settling_step", "band": [1, 2]}, "band must be a real number"),
         ({"band": 0.1}, "sets 'band', which measure = \"rms\" does not read"),
         ({"bnd": 0.1}, "unknown key 'bnd'"),
-        ({"signal": "x"}, "signal = 'x' is not known"),
+        ({"signal": "x"}, "signal = 'x' must be one of"),
         ({"start": 0.5}, "start must be an integer"),
         ({"start": -1}, "start = -1 must be at least 0"),
         ({"at_most": None}, "a check without a bound cannot fail"),
-        ({"at_most": "no"}, "is not"),
+        ({"at_most": "no"}, "must be a real number"),
         ({"at_most": float("nan")}, "at_most has the entry nan"),
         ({"at_least": 2}, "at least 2.0 and at most 1.0, which no number is"),
-        ({"statistic": "mean"}, "statistic = 'mean' is not known"),
+        ({"statistic": "mean"}, "statistic = 'mean' must be one of"),
         ({"share": 0}, "share = 0.0 must be above 0 and at most 1"),
         ({"share": 1.5}, "share = 1.5 must be above 0"),
         ({"share": 0.5, "statistic": "median"}, "share = 0.5 is for statistic = 'each'"),
@@ -94,11 +94,11 @@ CHECK = {"measure": "rms", "at_most": 1}
         ({"misprint": "x"}, "misprint without a quote"),
         ({"reading": "x"}, "reading without a quote"),
         ({"control": "mian"}, "refers to the run 'mian'"),
-        ({"open": ["k_w"]}, "a claim is open in 'k_w'"),
+        ({"open": ["k_w"]}, "open = 'k_w' of a claim"),
         ({"over": {"hold": ["main"]}}, "Did you mean 'holds'"),
         ({"over": {"holds": ["mian"]}}, "over, the map of a claim, refers to"),
-        ({"verdicts": {"main": "holds"}, "run": "main"}, "leave them out"),
-        ({"verdicts": {"main": "holds"}, "verdict": "holds"}, "leave them out"),
+        ({"verdicts": {"main": "holds"}, "run": "main"}, "remove"),
+        ({"verdicts": {"main": "holds"}, "verdict": "holds"}, "remove"),
     ],
 )
 def test_variants_that_are_refused(claim, message):
@@ -159,9 +159,9 @@ def test_a_standard_claim_is_the_same_as_its_checks_written_out(name):
         ({"text": "x"}, "a claim needs checks, or standard, one of intercalated match"),
         ({"checks": [CHECK]}, "a claim needs text, or standard"),
         ({}, "a claim needs text and checks, or standard"),
-        ({"standard": "match"}, "'match' is not known"),
-        ({"standard": "residual split", "text": "x"}, "so that text have no meaning"),
-        ({"standard": "residual split", "checks": [CHECK]}, "leave them out"),
+        ({"standard": "match"}, "'match' must be one of"),
+        ({"standard": "residual split", "text": "x"}, "which replaces text"),
+        ({"standard": "residual split", "checks": [CHECK]}, "remove"),
     ],
 )
 def test_a_claim_is_standard_or_says_its_own(claim, message):
@@ -211,7 +211,7 @@ def test_a_ratio_needs_as_many_of_both():
     table = copy.deepcopy(CASE)
     table["runs"] = [{"name": "a", "run": {"seeds": 3}}, {"name": "b"}]
     table["claims"] = [{"text": "x", "checks": [{**CHECK, "run": "a", "relative_to": "b"}]}]
-    with pytest.raises(InputError, match="give them as many seeds and repetitions"):
+    with pytest.raises(InputError, match="the same number of seeds and repetitions"):
         verify(build(table, "case"))
 
 
@@ -319,7 +319,7 @@ def test_the_interval_of_a_quoted_number(quoted, within, interval):
 @pytest.mark.parametrize(
     ("check", "message"),
     [
-        ({"quoted": "1.9"}, "quoted = '1.9' does not stand in the quote"),
+        ({"quoted": "1.9"}, "quoted = '1.9' must be part of the quote"),
         ({"quoted": "1.81", "at_most": 2}, "leave at_least and at_most out"),
         ({"quoted": "", "within": 0.1, "at_most": 2}, "give quoted too"),
         ({"quoted": "1.81", "within": -0.1}, "must be above 0"),

@@ -52,7 +52,7 @@ def test_errors_of_every_table_are_said_in_one_go():
         "[controller] lambda = 2.0 is not in (0, 1]",
         "[run] steps = 0 must be at least 1",
         "[run] seed must be an integer, not 'x'",
-        "[figures] kind = 'pole' is not known",
+        "[figures] kind = 'pole' must be one of",
         "[target] sets 'poles', which model = \"fir\" does not read",
         "[controller] sets 'terms', which structure = \"iir\" does not read",
         "[saturation]: low = [1.] exceeds high = [-1.]",

@@ -20,7 +20,7 @@ def test_the_file_of_the_octave_log_says_what_the_numbered_example_says():
 
 
 def test_what_wants_a_run_names_the_door_that_needs_none():
-    with pytest.raises(InputError, match=r"no table \[run\].*'steps'.*check_arguments"):
+    with pytest.raises(InputError, match=r"the table \[run\].*'steps'.*check_arguments"):
         load_experiment(CASE)
 
 

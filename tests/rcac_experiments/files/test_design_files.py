@@ -70,12 +70,12 @@ def test_a_file_is_read_for_a_design(tmp_path):
 def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
     designed = rn.design("1/(q - 0.9)", disturbance=rn.Step(1.0), noise=0.1, **QUICK)
     monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
-    with pytest.raises(PrecisionError, match="does not read back"):
+    with pytest.raises(PrecisionError, match="cannot represent this design exactly"):
         design_toml(designed)
 
 
 def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
-    with pytest.raises(InputError, match="a file holds 2000 values"):
+    with pytest.raises(InputError, match="a file holds at most 2000 values"):
         files._signal(rn.Levels([0.0, 1.0], hold=900), 3000)
 
 

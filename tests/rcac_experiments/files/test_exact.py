@@ -94,7 +94,7 @@ def test_what_runs_nothing_says_so():
 def test_the_command_tells_claims_and_answers():
     result = CliRunner().invoke(main, ["verify", "B.3"])
     assert result.exit_code == 0
-    assert "Decided exactly" in result.stdout and "det M_1 = 216" in result.stdout
+    assert "Exact result" in result.stdout and "det M_1 = 216" in result.stdout
 
 
 CASE = {

@@ -59,7 +59,7 @@ def test_a_named_plant_may_change_its_gain_and_delay():
         ({"problem": "aircraft transition", "duration": 0}, "duration = 0"),
         (
             {"problem": "aircraft transition", "changes": [{"start": 4, "gain": 2}]},
-            "this plant changes by itself",
+            "this plant has its own changes",
         ),
     ],
 )

@@ -115,5 +115,5 @@ def test_the_input_of_a_model_from_data_is_said_and_why_not_another():
     with pytest.raises(InputError, match="fades as theta converges"):
         build(table, "case")
     table["target"]["input"] = "frozen u"
-    with pytest.raises(InputError, match=r"choose one of u, frozen u~.*Did you mean"):
+    with pytest.raises(InputError, match=r"must be one of u, frozen u~.*Did you mean"):
         build(table, "case")
