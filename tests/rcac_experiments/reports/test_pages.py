@@ -81,7 +81,7 @@ def test_the_headline_counts_sentences_and_none_of_ours(cases):
 
 def test_the_author_stands_first_and_a_case_of_ones_own_knows_none(gallery, cases):
     text = Page(gallery).text
-    assert text.index(WORK["author"]) < text.index("Sentences that the text states")
+    assert text.index(WORK["author"]) < text.index("Sentences of the text")
     ours = case_page(replace(cases[0], id="mine", source=""))
     assert "issertation" not in ours.split("<h2>Claims")[0] and WORK["author"] not in ours
 
