@@ -112,8 +112,8 @@ class Folder:
         except (Damaged, *NO_STUDY) as fault:
             raise StoreError(
                 f"{self.path} is damaged or no store of a study: its {STUDY} is invalid ({fault}). "
-                f"Nothing was changed. No run can be checked without {STUDY}; restore the file from "
-                "a copy, or run the study into another folder."
+                f"Nothing was changed. No run can be checked without {STUDY}; restore the file "
+                "from a copy, or run the study into another folder."
             ) from None
         except FileNotFoundError:
             others = [n for n in self.directory.names() if n != CHUNKS and not is_part(n)]

@@ -137,8 +137,8 @@ class Metric(Value):
         if others:
             extra: dict[str, object] = dict(others)
             raise InputError(
-                f"Metric has the parameters measure, name and arguments, not {', '.join(extra)}; write "
-                f"arguments of the measure as arguments={extra!r}."
+                f"Metric has the parameters measure, name and arguments, not {', '.join(extra)}; "
+                f"write arguments of the measure as arguments={extra!r}."
             )
         default_name = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
         set_ = object.__setattr__

