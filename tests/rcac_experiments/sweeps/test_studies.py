@@ -164,7 +164,7 @@ R = "axes.R_theta.sets = 'controller.R_theta'\naxes.R_theta."
     [
         ("repetitions = 0", r"\[study\] repetitions = 0 must be at least 1"),
         ("repetition = 2", "unknown key 'repetition' in \\[study\\]. Did you mean 'repetitions'"),
-        ("keep = [{ measure = 'rmss' }]", "'rmss' is not known.*Did you mean 'rms'"),
+        ("keep = [{ measure = 'rmss' }]", "'rmss' must be one of.*Did you mean 'rms'"),
         ("keep = [{ measure = 'rms', strat = 3 }]", "unknown key 'strat'.*Did you mean 'start'"),
         ("keep = [{ measure = 'rms' }, { measure = 'rms' }]", "two columns are called 'rms'"),
         ("keep = [{ measure = 'rms', name = 'run' }]", "a column cannot be called 'run'"),
@@ -233,7 +233,7 @@ def test_functions_must_be_found_by_workers():
 
 
 def test_keywords_in_the_wrong_place_are_told_the_right_one():
-    with pytest.raises(InputError, match=r"goes into arguments=\{'start': 200\}") as message:
+    with pytest.raises(InputError, match=r"as arguments=\{'start': 200\}") as message:
         Metric("rms", start=200)
     assert "not start" in str(message.value)
     assert Metric("rms", arguments={"start": 200}).arguments == {"start": 200}
