@@ -237,7 +237,7 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         (('"holds"', '"proved"'), "verdict = 'proved' must be one of"),
         (("r = { step = 1 }", "r = { sum = [] }"), "must be a list of signals"),
         (("[plant]", "[plant"), "is not valid TOML"),
-        (("steps = 400", "steps = 3"), "k_w = 4 is not before the end of the run of 3 steps"),
+        (("steps = 400", "steps = 3"), "k_w = 4 must be before the end of the run of 3 steps"),
         (("steps = 400", "steps = 100000000000"), "the limit is"),
     ],
 )
