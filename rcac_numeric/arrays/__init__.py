@@ -1,1 +1,1 @@
-"""What everything stands on: float64 arrays read and checked, equality by value, files, words."""
+"""Validation of float64 arrays, equality by value, files, text."""

@@ -1,4 +1,4 @@
-"""Whether signals that depend on each other within one step determine each other."""
+"""Well-posedness of algebraic loops."""
 
 from __future__ import annotations
 
@@ -14,5 +14,5 @@ def closes(feedback: Array, feedthrough: Array) -> bool:
         return True
     terms = 1.0 + np.max(np.abs(feedback) @ np.abs(feedthrough))
     rounding = (len(feedthrough) + 1) * len(loop) * np.finfo(float).eps * terms
-    # What is beyond float64 is for the caller to refuse.
+    # The caller refuses entries beyond float64.
     return not np.isfinite(terms) or bool(np.linalg.svd(loop, compute_uv=False)[-1] > rounding)

@@ -1,4 +1,4 @@
-"""The arrays of the numeric half, by name."""
+"""Array types of the numeric package."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from typing import Any
 
 import numpy as np
 
-# In full and not as NDArray, which no longer says from NumPy 2.5 on that it is an array.
+# Written out: from NumPy 2.5 on type checkers do not resolve NDArray to an array.
 Array = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
 ComplexArray = np.ndarray[tuple[Any, ...], np.dtype[np.complex128]]

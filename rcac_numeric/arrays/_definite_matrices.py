@@ -13,10 +13,12 @@ LARGEST = np.finfo(float).max
 
 
 def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:
-    """A symmetric weight, positive definite or semidefinite; a number means a multiple of I."""
+    """Return a symmetric positive (semi)definite weight; a number means a multiple of I."""
     array = real_array(value, name)
     multiple = float(array) if array.ndim == 0 else -1.0
-    if multiple > 1 / LARGEST or (multiple == 0 and not definite):  # no more is to be asked of it
+    if multiple > 1 / LARGEST or (
+        multiple == 0 and not definite
+    ):  # a nonnegative scalar needs no further check
         return real_array(multiple * np.eye(size), name)
     array = float(array) * np.eye(size) if array.ndim == 0 else matrix(array, name, (size, size))
     if not np.array_equal(array, array.T):
@@ -43,12 +45,12 @@ def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -
 
 
 def full_weight(weight: float | Array, size: int) -> Array:
-    """A weight that was checked before, as a matrix."""
+    """Return a checked weight as a full matrix."""
     return weight if isinstance(weight, np.ndarray) else weight * np.eye(size)
 
 
 def inverse(weight: Array) -> Array:
-    """The inverse of a positive definite weight, exactly diagonal where the weight is."""
+    """Return the inverse of a positive definite weight; exactly diagonal for a diagonal weight."""
     diagonal = np.diag(weight)
     if np.array_equal(weight, np.diag(diagonal)):
         return np.diag(1.0 / diagonal)
@@ -62,9 +64,9 @@ def _indefinite(name: str, eigenvalue: float) -> InputError:
 
 
 def _require_definite_in_float64(weight: Array, name: str) -> None:
-    """Raise where rounding decides whether the weight, or its inverse, is positive definite.
+    """Raise if the weight is singular to working precision.
 
-    Decided after scaling to a unit diagonal, which loses no digit: a graded weight such as
+    The test scales to a unit diagonal, which is exact: a graded weight such as
     diag(1, 1e-20) is far from singular.
     """
     scale = 1.0 / np.sqrt(np.diag(weight))
@@ -74,14 +76,14 @@ def _require_definite_in_float64(weight: Array, name: str) -> None:
         raise _indefinite(name, np.linalg.eigvalsh(weight).min())
     if smallest <= rounding:
         raise InputError(
-            f"{name} cannot be told from a singular matrix in float64: scaled to a unit diagonal "
+            f"{name} is singular to working precision in float64: scaled to a unit diagonal "
             f"its smallest eigenvalue is {smallest:.1e}. Use a better conditioned one, such as "
             f"{name} plus a small multiple of the identity."
         )
 
 
 def square_root_columns(weight: Array) -> Array:
-    """Columns a_1, a_2, ... with weight = sum a_i a_i'; one column for each unit of rank."""
+    """Return columns a_1, a_2, ... with weight = sum a_i a_i', one for each unit of rank."""
     diagonal = np.diag(weight)
     if np.array_equal(weight, np.diag(diagonal)):
         columns = np.diag(np.sqrt(diagonal))

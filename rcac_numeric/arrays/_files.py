@@ -1,4 +1,4 @@
-"""Files that are replaced as a whole or not at all."""
+"""Atomic replacement of files, and limits of reading."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if sys.platform != "win32":
     import fcntl
 
 FLAGS = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
-MARK = "rcac-"  # in the name of what is being written; nobody else's hidden file has it
+MARK = "rcac-"  # mark in the name of a temporary file, so that other hidden files are left alone
 
 MOST_BYTES = 2**28  # of a file that is read: a million steps of thirty signals as float64
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A new file beside `path` to write into, which takes its place when the block ends well.
+    """Yield a temporary file that replaces `path` when the block ends without an error.
 
     Whatever happens in between, a full disk, an exception or a kill, the file that was there
     stays whole. What is no ordinary file, such as a pipe, is written to as it is.
@@ -33,7 +33,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     ``.STEM.rcac-XXXXXXXX.SUFFIX``. The next one that writes the same file does, if nobody holds
     the lock on it any more, which the system releases when a process ends.
     """
-    target = Path(os.path.realpath(path))  # a link stays one, and what it points to is replaced
+    target = Path(os.path.realpath(path))  # a link stays a link; its target is replaced
     try:
         if target.exists() and not target.is_file():
             yield target
@@ -51,14 +51,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
             if handle is not None:
                 os.close(handle)
     except OSError as error:
-        # What a writer had open in them may be a view of a buffer inside a loop of references, and
-        # the collector of Python 3.12.1 dies of that (python/cpython issue 111049).
+        # A reference cycle of the writer may hold a buffer view, and the garbage collector of
+        # Python 3.12.1 crashes on it (python/cpython issue 111049).
         traceback.clear_frames(error.__traceback__)
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
 
 
 def member(folder: str | Path, name: str) -> Path:
-    """The path of a file that is to be written into a folder under a name of ours.
+    """Return the path of an output file in a folder; links and devices are refused.
 
     The folder is the caller's, and may be a link. What stands in it may come from others: a link,
     a pipe or a device under such a name is refused, since it would lead out of the folder.
@@ -92,9 +92,9 @@ def _prefix(target: Path) -> str:
 
 
 def _created(target: Path, mode: int) -> tuple[int, str]:
-    """A new file beside `target`; the system takes the umask off `mode`, which nobody here asks."""
+    """Create a temporary file beside `target`; the system applies the umask to `mode`."""
     while True:
-        # The suffix stays: writers of pictures and arrays choose their format by it.
+        # The suffix stays: writers of figures and arrays choose the format by the suffix.
         name = os.path.abspath(
             target.with_name(f"{_prefix(target)}{secrets.token_hex(4)}{target.suffix}")
         )
@@ -103,15 +103,17 @@ def _created(target: Path, mode: int) -> tuple[int, str]:
 
 
 def _locked(target: Path, mode: int) -> tuple[int | None, str]:
-    """A new file beside `target`, and the lock on it, which ends with this process."""
+    """Create a temporary file beside `target` with a lock that ends with the process."""
     while True:
         handle, name = _created(target, mode)
-        if sys.platform == "win32":  # an open file cannot be renamed there
+        if sys.platform == "win32":  # Windows cannot rename an open file
             os.close(handle)
             return None, name
         try:
             _lock(handle)
-        except BlockingIOError:  # somebody took it for abandoned, in the moment before the lock
+        except (
+            BlockingIOError
+        ):  # another process removed the file as abandoned before the lock was taken
             os.close(handle)
             continue
         if os.path.exists(name):
@@ -120,7 +122,7 @@ def _locked(target: Path, mode: int) -> tuple[int | None, str]:
 
 
 def _lock(handle: int) -> bool:
-    """Whether this process holds the lock now; some file systems have none."""
+    """Lock the file and return whether that succeeded; some file systems have no locks."""
     if sys.platform == "win32":
         return False
     try:
@@ -133,7 +135,7 @@ def _lock(handle: int) -> bool:
 
 
 def _remove_abandoned(target: Path) -> None:
-    """Remove what a killed process was writing in place of `target`."""
+    """Remove temporary files of killed processes beside `target`."""
     if sys.platform == "win32":
         return
     prefix = _prefix(target)
@@ -152,7 +154,7 @@ def _remove_abandoned(target: Path) -> None:
 
 
 def _settle(name: str, mode: int | None) -> None:
-    """On disk before it is renamed, so that a loss of power leaves one of the two files."""
+    """Flush the file to disk before the rename, so that one version survives a power loss."""
     if mode is not None:
         os.chmod(name, mode)
     with open(name, "rb") as written:
@@ -160,7 +162,7 @@ def _settle(name: str, mode: int | None) -> None:
 
 
 def require_readable(file: Path) -> None:
-    """Refuse what is no ordinary file, such as a device that never ends, and what is too large."""
+    """Refuse devices, pipes and files that are too large."""
     try:
         size = file.stat().st_size
     except ValueError as error:  # a null character in the path

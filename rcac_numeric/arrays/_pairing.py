@@ -1,4 +1,4 @@
-"""Which of two sets of numbers belong together."""
+"""One-to-one matching of two sets of poles."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from rcac_numeric.arrays._array_types import Array, ComplexArray
 
 
 def pairing(targets: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
-    """Assign to each wanted pole one available pole with the least total distance."""
+    """Assign one available pole to each target pole with the least total distance."""
     distances = np.abs(targets[:, None] - available[None, :])
     rows, columns = np.arange(len(targets)), _nearest(distances)
     if columns is None:
-        from scipy.optimize import linear_sum_assignment  # a sixth of a second
+        from scipy.optimize import linear_sum_assignment  # imported here: it takes 0.17 s
 
         rows, columns = linear_sum_assignment(distances)
     return [
@@ -21,7 +21,7 @@ def pairing(targets: ComplexArray, available: ComplexArray) -> list[tuple[comple
 
 
 def _nearest(distances: Array) -> np.ndarray | None:
-    """The nearest of each, which is the one best assignment if no two share it and none is tied."""
+    """Return the nearest-neighbour assignment; optimal if it is one-to-one without ties."""
     if distances.shape[1] < 2 or not np.isfinite(distances).all():
         return None
     nearest = distances.argmin(axis=1)

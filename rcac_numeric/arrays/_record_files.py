@@ -1,4 +1,4 @@
-"""Records in .npz files: no pickle, a checksum, and replaced as a whole or not at all."""
+"""Records in .npz files: without pickle, with a checksum, replaced atomically."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ VERSION = 1
 
 
 def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records: Records) -> None:
-    """Write parts by name: arrays under their own names, and everything else as a tree.
+    """Write a record: arrays under their names, everything else as a tree.
 
-    A part that is made of functions is kept by its fingerprint alone.
+    Functions are stored as a fingerprint only.
     """
     if Path(path).suffix.lower() != ".npz":
         raise InputError(f"{path}: the name of a saved {kind} must end in .npz.")
@@ -55,7 +55,7 @@ def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records:
 def _require_readable_again(
     path: str | Path, kind: str, text: str, arrays: Mapping[str, Array]
 ) -> None:
-    """Refuse to write what the budget of reading has no room for."""
+    """Refuse to write a record that exceeds the limits of reading."""
     try:
         parsed_json(text)
     except ValueError as error:
@@ -70,7 +70,7 @@ def _require_readable_again(
 
 
 def is_record(path: str | Path) -> bool:
-    """Whether a file is an archive with a record in it, damaged or not; nothing of it is read."""
+    """Whether a file is an archive with a record; its content is not read or checked."""
     try:
         require_readable(Path(path))
         return KEY in names_in(Path(path))
@@ -81,7 +81,7 @@ def is_record(path: str | Path) -> bool:
 def read_record(
     path: str | Path, kind: str, records: Records, expected: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The parts that `write_record` wrote; those in `given` stand for what was left out."""
+    """Read the parts that `write_record` wrote; `expected` supplies the functions."""
     try:
         arrays = read_npz(Path(path))
     except OSError as error:
@@ -105,7 +105,7 @@ def read_record(
         raise (error if error.source else _of(path, ": ", *error.args)) from None
     except KeyError as error:
         raise InputError(f"{path} holds no saved {kind}: it has no {error}.") from None
-    # The constructors are those of the packages, and what is handed to them is anything at all.
+    # The file may hold anything: the constructors of the packages refuse it with any error.
     except Exception as error:
         words = shortened(str(error) or type(error).__name__, 200)
         raise InputError(f"{path} holds no {kind} that this version can read: {words}.") from None
@@ -138,7 +138,7 @@ def _part(
 
 
 def _of(path: str | Path, *parts: str | Advice) -> InputError:
-    """An error whose message begins with the name of the file."""
+    """Return an error whose message begins with the file name."""
     return InputError(str(path), *parts).of(str(path))
 
 

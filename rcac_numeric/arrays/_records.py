@@ -1,4 +1,4 @@
-"""Data as plain trees and arrays: what a file holds without pickle, bit for bit."""
+"""Data as JSON trees and arrays: exact serialisation without pickle."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import equal, field_names, is_record
 
 PLAIN = (str, bool, int, type(None))
-LEFT_OUT = ("certificate",)  # of a conversion: evidence, which no comparison reads
+LEFT_OUT = ("certificate",)  # certificate of a conversion: not part of comparisons
 FORMS = frozenset(
     frozenset(form.split())
     for form in (
@@ -32,13 +32,13 @@ _NAME = re.compile(r"[^\W\d]\w{0,30}")
 
 
 class Records:
-    """Writes data of the classes that it names as a tree of JSON and named arrays, and reads it."""
+    """Serialiser of listed classes to a JSON tree and named arrays."""
 
     def __init__(self, *classes: type) -> None:
         self._classes = {one.__name__: one for one in classes}
 
     def tree(self, value: Any, arrays: dict[str, Array]) -> Any:
-        """The data as a tree; arrays are put into `arrays`."""
+        """Return the data as a tree; arrays are added to `arrays`."""
         tree = self._tree(value, arrays)
         if not equal(self.value(tree, arrays), value):
             raise InputError(f"{type(value).__name__} cannot be written exactly.")
@@ -70,12 +70,12 @@ class Records:
             return {"class": name, "fields": parts}
         if name in ("Poly", "ImmutableDenseMatrix", "RationalMatrix", "Symbol"):
             return _symbolic(value)
-        if getattr(value, "is_Rational", False):  # a sample time of the exact half
+        if getattr(value, "is_Rational", False):  # a sample time of the exact package
             return {"number": str(value)}
         raise InputError(f"{name} {value!r:.80} cannot be written into a file without pickle.")
 
     def value(self, tree: Any, arrays: Mapping[str, Array]) -> Any:
-        """What `tree` was made of; every object has fields of the types that its class declares."""
+        """Rebuild the data from `tree`; fields must have the types that their class declares."""
         if type(tree) in PLAIN:
             return tree
         if not isinstance(tree, dict) or frozenset(tree) not in FORMS:
@@ -109,14 +109,14 @@ class Records:
         if name in _exact():
             return _exact()[name](**parts)
         if name not in self._classes:
-            raise ValueError(f"a {name[:60]!r} is nothing that belongs here")
+            raise ValueError(f"a {name[:60]!r} is not an allowed class")
         record = self._classes[name](**parts)
         require_declared(record)
         return record
 
 
 def require_declared(record: Any) -> None:
-    """Raise TypeError where a field of a dataclass is not of the type that the class declares."""
+    """Raise TypeError if a field of a dataclass does not have its declared type."""
     for name, hint in _declared(record.__class__).items():
         if not _is_of(getattr(record, name), hint):
             kind = type(getattr(record, name)).__name__
@@ -130,7 +130,7 @@ def _declared(cls: type[Any]) -> dict[str, Any]:
 
 
 def _is_of(value: Any, hint: Any) -> bool:
-    """Whether a value is what an annotation of our classes says; a protocol is left to others."""
+    """Whether a value matches an annotation of our classes; protocols are not checked."""
     origin, inner = get_origin(hint), get_args(hint)
     if hint is Any or getattr(hint, "_is_protocol", False):
         return True
@@ -176,13 +176,13 @@ def _name(text: str) -> str:
 
 @cache
 def _exact() -> dict[str, type]:
-    """Classes of the exact half, whose constructors read exact numbers; imported when needed."""
+    """Return the exact classes by name, imported on first use."""
     classes = (exact.StandardProblem, exact.TransferFunction, exact.TransferMatrix)
     return {one.__name__: one for one in classes}
 
 
 def _symbolic(value: Any) -> Any:
-    """A polynomial, matrix or symbol of the exact half, by its numbers as text."""
+    """Rebuild a polynomial, matrix or symbol of the exact package from its numbers as text."""
     name = type(value).__name__
     if name == "Symbol":
         return {"symbol": str(value)}

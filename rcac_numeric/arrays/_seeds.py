@@ -1,3 +1,3 @@
-"""The seeds on which results are judged."""
+"""Random seeds of the test runs."""
 
-JUDGING = 1_000_000  # the first seed that no setting and no bound was chosen by
+JUDGING = 1_000_000  # first test seed: no setting and no bound was tuned with it

@@ -1,4 +1,4 @@
-"""How a result shows itself: its sheet in words, and on a notebook's page.
+"""Text and notebook views of a result.
 
 A method `plot` or `_sheet` imports what shows the result when it is asked, so that a result loads
 neither Matplotlib nor templates: with the two functions below the only imports that go upwards.
@@ -13,14 +13,14 @@ from compensator_theory import figures
 
 
 def report_of(sheet: Any) -> str:
-    """A report in words and numbers."""
+    """Return the report as text."""
     from rcac_numeric.reports._terminal import as_text
 
     return as_text(sheet)
 
 
 def notebook_of(sheet: Any, draw: Callable[[], figures.Figure] | None = None) -> str:
-    """What a notebook shows of a result: its report and, where it has one, its picture."""
+    """Return the notebook view: the report and, if there is one, the figure."""
     from rcac_numeric.reports._displays import notebook_html
 
     return notebook_html(sheet, draw)

@@ -1,4 +1,4 @@
-"""Files of others: sizes, shapes, types, depth and digits are asked before anything is built.
+"""Readers of untrusted files: sizes, shapes, types, depth and digits are checked first.
 
 Every reader of arrays and of JSON that somebody else may have written goes through here, with one
 limit. A checksum finds damage; it says nothing about who wrote a file.
@@ -29,20 +29,23 @@ MOST_PARTS = 2**16  # entries of lists and tables in JSON
 DEEPEST = 60  # of JSON
 LONGEST_NUMBER = 30  # digits of an integer in JSON
 
-_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others let a file choose its memory
+_PACKED = (
+    zipfile.ZIP_STORED,
+    zipfile.ZIP_DEFLATED,
+)  # other compression methods allow a file to request any amount of memory
 _JSON = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"?|[\[{]|[\]}]|,|[0-9]+', re.DOTALL)
 
 
 class ReadingLimit:
-    """What is left of the numbers that one file may hold."""
+    """Remaining budget of numbers for one file."""
 
     def __init__(self, file: Path) -> None:
         self.file, self.left = file, MOST_NUMBERS
 
     def take(self, shape: Iterable[int]) -> int:
-        """The number of entries of a shape, which must fit into what is left."""
+        """Return the number of entries of a shape and subtract it from the budget."""
         sizes = list(shape)
-        # Who counts the rows of an empty array counts to their number all the same.
+        # The rows of an empty array cost time too, so they count.
         if math.prod(max(size, 1) for size in sizes) > self.left:
             raise InputError(f"{self.file} holds more than {MOST_NUMBERS} numbers; cut it.")
         count = math.prod(sizes)
@@ -51,7 +54,7 @@ class ReadingLimit:
 
 
 def read_npz(file: Path) -> dict[str, np.ndarray]:
-    """The arrays of numbers and texts in an archive, by name."""
+    """Read the arrays of numbers and texts of an archive, by name."""
     require_readable(file)
     limit, arrays = ReadingLimit(file), {}
     with file.open("rb") as opened:
@@ -73,13 +76,13 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
                         arrays[name] = _array(stream)
         except InputError:
             raise
-        except Exception as error:  # zipfile, its decompressors and NumPy each have their own
+        except Exception as error:  # zipfile, its decompressors and NumPy raise different errors
             raise _unreadable(file, "an .npz file of numbers", error) from None
     return arrays
 
 
 def names_in(file: Path) -> list[str]:
-    """The names of the arrays in an archive, of which nothing else is read."""
+    """Return the names of the arrays in an archive without reading the arrays."""
     with file.open("rb") as opened:
         try:
             with zipfile.ZipFile(_Listing(opened)) as archive:
@@ -89,7 +92,7 @@ def names_in(file: Path) -> list[str]:
 
 
 def read_npy(file: Path) -> np.ndarray:
-    """The array of a file."""
+    """Read the array of a .npy file."""
     require_readable(file)
     with file.open("rb") as stream:
         try:
@@ -103,7 +106,7 @@ def read_npy(file: Path) -> np.ndarray:
 
 
 def parsed_json(text: str) -> Any:
-    """What a text of JSON holds, at most `MOST_PARTS` parts in `DEEPEST` levels."""
+    """Parse JSON text with at most `MOST_PARTS` parts and `DEEPEST` levels."""
     depth = parts = 0
     for token in _JSON.finditer(text):
         first = text[token.start()]
@@ -124,7 +127,7 @@ def parsed_json(text: str) -> Any:
 
 
 class _Listing:
-    """A file from which zipfile reads no longer table of contents than there may be."""
+    """File wrapper that limits the size of the ZIP table of contents."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file, self.is_listed = file, False

@@ -1,4 +1,4 @@
-"""Turning what a user passes into float64 arrays of a known shape, or saying what is wrong."""
+"""Validation: convert arguments to float64 arrays of a known shape, or raise InputError."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._wording import shortened
 
 MOST_STATES = 1000
-LARGEST_SQUARED = 1e140  # its square, times any number of rows, is within float64
-# What a kernel may read by itself; of other types, such as masked arrays, an array is made first.
+LARGEST_SQUARED = 1e140  # its square times any number of rows stays within float64
+# Types that the kernel reads directly; others, such as masked arrays, are converted first.
 PLAIN = frozenset({float, int, np.float64, np.ndarray, list, tuple, type(None)})
 
 
 def reads(check: Callable[..., Any], *, optional: bool = False, **options: Any) -> dict[str, Any]:
-    """Metadata of an attrs field: it keeps what `check(value, name, ...)` makes of what is given.
+    """Return attrs metadata with the converter check(value, name, ...).
 
-    With `optional` None stays None. The class is made with `field_transformer=with_checks`.
+    With `optional` None stays None. The class needs `field_transformer=with_checks`.
     """
 
     def converted(value: Any, field: attrs.Attribute[Any]) -> Any:
@@ -38,39 +38,39 @@ def reads(check: Callable[..., Any], *, optional: bool = False, **options: Any) 
 def with_checks(
     cls: type[Any], fields: Sequence[attrs.Attribute[Any]]
 ) -> list[attrs.Attribute[Any]]:
-    """The fields of an attrs class, each with the check of its metadata as its converter."""
+    """Return the fields of an attrs class with the checks of their metadata as converters."""
     return [f.evolve(converter=f.metadata.get("reads", f.converter)) for f in fields]
 
 
 def array_like(value: ArrayLike) -> Array:
-    """What a field takes whose check makes an array of it; for type checkers."""
+    """Typing stub: argument type of an array field."""
     return cast(Array, value)
 
 
 def optional_array_like(value: ArrayLike | None) -> Array:
-    """The same of a field that may be None, to stay so or until its default is known."""
+    """Typing stub: argument type of an array field that may be None."""
     return cast(Array, value)
 
 
 def optional_number(value: float | None) -> float:
-    """The same of a number."""
+    """Typing stub: argument type of a number field that may be None."""
     return cast(float, value)
 
 
 def optional_integer(value: int | None) -> int:
-    """The same of an integer."""
+    """Typing stub: argument type of an integer field that may be None."""
     return cast(int, value)
 
 
 def _shown(value: object) -> str:
-    """What was given, in a line of a message."""
+    """Return the repr of an argument, shortened for a message."""
     return shortened(repr(value), 60)
 
 
 def real_array(value: ArrayLike, name: str) -> Array:
-    """`value` as a new read-only C-contiguous float64 array with finite entries.
+    """Return a read-only C-contiguous float64 copy with finite entries.
 
-    A copy, so that what has been checked cannot be changed from outside.
+    The copy protects the checked entries from later changes by the caller.
     """
     array = float_array(value, name)
     array.setflags(write=False)
@@ -84,8 +84,8 @@ def real_array(value: ArrayLike, name: str) -> Array:
 
 
 def float_array(value: ArrayLike, name: str) -> Array:
-    """`value` as a new C-contiguous float64 array, whose entries may be infinite or NaN."""
-    if type(value) is np.ndarray and value.dtype == np.float64:  # as most that are asked for
+    """Return a C-contiguous float64 copy; entries may be infinite or NaN."""
+    if type(value) is np.ndarray and value.dtype == np.float64:  # the common case
         return np.array(value, order="C")
     try:
         if has_mask(value):
@@ -101,14 +101,14 @@ def float_array(value: ArrayLike, name: str) -> Array:
 
 
 def has_mask(value: object) -> bool:
-    """Whether a masked array of NumPy with a masked entry is, or is inside, what is given."""
+    """Whether a value is or contains a NumPy masked array with a masked entry."""
     if isinstance(value, list | tuple):
         return any(map(has_mask, value))
     return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
 def gaps_as_nan(value: Any) -> Any:
-    """A masked array of NumPy with NaN where it is masked; anything else as it is."""
+    """Replace masked entries of a NumPy masked array by NaN; return anything else unchanged."""
     if isinstance(value, list | tuple) and has_mask(value):
         return [gaps_as_nan(entry) for entry in value]
     is_numeric = isinstance(value, np.ma.MaskedArray) and value.dtype.kind in "iuf"
@@ -116,18 +116,19 @@ def gaps_as_nan(value: Any) -> Any:
 
 
 def squarable(array: Array, name: str) -> Array:
-    """The array, if sums of squares of its entries are within float64."""
+    """Return the array, or raise InputError if sums of squares overflow float64."""
     largest = float(np.abs(array).max(initial=0.0))
     if largest and not 1 / LARGEST_SQUARED < largest < LARGEST_SQUARED:
         raise InputError(
-            f"the largest entry of {name} is {largest:.3g} in size, and its square leaves float64. "
+            f"the largest entry of {name} is {largest:.3g} in size, and its square overflows "
+            f"float64. "
             f"Write {name} in another unit."
         )
     return array
 
 
 def rounded(entries: Sequence[Any], name: str) -> Array:
-    """Exact numbers, each rounded once to float64; the one way out of the exact half."""
+    """Round exact numbers to float64, each once."""
     for entry in entries:
         if not getattr(entry, "is_number", True):
             raise InputError(
@@ -136,7 +137,7 @@ def rounded(entries: Sequence[Any], name: str) -> Array:
         if getattr(entry, "is_rational", True) is not True:
             raise InputError(
                 f"{name} contains the irrational number {entry}; write it as a decimal, so that "
-                "the exact comparison knows what was meant."
+                f"the exact comparison has an exact value."
             )
     try:
         return real_array([float(entry) for entry in entries], name)
@@ -145,7 +146,7 @@ def rounded(entries: Sequence[Any], name: str) -> Array:
 
 
 def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) -> Array:
-    """`value` as a matrix of `shape`, in which None leaves a dimension free.
+    """Return a matrix of `shape`; None leaves a dimension free.
 
     A scalar stands for a 1 x 1 matrix, and a flat array for the column of size x any or the row of
     any x size, as B and C have them; nothing else is reshaped.
@@ -165,7 +166,7 @@ def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) ->
 
 
 def vector(value: ArrayLike, name: str, size: int) -> Array:
-    """`value` as a 1-D array of `size` entries; a number where one is enough."""
+    """Return a 1-D array of `size` entries; a number is accepted for one entry."""
     array = real_array(value, name).reshape(-1)
     if array.size != size:
         raise InputError(f"{name} has {array.size} entries where {size} are needed.")
@@ -179,9 +180,9 @@ def signal_array(
     steps: int | None = None,
     blocks: Mapping[str, int] | None = None,
 ) -> Array:
-    """`value` as an array of shape (steps, width); a 1-D array is a scalar signal.
+    """Return a signal as an array of shape (steps, width); a 1-D array is a scalar signal.
 
-    An error names the blocks of columns, with their widths.
+    The error message names the blocks of columns with their widths.
     """
     array = real_array(value, name)
     if array.ndim == 1 and width == 1:
@@ -199,14 +200,14 @@ def signal_array(
 
 
 def _all_real(values: NDArray[Any]) -> bool:
-    """Whether an array of objects holds real numbers only, such as fractions."""
+    """Whether an object array holds only real numbers, such as fractions."""
     return values.dtype.kind == "O" and all(
         isinstance(v, Real) and not isinstance(v, bool) for v in values.ravel()
     )
 
 
 def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
-    """The entries of a list or another iterable, each of them a `kind`."""
+    """Return the entries of an iterable; each must be an instance of `kind`."""
     try:
         iterator = iter(value)
     except TypeError:
@@ -218,7 +219,7 @@ def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
 
 
 def instance_of(value: Any, name: str, kind: type | UnionType) -> Any:
-    """`value` if it is a `kind`."""
+    """Return `value` if it is an instance of `kind`, else raise InputError."""
     if not isinstance(value, kind):
         kinds = kind.__args__ if isinstance(kind, UnionType) else (kind,)
         needed = " or ".join(k.__name__ for k in kinds)
@@ -227,7 +228,7 @@ def instance_of(value: Any, name: str, kind: type | UnionType) -> Any:
 
 
 def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -> int:
-    """`value` as an int in a range; booleans and fractions are refused."""
+    """Return an int in a range; booleans and fractions are refused."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise InputError(f"{name} must be an integer, not {_shown(value)}.")
     if value < at_least:
@@ -238,21 +239,21 @@ def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -
 
 
 def number(value: object, name: str) -> float:
-    """`value` as a finite float."""
+    """Return a finite float."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{name} must be a real number, not {_shown(value)}.")
     return float(real_array(value, name))  # type: ignore[arg-type]
 
 
 def positive_time(value: object, name: str) -> float:
-    """`value` as a positive number of seconds."""
+    """Return a positive time in seconds."""
     if not (period := number(value, name)) > 0:
         raise InputError(f"{name} = {value} must be positive, in seconds.")
     return period
 
 
 def complex_number(value: object, name: str) -> complex:
-    """`value`, a number or a text, as a finite complex number of float64."""
+    """Return a number or a text as a finite complex float64 number."""
     read = exact.exact_number(value)
     if not read.is_number:
         raise InputError(f"{name} = {value} contains symbols; give a number.")
@@ -263,7 +264,7 @@ def complex_number(value: object, name: str) -> complex:
 
 
 def one_of(value: str, name: str, choices: Sequence[str]) -> str:
-    """`value` if it is among `choices`."""
+    """Return `value` if it is one of `choices`, else raise InputError."""
     if value not in choices:
         raise InputError(
             f"{name} = {_shown(value)} is not known; choose one of {', '.join(choices)}."
@@ -272,7 +273,7 @@ def one_of(value: str, name: str, choices: Sequence[str]) -> str:
 
 
 def require_dense(order: int, subject: str) -> int:
-    """The order of a realisation, if it is one that full matrices are filled for."""
+    """Return the order of a realisation, or raise BudgetError if full matrices are too large."""
     if order > MOST_STATES:
         raise BudgetError(
             f"{subject} has {order} states; poles, margins and responses are computed for at most "
@@ -282,7 +283,7 @@ def require_dense(order: int, subject: str) -> int:
 
 
 def by_step(changes: object, name: str) -> dict[int, Any]:
-    """A mapping from steps to values, sorted by step."""
+    """Return a mapping from steps to values, sorted by step."""
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):

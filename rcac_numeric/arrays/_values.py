@@ -1,4 +1,4 @@
-"""Data by what they hold: equality, a short name that equal data share, and how they are shown."""
+"""Data classes with arrays: equality by value, fingerprints, reprs."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from rcac_numeric.arrays._wording import shortened
 
 T = TypeVar("T")
 
-MOST = 9  # entries of an array that is written out
-WIDTH = 90  # characters of a field
+MOST = 9  # longest array that a repr writes out, in entries
+WIDTH = 90  # longest field in a repr, in characters
 
 
 class Value:
-    """A base for data classes with arrays in them: equal where all that they hold is equal.
+    """Base class of data classes with arrays: equality by value.
 
-    Two arrays are equal where shape, type and every entry are; not a number equals itself, as it
+    Arrays are equal if shape, type and every entry are; NaN equals NaN, as it
     must for a result to equal its own copy.
     """
 
@@ -42,23 +42,23 @@ class Value:
         return text if len(text) <= WIDTH and "\n" not in text else overview(self)
 
     def _latex(self, printer: object = None) -> str:
-        """Answer SymPy's `latex` with what a notebook shows."""
+        """Return the notebook formula for SymPy's `latex`."""
         from compensator_theory._latex import latex
 
         return latex(self)
 
     def _repr_html_(self) -> str | None:
-        if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
+        if hasattr(self, "_repr_latex_"):  # a notebook prefers HTML to LaTeX
             return None
         return html_table(type(self).__name__, _rows(self, depth=1))
 
 
 class Result(Value, Truth):
-    """What a function answers: only a yes or a no has a truth value, and that is its own."""
+    """Base class of results; only a yes or no result has a truth value."""
 
 
 class ShowsState:
-    """What works on from step to step, shown by where it stands: the attributes in `SHOWN`."""
+    """Base class of objects with a state; the repr shows the attributes in `SHOWN`."""
 
     SHOWN: ClassVar[tuple[str, ...]] = ()
 
@@ -72,7 +72,7 @@ class ShowsState:
 
 
 def equal(a: Any, b: Any) -> bool:
-    """Whether two pieces of data hold the same, arrays entry by entry."""
+    """Whether two values are equal, arrays entry by entry."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return (
             isinstance(a, np.ndarray)
@@ -90,9 +90,9 @@ def equal(a: Any, b: Any) -> bool:
 
 
 def fingerprint(value: Any) -> str:
-    """The first 16 hexadecimal digits of the SHA-256 of everything that `value` holds.
+    """Return the first 16 hexadecimal digits of the SHA-256 of a value.
 
-    The same on every machine. Functions count by their name: their code cannot be compared.
+    The digits are the same on every machine. Functions enter by name, not by code.
     """
     digest = hashlib.sha256()
     for piece in _pieces(value):
@@ -101,12 +101,12 @@ def fingerprint(value: Any) -> str:
 
 
 def is_record(value: object) -> bool:
-    """Whether something is an instance of a class of fields, attrs' or a dataclass."""
+    """Whether a value is an instance of an attrs class or a dataclass."""
     return not isinstance(value, type) and (attrs.has(type(value)) or is_dataclass(value))
 
 
 def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False) -> list[str]:
-    """The names of a class's fields; those that are compared, or that its constructor takes."""
+    """Return the field names of a class: the compared ones, or those of the constructor."""
     if attrs.has(cls):
         every = [(f.name, bool(f.eq), f.init) for f in attrs.fields(cls)]
     else:
@@ -115,7 +115,7 @@ def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False
 
 
 def replaced(value: T, **changes: Any) -> T:
-    """The same with some fields changed, checked like any other."""
+    """Return a copy with some fields replaced and checked."""
     if attrs.has(type(value)):
         copy: T = attrs.evolve(value, **changes)  # type: ignore[misc]
         return copy
@@ -123,7 +123,7 @@ def replaced(value: T, **changes: Any) -> T:
 
 
 def overview(value: Any, depth: int = 1) -> str:
-    """The class and its fields, one in a line: large arrays by size and range, None left out."""
+    """Return the class and its fields, one a line; large arrays by size and range, without None."""
     rows = _rows(value, depth)
     width = max((len(name) for name, _ in rows), default=0)
     lines = [
@@ -134,7 +134,7 @@ def overview(value: Any, depth: int = 1) -> str:
 
 
 def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
-    """Names and texts as a notebook shows them, all characters escaped."""
+    """Return names and texts as an escaped HTML table."""
     cells = "".join(
         f"<tr><th style='text-align:left'>{escape(name)}</th>"
         f"<td style='text-align:left'><pre style='margin:0'>{escape(text)}</pre></td></tr>"
@@ -150,7 +150,7 @@ def _rows(value: Any, depth: int) -> list[tuple[str, str]]:
 
 
 def _shown(part: Any, depth: int) -> str:
-    """A few words; empty where there is nothing to show."""
+    """Return a short text for a field; empty for None."""
     if part is None:
         return ""
     if isinstance(part, np.ndarray):
@@ -175,12 +175,12 @@ def _shown(part: Any, depth: int) -> str:
 
 
 def _words(text: str) -> str:
-    """A text, perhaps a stranger's: in a line, its control characters written out."""
+    """Return an untrusted text on one line with its control characters escaped."""
     return shortened(in_a_line(" ".join(text.split())), WIDTH)
 
 
 def shown_array(part: np.ndarray) -> str:
-    """An array in a few words: its entries, or its shape and range where there are many."""
+    """Return an array as text: its entries, or shape and range if there are many."""
     if not part.size:
         return ""
     if part.size <= MOST:
@@ -205,16 +205,16 @@ def _pieces(value: Any) -> list[bytes]:
         kind = "<c16" if value.dtype.kind == "c" else "<f8"
         return [str(value.shape).encode(), np.ascontiguousarray(value, dtype=kind).tobytes()]
     if is_record(value):
-        if not isinstance(value, Value):  # without an array in it, so that its repr says it all
+        if not isinstance(value, Value):  # without an array, so that the repr identifies the value
             return [repr(value).encode()]
         return [
             type(value).__name__.encode(),
-            # The exact form of a float64 object changes nothing of what it does.
+            # The exact form of a float64 object does not change its behaviour.
             *(p for k, v in _contents(value).items() if k != "exact" for p in _pieces(v)),
         ]
     if isinstance(value, Mapping):
         return [b"map", *(p for item in value.items() for part in item for p in _pieces(part))]
-    if type(value).__name__ == "LowLevelCallable":  # a tuple with an address in it
+    if type(value).__name__ == "LowLevelCallable":  # a tuple that contains a memory address
         name = getattr(value.function, "__name__", type(value.function).__name__)
         return [b"compiled", name.encode(), value.signature.encode()]
     if isinstance(value, list | tuple):

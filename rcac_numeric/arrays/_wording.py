@@ -1,4 +1,4 @@
-"""Words of others in our messages: never longer than can be read, never a command to a terminal."""
+"""Quote untrusted text in messages: limited length, escaped control characters; LaTeX."""
 
 from __future__ import annotations
 
@@ -19,15 +19,22 @@ __all__ = [
     "sum_latex",
 ]
 
-# Where a spreadsheet may begin a new cell inside a text: its separators in other countries.
+# Separators at which spreadsheets of some locales begin a new cell inside a text.
 SEPARATOR = re.compile(r"([;|\t])")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 FORMULA = "=+-@\N{MINUS SIGN}"
-UNSEEN = ("Cc", "Cf", "Mn", "Zl", "Zp", "Zs")  # categories of characters that may be passed over
+UNSEEN = (
+    "Cc",
+    "Cf",
+    "Mn",
+    "Zl",
+    "Zp",
+    "Zs",
+)  # Unicode categories that a spreadsheet skips
 
 
 def shortened(text: str, at_most: int = 400) -> str:
-    """The text, or its beginning and end where it is longer than `at_most`."""
+    """Return the text, cut in the middle beyond `at_most`, with control characters escaped."""
     if len(text) <= at_most:
         return text
     cut = f" ... [{len(text)} characters] ... "
@@ -37,7 +44,7 @@ def shortened(text: str, at_most: int = 400) -> str:
 
 
 def spreadsheet_text(text: str) -> str:
-    """The text as a cell of a table that a spreadsheet may open: never a formula.
+    """Return the text as a spreadsheet cell that cannot be a formula.
 
     Control characters and ends of lines are written out. What begins with =, +, - or @ in any
     width, spaces, quotes and what is not seen passed over, gets an apostrophe in front of that
@@ -60,20 +67,20 @@ def _no_formula(cell: str) -> str:
 
 
 def matrix_latex(rows: Iterable[Iterable[float]], digits: int = 4) -> str:
-    r"""A matrix of numbers in LaTeX, each with a few digits."""
+    r"""Return a matrix of numbers in LaTeX, each with a few digits."""
     lines = (" & ".join(number_latex(value, digits) for value in row) for row in rows)
     body = r" \\ ".join(lines)
     return rf"\begin{{bmatrix}}{body}\end{{bmatrix}}"
 
 
 def number_latex(value: float, digits: int = 4) -> str:
-    r"""A number in LaTeX, with a power of ten where that is shorter."""
+    r"""Return a number in LaTeX, with a power of ten if that is shorter."""
     mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else mantissa
 
 
 def polynomial_latex(coefficients: Iterable[float], variable: str = "q") -> str:
-    r"""A polynomial in LaTeX, from its coefficients in descending powers; zeros are left out."""
+    r"""Return a polynomial in LaTeX from coefficients in descending powers, without zeros."""
     listed = list(coefficients)
     text = ""
     for power, value in zip(reversed(range(len(listed))), listed, strict=True):
@@ -89,7 +96,7 @@ def polynomial_latex(coefficients: Iterable[float], variable: str = "q") -> str:
 
 
 def sum_latex(terms: Iterable[tuple[int, Iterable[Iterable[float]]]], signal: str) -> str:
-    r"""A sum of matrices times a signal at earlier steps, in LaTeX; zero matrices are left out."""
+    r"""Return a sum of matrices times delayed signals in LaTeX, without zero matrices."""
     parts = []
     for delay, matrix in terms:
         rows = [list(row) for row in matrix]

@@ -1,4 +1,4 @@
-"""From plants, updates and controllers as data to objects of the compiled kernel."""
+"""Compiled kernel objects from plants, updates and controllers."""
 
 import sys
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""Functions of the user that the kernel calls, and what becomes of their exceptions."""
+"""User functions called by the kernel, and their exceptions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Failures:
-    """Holds the first exception that a user's function raised while the kernel ran."""
+    """Store of the first exception that a user function raised during a kernel call."""
 
     def __init__(self) -> None:
         self.error: Exception | None = None
@@ -15,11 +15,11 @@ class Failures:
 
     @property
     def words(self) -> str:
-        """The exception in words; empty where there is none."""
+        """Return the exception as text; empty without an exception."""
         return "" if self.error is None else f"{type(self.error).__name__}: {self.error}"
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """`function`, but an exception is kept here and None returned."""
+        """Wrap `function`: an exception is stored and None is returned."""
         self.guards_something = True
 
         def guarded(*arguments: Any) -> Any:
@@ -32,6 +32,6 @@ class Failures:
         return guarded
 
     def take(self) -> Exception | None:
-        """The exception, which is forgotten here."""
+        """Return the exception and clear it."""
         error, self.error = self.error, None
         return error

@@ -1,4 +1,4 @@
-"""From a controller as data to a compiled controller at step 0.
+"""Compiled controllers from controllers as data.
 
 A new kind of controller is registered here: `@kernel_arguments.register(YourController)`. What
 is derived from a kind that is, or made of parts that are derived from ours, is refused: the kernel
@@ -45,7 +45,7 @@ VARIABLE = "RCAC_INSTRUCTION_SET"
 
 
 def require_instruction_set() -> None:
-    """Raise where the environment asks for instructions that this processor does not have.
+    """Raise if RCAC_INSTRUCTION_SET requests instructions that this processor does not have.
 
     The environment variable RCAC_INSTRUCTION_SET forces one of `_kernel.instruction_sets()` on
     everything that is made from then on; without it the kernel takes the first. They round in
@@ -60,13 +60,13 @@ def require_instruction_set() -> None:
 
 
 def instruction_set() -> str:
-    """The instructions that everything is made with from now on; raises where there are none."""
+    """Return the instruction set in use; raise if the processor does not have it."""
     require_instruction_set()
     return os.environ.get(VARIABLE, "") or _kernel.instruction_sets()[0]
 
 
-CONSTANT = (np.ndarray, SignalWeight)  # the kinds of weight that are no functions
-NEVER = 2**62  # a step that no run reaches
+CONSTANT = (np.ndarray, SignalWeight)  # weights as data, without functions
+NEVER = 2**62  # beyond the last step of any run
 ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
@@ -78,7 +78,7 @@ def compiled_controller(
     supervision: Supervision | None = None,
     limits: ControlLimits | None = None,
 ) -> _kernel.Controller:
-    """A compiled controller at step 0."""
+    """Return the compiled controller at step 0."""
     require_instruction_set()
     arguments = kernel_arguments(controller, l_z, failures)
     if isinstance(controller, ControllerSettings):
@@ -91,7 +91,7 @@ def compiled_controller(
 
 @singledispatch
 def kernel_arguments(controller: object, l_z: int, failures: Failures) -> dict[str, Any]:
-    """What `_kernel.controller` is called with; the export writes it as tables, too."""
+    """Return the arguments of `_kernel.controller`; the export writes them as tables."""
     raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
 
 
@@ -142,16 +142,16 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, A
 
 @kernel_arguments.register(FixedController)
 def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, Any]:
-    """The difference equation as a regressor with its coefficients; no update is ever due."""
+    """Return a fixed compensator as a regressor with coefficients and no update."""
     require_kind(controller, "settings", kernel_arguments.registry)
     c = controller.compensator
     require_kind(c, "compensator", (Compensator,))
-    first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
+    first = 0 if c.past_y[0].any() else 1  # u(k) needs y(k) only for a proper controller
     of_u = [(i, lag) for lag in range(1, c.n_c + 1) for i in range(c.l_u)]
     of_y = [(c.l_u + i, lag) for lag in range(first, c.n_c + 1) for i in range(c.l_y)]
     columns = [c.past_u[lag - 1][:, i] for i, lag in of_u]
     columns += [c.past_y[lag][:, i - c.l_u] for i, lag in of_y]
-    if not columns:  # u = 0 for ever; the kernel wants something to multiply by zero
+    if not columns:  # u = 0; the kernel needs one tap
         of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
     theta = np.concatenate(columns)
     size = len(theta)
@@ -178,13 +178,13 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, An
 
 
 Numbers = tuple[Array, Array, float, Any, Any, list[tuple[Array, Array]]]
-# What a controller has in common with one whose compiled form is copied for it.
+# Numeric settings of a controller that reuses the compiled form of another one.
 ALIKE = ("k_w", "k_update", "k_filter", "form", "reflect_poles")
 SHARED = ("structure", "z_normalization", "bounds", "fixed")
 
 
 def numbers_beside(base: ControllerSettings, settings: ControllerSettings) -> Numbers | None:
-    """What `_kernel.Loop.copy` puts in the place of the base's numbers; None where more differs.
+    """Return the numbers for `_kernel.Loop.copy`; None if more than numbers differs.
 
     Numbers are R_theta, lambda and theta(0), R_z and R_u, and G_f of the same order.
     """
@@ -199,7 +199,7 @@ def numbers_beside(base: ControllerSettings, settings: ControllerSettings) -> Nu
         and one.stop_where_unsupported == other.stop_where_unsupported
     ):
         return None
-    failures = Failures()  # of functions, which no weight is here
+    failures = Failures()  # only for weights that are functions; these are excluded above
     return (
         initial_variances(other.R_theta, settings.structure.l_theta),
         settings.theta_0,
@@ -211,7 +211,7 @@ def numbers_beside(base: ControllerSettings, settings: ControllerSettings) -> Nu
 
 
 def _plain_update(settings: ControllerSettings) -> UD | None:
-    """The update, where all that it and the settings change while they run is theta and P."""
+    """Return the update if a run changes only theta and P, else None."""
     update = settings.update
     if type(settings) is not ControllerSettings or type(update) is not UD:
         return None
@@ -228,14 +228,14 @@ def _plain_update(settings: ControllerSettings) -> UD | None:
 
 
 def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:
-    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates."""
+    """Return 1, d_1, ..., d_n of the D_f that `JointUD` fits; None for other updates."""
     if not isinstance(settings.update, JointUD):
         return None
     return np.concatenate([[1.0], kernel.also_fitted])
 
 
 def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
-    """Refuse by name what is derived from a structure, a target model or a weight."""
+    """Raise for subclasses of structures, target models and weights."""
     require_kind(settings.structure, "structure", (Structure,), who)
     for tap in settings.structure.taps:
         require_kind(tap, "a tap", (Tap,), who)
@@ -259,7 +259,7 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
 
 
 def _events(settings: ControllerSettings, of_update: Sequence[Event]) -> list[Event]:
-    """What is scheduled, by step: (step, kind, lambda or the number of the target model)."""
+    """Return the scheduled events by step: (step, kind, lambda or index of the target model)."""
     events = [*of_update]
     for start, stop in _merged(settings.freeze):
         events.append((start, "freeze", 0.0))
@@ -270,7 +270,7 @@ def _events(settings: ControllerSettings, of_update: Sequence[Event]) -> list[Ev
 
 
 def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int | None]]:
-    """The union of intervals [start, stop) as disjoint ones with gaps between them."""
+    """Return the union of intervals [start, stop) as disjoint intervals."""
     merged: list[tuple[int, float]] = []
     for start, stop in sorted((a, np.inf if b is None else b) for a, b in intervals):
         if merged and start <= merged[-1][1]:
@@ -281,7 +281,7 @@ def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int 
 
 
 def penalty_rows(R: Array) -> Array:
-    """S with S'S = R, of as many rows as R has."""
+    """Return S with S'S = R, with as many rows as R."""
     S = np.zeros_like(R)
     roots = square_root_columns(R).T
     S[: len(roots)] = roots
@@ -289,7 +289,7 @@ def penalty_rows(R: Array) -> Array:
 
 
 def _additions(settings: ControllerSettings) -> dict[str, Any]:
-    """What published settings have beside the text's; nothing where there is none."""
+    """Return the arguments for settings of published RCAC that are not in the text."""
     additions: dict[str, Any] = {}
     if settings.R_u_unfiltered.any():
         additions["penalty"] = penalty_rows(settings.R_u_unfiltered)

@@ -1,4 +1,4 @@
-"""The kernel's estimators for the folder estimation, and their errors in our words."""
+"""The kernel's estimators, and error messages for their failures."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ tape_estimation_model = _kernel.tape_estimation_model
 sensitivity = _kernel.sensitivity
 
 NEXT = {
-    "model": "see that the model is defined there, or bound the states that it is called with",
+    "model": "check that the model is defined there, or bound its states",
     "singular": "give every measurement some noise, R > 0, or drop a measurement that repeats",
     "indefinite": "alpha >= n has no negative weight, with which this cannot happen",
     "range": "the model is unstable and unobserved there, or Q is far too large; scale the states",
@@ -48,7 +48,7 @@ ERRORS: dict[str, type[CompensatorError]] = {
 
 
 def estimation_failure(error: Exception, k: int) -> CompensatorError:
-    """What the kernel, or a function of the user, raised at step k, as an error of ours."""
+    """Return the InputError or DivergedError for a failure at step k."""
     if not isinstance(error, EstimationError):
         return FunctionFailedError(
             f"a function of the model failed at step {k}: {type(error).__name__}: {error}"

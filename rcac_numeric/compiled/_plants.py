@@ -1,6 +1,6 @@
-"""From a plant as data to a plant that the kernel runs.
+"""Compiled plants from plants as data.
 
-A new kind of plant is registered here: `@compiled_plant.register(YourPlant)`. What is derived from
+Register a new class of plants with `@compiled_plant.register(YourPlant)`. A class derived from
 a kind that is, and is not registered itself, is refused: the kernel would run it without what it
 adds.
 """
@@ -27,7 +27,7 @@ from rcac_numeric.plants._schedules import PlantChange, PlantSchedule
 
 @singledispatch
 def compiled_plant(plant: object, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
-    """The plant in state x_0 for the kernel."""
+    """Return the compiled plant in the state x_0."""
     kinds = [kind.__name__ for kind in compiled_plant.registry if kind is not object]
     raise InputError(f"plant = {plant!r} is not a {' or '.join(kinds)}.")
 
@@ -73,7 +73,7 @@ def _(plant: FunctionPlant, x_0: ArrayLike | None, failures: Failures) -> _kerne
 
 
 def require_linear(plant: Plant | PlantSchedule, who: str = "engine") -> None:
-    """Refuse by name what is derived from a plant or from a change of one."""
+    """Raise for subclasses of Plant, PlantSchedule and PlantChange."""
     require_kind(plant, "plant", (Plant, PlantSchedule), who)
     for change in plant.changes if isinstance(plant, PlantSchedule) else ():
         require_kind(change, "a change", (PlantChange,), who)
@@ -81,7 +81,7 @@ def require_linear(plant: Plant | PlantSchedule, who: str = "engine") -> None:
 
 
 def initial_state(x_0: ArrayLike | None, n: int) -> Array:
-    """x(0) as an array of n entries; zero where it is left out."""
+    """Return x(0) as an array of n entries; zero by default."""
     start = np.zeros(n) if x_0 is None else real_array(x_0, "x_0").reshape(-1)
     if start.size != n:
         raise InputError(f"x_0 has {start.size} entries; the plant has {n} states.")
@@ -116,7 +116,7 @@ def _checked_output(plant: FunctionPlant, k: int, x: Array, w: Array) -> tuple[A
 
 
 def _sized(value: ArrayLike, function: str, name: str, size: int) -> Array:
-    # Not a number is for the kernel to name; a complex number, a text or None is no state at all.
+    # The kernel reports NaN; complex numbers, texts and None are refused here.
     array = float_array(value, f"what {function} returned as {name}").reshape(-1)
     if array.size != size:
         raise InputError(f"{function} returned {array.size} numbers as {name}; {size} are needed.")

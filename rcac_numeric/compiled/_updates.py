@@ -1,6 +1,6 @@
-"""From an update as data to the arguments that the kernel makes it from.
+"""Kernel arguments from updates as data.
 
-A new update is registered here: a line in `ARGUMENTS`. What is not written here is refused, also
+Register a new update by a line in `ARGUMENTS`. Other classes are refused, also
 subclasses of what is: the engine would run them without what they add.
 """
 
@@ -48,7 +48,7 @@ def kernel_arguments_of(
     window: int = 0,
     step_size: float = 0.0,
 ) -> dict[str, Any]:
-    """What `_kernel.controller` wants to know of an update, by its names.
+    """Arguments of `_kernel.controller` for an update, by name.
 
     `update` is the kernel's name of it, `forgetting_factor` lambda at step 0; `forgetting` and
     `reset` belong to variable-rate forgetting and to covariance resets, and do nothing by default.
@@ -63,13 +63,13 @@ def kernel_arguments_of(
 
 
 def kernel_update(update: Update, l_theta: int) -> dict[str, Any]:
-    """The kernel's arguments for an update of l_theta coefficients."""
+    """Return the kernel arguments of an update of l_theta coefficients."""
     require_kind(update, "update", ARGUMENTS)
     return ARGUMENTS[type(update)](update, l_theta)
 
 
 def require_kind(value: object, name: str, kinds: Iterable[type], who: str = "engine") -> None:
-    """Raise unless `value` is of exactly one of the kinds."""
+    """Raise unless the class of `value` is exactly one of the kinds."""
     known = [kind for kind in kinds if kind is not object]
     if type(value) not in known:
         raise InputError(
@@ -107,19 +107,19 @@ def _gradient(update: Gradient, l_theta: int) -> dict[str, Any]:
 
 
 def initial_covariance(R_theta: float | Array, l_theta: int) -> Array:
-    """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
+    """Return P(0) = R_theta^{-1}, exactly diagonal for a diagonal R_theta."""
     return inverse(full_weight(R_theta, l_theta))
 
 
 def initial_variances(R_theta: float | Array, l_theta: int) -> Array:
-    """P(0), or its diagonal alone where R_theta is a number: what the kernel takes as P(0)."""
+    """Return the P(0) of the kernel: its diagonal if R_theta is a number."""
     if isinstance(R_theta, np.ndarray):
         return initial_covariance(R_theta, l_theta)
     return np.full(l_theta, 1.0 / R_theta)
 
 
 def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
-    """Lambda before any rule has changed it."""
+    """Return lambda at step 0."""
     if isinstance(lambda_, ScheduledForgetting):
         return lambda_.initial
     if isinstance(lambda_, SubspaceForgetting | CappedForgetting):

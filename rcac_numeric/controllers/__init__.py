@@ -1,1 +1,1 @@
-"""What adapts, as data: structures, updates, rules; and the fixed compensator."""
+"""Controllers as data: structures, updates, forgetting, supervision, fixed compensators."""

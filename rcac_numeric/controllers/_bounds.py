@@ -1,4 +1,4 @@
-"""Bounds on the coefficients that are adapted, and what these are called."""
+"""Bounds on the adapted coefficients, and the coefficient names."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Range = tuple[float | None, float | None]
 
 
 def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Array | None:
-    """A number or an array that may be infinite, on the side where that means no bound."""
+    """Converter: return a bound, a number or an array, infinite for no bound."""
     if value is None:
         return None
     if has_mask(value):
@@ -62,12 +62,12 @@ def _gains(value: object, name: str) -> dict[str, Range]:
 
 
 def _bound_like(value: ArrayLike | None) -> float | Array | None:
-    """What `low` and `high` take; for type checkers."""
+    """Typing stub: argument type of `low` and `high`."""
     return cast(float, value)
 
 
 def _gains_like(value: Mapping[str, Range] | None) -> Mapping[str, Range]:
-    """What `gains` takes; for type checkers."""
+    """Typing stub: argument type of `gains`."""
     return cast(Mapping[str, Range], value)
 
 
@@ -132,11 +132,11 @@ class CoefficientBounds(Value):
     def __attrs_post_init__(self) -> None:
         if self.low is None and self.high is None and not self.gains:
             raise InputError("nothing is bounded: give low, high or gains.")
-        if not self.gains:  # which take the place of some of them; then `box` says it
+        if not self.gains:  # gains may tighten a bound; `box` checks the result
             _require_order(self.low, self.high)
 
     def box(self, structure: Structure) -> tuple[Array, Array]:
-        """(low, high) of every coefficient of a structure, infinite where there is no bound.
+        """Return (low, high) of every coefficient of a structure, infinite without a bound.
 
         Raises
         ------
@@ -166,7 +166,7 @@ class CoefficientBounds(Value):
 
 
 def coefficient_names(structure: Structure) -> tuple[str, ...]:
-    """What the entries of theta are called.
+    """Return the names of the entries of theta.
 
     K_P, K_I and K_D of PID, (2.58)-(2.62); P_i, Q_i and R_i for the lag i of u, y and r, (2.28);
     K_i for the i-th derived signal. With several inputs or outputs the names repeat, in the order
@@ -199,7 +199,7 @@ def coefficient_names(structure: Structure) -> tuple[str, ...]:
 
 
 def _require_order(low: float | Array | None, high: float | Array | None) -> None:
-    """Refuse a box without a point in it, before any structure is known."""
+    """Raise if low exceeds high, before the structure is known."""
     if low is None or high is None:
         return
     if 1 != np.size(low) != np.size(high) != 1:

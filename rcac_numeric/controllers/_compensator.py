@@ -1,4 +1,4 @@
-"""A fixed compensator of the form (2.28), as its coefficients and as a python-control object."""
+"""Fixed compensators of the form (2.28), and their conversions."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class Compensator(Value):
         Raises
         ------
         BudgetError
-            Where there are more states than matrices are filled for.
+            Where the compensator has more states than full matrices are computed for.
         """
         order = require_dense(self.n_c * self.l_u, "the compensator")
         shift = np.eye(order, k=self.l_u)
@@ -136,7 +136,7 @@ class Compensator(Value):
         return np.linalg.eigvals(shift + P @ outputs).astype(np.complex128)
 
     def to_control(self, sample_time: float | None = None) -> StateSpace:
-        """The compensator as a discrete-time python-control system.
+        """Return the compensator as a discrete-time python-control system.
 
         The sample time, in seconds, is its own where none is given; where it has none either,
         the period is unspecified, dt = True. Another one than its own is refused.
@@ -164,7 +164,7 @@ class Compensator(Value):
 
 
 def compensator_of(system: Any, name: str = "compensator") -> Compensator:
-    """The compensator u = G_c y of a transfer function in q; a Compensator as it is."""
+    """Convert a transfer function in q to the compensator u = G_c y."""
     if isinstance(system, Compensator):
         return system
     from compensator_theory.systems._descriptions import is_description
@@ -175,7 +175,7 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
     G_c = exact.transfer_function(system, variable)
     if str(G_c.variable) == "s":
         raise InputError(
-            f"the {name} is in continuous time; make it one in q first, for instance by "
+            f"the {name} is in continuous time; discretise it first, for instance by "
             "compensator_theory.sampling.tustin."
         )
     if not G_c.is_proper:
@@ -189,10 +189,10 @@ def compensator_of(system: Any, name: str = "compensator") -> Compensator:
 
 
 def parallel(a: Compensator, b: Compensator) -> Compensator:
-    """The sum of two compensators with one output, N_a / D_a + N_b / D_b."""
+    """Return the parallel connection N_a / D_a + N_b / D_b of compensators with one output."""
     if a.l_u > 1:
         if a.past_u.any() or b.past_u.any():
-            raise InputError("one difference equation for the sum is formed for l_u = 1 only.")
+            raise InputError("the sum has one difference equation for l_u = 1 only.")
         order = max(a.n_c, b.n_c)
         padded = [np.pad(c.past_y, [(0, order - c.n_c), (0, 0), (0, 0)]) for c in (a, b)]
         return Compensator(np.zeros((order, a.l_u, a.l_u)), padded[0] + padded[1])

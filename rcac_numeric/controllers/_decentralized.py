@@ -1,4 +1,4 @@
-"""Several adaptive controllers on one plant, each with an update of its own (figure 2.16)."""
+"""Several adaptive controllers on one plant, each with its update (figure 2.16)."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ class Decentralized(Value):
             raise InputError(f"the controllers differ in (l_u, l_y, l_z): {sorted(widths)}.")
         if any(c.fixed is not None for c in controllers):
             raise InputError(
-                "one of several controllers has a fixed compensator in parallel; give that to a "
-                "controller that is alone."
+                "one of several controllers has a fixed compensator in parallel; only a single "
+                "controller can have one."
             )
         commands = {c.structure.l_r for c in controllers} - {0}
         if len(commands) > 1:
@@ -78,7 +78,7 @@ class Decentralized(Value):
         return max(c.structure.l_r for c in self.controllers)
 
     def compensator_of(self, theta: ArrayLike) -> Compensator:
-        """The fixed compensator from [y; r] to the sum u."""
+        """Return the fixed compensator from [y; r] to the sum u."""
         values = real_array(theta, "theta").reshape(-1)
         if values.size != self.l_theta:
             raise InputError(f"theta has {values.size} entries; {self.l_theta} are needed.")
@@ -102,10 +102,10 @@ def _with_commands(compensator: Compensator, missing: int) -> Compensator:
 
 
 def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Compensator:
-    """U = sum Phi_i theta_i where every Phi_i reads the same u: all taps in one table.
+    """Return u = sum Phi_i theta_i as one structure: every Phi_i reads the same u.
 
-    Only so do the poles of derived signals act on the signals that they were derived from, and
-    not on the sum u, as they would if each part's difference equation were added.
+    The poles of derived signals then act on these signals only. Adding the difference equations
+    of the parts would apply the poles to the sum u.
     """
     first, l_r = structures[0], max(s.l_r for s in structures)
     columns: dict[Tap, Array] = {}

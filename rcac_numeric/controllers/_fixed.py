@@ -1,4 +1,4 @@
-"""A controller that does not adapt: LQG, a logged one, or one that RCAC converged to."""
+"""Fixed controllers: LQG, a logged controller, or the final controller of RCAC."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ class FixedController(Value):
 
     @property
     def l_theta(self) -> int:
-        """0: nothing is adapted."""
+        """0: no coefficient is adapted."""
         return 0
 
     def compensator_of(self, theta: ArrayLike = ()) -> Compensator:
-        """The compensator itself; `theta` must be empty."""
+        """Return the compensator; `theta` must be empty."""
         if real_array(theta, "theta").size:
-            raise InputError("a fixed controller has no coefficients that are adapted.")
+            raise InputError("a fixed controller has no adapted coefficients; pass an empty theta.")
         return self.compensator

@@ -1,4 +1,4 @@
-"""How the past is forgotten, where that is not by a constant factor."""
+"""Forgetting rules other than a constant factor."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rcac_numeric.arrays._validation import by_step, integer, number, reads, wit
 
 
 def forgetting_factor(value: object, name: str = "lambda_") -> float:
-    """`value` as a number in (0, 1]."""
+    """Return a forgetting factor in (0, 1]."""
     factor = number(value, name)
     if not 0 < factor <= 1:
         raise InputError(f"{name} = {factor} is not in (0, 1].")
@@ -148,5 +148,5 @@ class CappedForgetting:
     lambda_: float = attrs.field(metadata=reads(forgetting_factor))
 
 
-# A forgetting factor that is not constant, or does not act on all of P.
+# Rules in place of a constant forgetting factor.
 Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting | CappedForgetting

@@ -1,4 +1,4 @@
-"""Gain scheduling: a table of fixed compensators over a signal that says where the plant is."""
+"""Gain scheduling: fixed compensators over a scheduling variable."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from rcac_numeric.arrays._values import ShowsState
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._stepwise import StepwiseController
 
-BETWEEN = 32  # parts of an interval at whose ends poles are looked at
-ROUNDING = 1e-6  # of poles that meet
+BETWEEN = 32  # subintervals at whose ends poles are computed
+ROUNDING = 1e-6  # tolerance for poles that meet
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
@@ -108,8 +108,8 @@ class GainSchedule(StepwiseController):
         for j, size in enumerate(sizes):
             if size != sizes[0]:
                 raise InputError(
-                    f"compensator {j} has (l_u, l_y) = {size}, compensator 0 {sizes[0]}: there is "
-                    "nothing between them."
+                    f"compensator {j} has (l_u, l_y) = {size}, compensator 0 {sizes[0]}: "
+                    f"interpolation needs equal sizes."
                 )
         set_("commands", integer(self.commands, "l_r", at_most=sizes[0][1]))
         width = self.l_y if self.variable == "y" else self.l_r
@@ -138,7 +138,7 @@ class GainSchedule(StepwiseController):
 
     @property
     def l_theta(self) -> int:
-        """1: theta is the value of the scheduling variable in force."""
+        """1: theta is the current value of the scheduling variable."""
         return 1
 
     @property
@@ -147,7 +147,7 @@ class GainSchedule(StepwiseController):
         return max(one.n_c for one in self.compensators)
 
     def at(self, value: float) -> Compensator:
-        """The compensator in force where the scheduling variable has a value.
+        """Return the interpolated compensator at a value of the scheduling variable.
 
         Parameters
         ----------
@@ -159,11 +159,11 @@ class GainSchedule(StepwiseController):
         return self._between(j, float(low) - j)
 
     def compensator_of(self, theta: ArrayLike) -> Compensator:  # type: ignore[override]
-        """The compensator in force; theta holds the value of the scheduling variable."""
+        """Return the interpolated compensator; theta is the value of the scheduling variable."""
         return self.at(float(vector(theta, "theta", 1)[0]))
 
     def started(self) -> ScheduledSteps:
-        """The controller at step 0, for `simulate` or beside a device."""
+        """Return the controller at step 0, for `simulate` or for a device."""
         return ScheduledSteps(self)
 
     def _between(self, j: int, share: float) -> Compensator:
@@ -180,13 +180,13 @@ class GainSchedule(StepwiseController):
                 value = (1 - share) * self.values[j] + share * self.values[j + 1]
                 raise InputError(
                     f"between {self.values[j]:.6g} and {self.values[j + 1]:.6g} the compensator "
-                    f"has a pole of size {radius:.6g} (at {value:.6g}), further out than those of "
-                    "both: they are too different. Give another compensator between them."
+                    f"has a pole of size {radius:.6g} (at {value:.6g}), larger than at both ends: "
+                    f"the two compensators are too different. Add a compensator between them."
                 )
 
 
 class ScheduledSteps(ShowsState, Truth):
-    """A gain schedule at work; `GainSchedule.started` makes it.
+    """A running gain schedule, returned by `GainSchedule.started`.
 
     It pickles and copies, and goes on bit for bit.
 
@@ -258,11 +258,11 @@ class ScheduledSteps(ShowsState, Truth):
         return u
 
     def save(self) -> Array:
-        """Every number that later steps depend on."""
+        """Return the state as numbers."""
         return np.concatenate([[self._k, self._value], self._u.ravel(), self._y.ravel()])
 
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave."""
+        """Restore the state that `save` returned."""
         if values.shape != (2 + self._u.size + self._y.size,):
             raise ValueError(f"{values.size} numbers do not fit this schedule")
         self._k, self._value = int(values[0]), float(values[1])
@@ -280,7 +280,7 @@ def _rebuilt(schedule: GainSchedule, values: Array) -> ScheduledSteps:
 
 
 def _padded(one: Compensator, order: int) -> tuple[Array, Array]:
-    """Its coefficients with zeros up to an order: the same difference equation."""
+    """Return the coefficients padded with zeros to an order."""
     more = ((0, order - one.n_c), (0, 0), (0, 0))
     return np.pad(one.past_u, more), np.pad(one.past_y, more)
 

@@ -1,4 +1,4 @@
-"""Theta and the denominator of the target model fitted together, section 9.2.2."""
+"""Joint fit of theta and the denominator of the target model, section 9.2.2."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class JointUD(Update):
 
     @property
     def keeps_covariance(self) -> bool:
-        """True: P(k), of theta and d together."""
+        """True: P(k) of theta and d goes from step to step."""
         return True
 
     def require_size(self, l_theta: int) -> None:
@@ -73,11 +73,11 @@ class JointUD(Update):
         constant_weight(self.R_theta, "R_theta", l_theta, definite=True)
 
     def require_problem(self, targets: Sequence[TargetModel], n_c: int, penalises: bool) -> None:
-        """Raise where the fit is not defined, or rho = 0 leaves it without a unique minimiser."""
+        """Raise if the fit is undefined, or not unique for rho = 0."""
         if any(target.l_z != 1 for target in targets) or len(targets) > 1:
             raise InputError("JointUD is for one target model and scalar z.")
         if targets[0].denominator[1:].any():
-            raise InputError("JointUD finds D_f itself; give a target model that is FIR.")
+            raise InputError("JointUD fits D_f; give an FIR target model.")
         if penalises:
             raise InputError("JointUD penalises D_f; R_u belongs to the other updates.")
         if self.rho == 0:
@@ -90,7 +90,7 @@ class JointUD(Update):
 
 
 def joint_null_dimension(target: TargetModel, n_c: int, n_d: int) -> int:
-    """The dimension of what the joint fit without penalty cannot decide, for scalar y = z.
+    """Return the dimension of the null space of the joint fit without penalty, scalar y = z.
 
     max(0, min(n_c, n_d - n_f)):  D_f - 1 = -N_f Q,  n_f = d_zu + deg N_zu,u
 
@@ -122,6 +122,6 @@ def joint_null_dimension(target: TargetModel, n_c: int, n_d: int) -> int:
     """
     instance_of(target, "target", TargetModel)
     if (target.l_z, target.l_u) != (1, 1) or target.denominator[1:].any():
-        raise InputError("the null space is known for scalar target models that are FIR.")
+        raise InputError("the null space is known for scalar FIR target models only.")
     n_f = int(target.numerator[:, 0, 0].nonzero()[0][-1])
     return max(0, min(integer(n_c, "n_c"), integer(n_d, "n_d") - n_f))

@@ -164,7 +164,7 @@ def fir_integrator(
     order, inputs, outputs, first = _sizes(n_c, l_u, l_y, k_c)
     rows = np.eye(outputs) if F is None else matrix(F, "F", (None, outputs))
     if not len(rows):
-        raise InputError("F has no rows, so nothing would be integrated; use fir(...).")
+        raise InputError("F has no rows, so the integrator has no input; use fir(...).")
     taps = (
         *_past("y", outputs, first, order),
         *(Tap("derived", i, 0) for i in range(len(rows))),

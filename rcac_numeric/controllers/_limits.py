@@ -1,4 +1,4 @@
-"""What a controller keeps its own u to, before anybody applies it."""
+"""Limits that a controller applies to its own u."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from rcac_numeric.plants._saturation import BOUND
 class ControlLimits(Value):
     """Bounds of u and of its change in one step, up and down, kept in the compiled step.
 
-    u(k) is moved into [u(k-1) - fall, u(k-1) + rise], then into [low, high]; what is left of it,
-    and not what was asked for, stands in the regressor and in the target-model filter. For
+    u(k) is moved into [u(k-1) - fall, u(k-1) + rise], then into [low, high]; the limited u, not
+    the requested one, enters the regressor and the target-model filter. For
     `Controller`; a plant with an actuator of its own is simulated with `Saturation`.
 
     Parameters

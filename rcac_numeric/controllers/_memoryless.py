@@ -1,4 +1,4 @@
-"""Updates by the cost of the present step alone."""
+"""Updates from the cost of the current step only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""R_theta by what it is worth: so many samples of a loop of this size."""
+"""R_theta as an equivalent number of samples."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from rcac_numeric.arrays._values import Value
 
 
 def _signal_like(value: ArrayLike) -> Array:
-    """What a signal takes; for type checkers."""
+    """Typing stub: argument type of a signal."""
     return cast(Array, value)
 
 
 def _optional_signal_like(value: ArrayLike | None) -> Array | None:
-    """The same of one that may be left out."""
+    """Typing stub: argument type of an optional signal."""
     return cast(Array, value)
 
 
 def _samples(value: object, name: str) -> float:
     samples = number(value, name)
     if not samples > 0:
-        raise InputError(f"{name} = {samples:g}: what a prior is worth must be positive.")
+        raise InputError(f"{name} = {samples:g} must be positive: the prior weight in samples.")
     return samples
 
 
 def _signal(value: ArrayLike, name: str) -> Array:
-    """Sizes of each component, or a record of one row a step."""
+    """Converter: return the size of each component, or a record with one row a step."""
     array = real_array(value, name)
     array = array.reshape(-1, 1) if array.ndim == 1 and array.size > MOST else array
     if array.ndim > 2 or not array.size or not array.any():
@@ -43,7 +43,7 @@ def _signal(value: ArrayLike, name: str) -> Array:
     return array if array.ndim == 2 else np.abs(np.atleast_1d(array))
 
 
-MOST = 16  # a list of more numbers is a record of one signal, and no sizes of components
+MOST = 16  # a longer list is a record of one signal, not sizes of components
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
@@ -107,5 +107,5 @@ class PriorSamples(Value):
 
     @property
     def is_record(self) -> bool:
-        """Whether it holds a record of the loop, and no sizes."""
+        """Whether y is a record of the loop, not a size."""
         return self.y.ndim == 2

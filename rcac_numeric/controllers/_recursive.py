@@ -30,7 +30,7 @@ def _factor_or_rule(value: float | Forgetting, name: str) -> float | Forgetting:
 
 @attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class RecursiveLeastSquares(Update):
-    """What `UD` and `Covariance` have in common: the settings of the recursion (2.42)-(2.46)."""
+    """Base class of `UD` and `Covariance`: settings of the recursion (2.42)-(2.46)."""
 
     R_theta: float | Array = attrs.field(converter=weight_like, metadata=DEFINITE)
     lambda_: float | Forgetting = attrs.field(
@@ -57,7 +57,7 @@ class RecursiveLeastSquares(Update):
 
     @property
     def keeps_covariance(self) -> bool:
-        """True: P(k)."""
+        """True: P(k) goes from step to step."""
         return True
 
     def require_size(self, l_theta: int) -> None:

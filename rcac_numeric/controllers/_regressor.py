@@ -1,4 +1,4 @@
-"""The regressor of recorded signals, and what G_f makes of it."""
+"""Regressor and filtered regressor of recorded signals."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rcac_numeric.targets._model import TargetModel
 
 
 def regressor_of(structure: Structure, signals: Mapping[str, Array | None], sign: Any) -> Array:
-    """phi(k) of (2.29) of recorded signals, zero before; shape (steps, taps).
+    """Return phi(k) of (2.29) for recorded signals from rest; shape (steps, taps).
 
-    With np.abs as `sign` it is a bound of its error, from that of the signals.
+    With np.abs as `sign` the result bounds the error of phi for errors of the signals.
     """
     u, y, r = signals["u"], signals["y"], signals["r"]
     assert u is not None and y is not None
@@ -26,7 +26,7 @@ def regressor_of(structure: Structure, signals: Mapping[str, Array | None], sign
         drive = inputs @ sign(np.array(signal.now))
         drive[1:] += inputs[:-1] @ sign(np.array(signal.before))
         pole, before = float(sign(signal.pole)), 0.0
-        # A clamp makes no error larger: the bound is that without it.
+        # A clamp does not increase an error, so the bound ignores it.
         limit = np.inf if sign is np.abs else signal.limit
         for k in range(steps):
             free = pole * before + drive[k]
@@ -41,13 +41,13 @@ def regressor_of(structure: Structure, signals: Mapping[str, Array | None], sign
 
 
 def has_common_filter(target: TargetModel) -> bool:
-    """Whether D_f is one polynomial times the identity, so that signals are filtered one by one."""
+    """Whether D_f is a polynomial times the identity, so that signals are filtered separately."""
     first = target.denominator[:, :1, :1] * np.eye(target.l_z)
     return bool(np.array_equal(first, target.denominator))
 
 
 def filtered_regressor(phi: Array, target: TargetModel) -> Array:
-    """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta)."""
+    """Return Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta)."""
     steps, taps = phi.shape
     if target.denominator[1:].any():
         phi = _divided(phi, target.denominator[1:, 0, 0])
@@ -59,7 +59,7 @@ def filtered_regressor(phi: Array, target: TargetModel) -> Array:
 
 
 def _divided(phi: Array, tail: Array) -> Array:
-    """The columns of phi through 1/(1 + tail(q^-1)); scipy.signal would cost half a second."""
+    """Filter the columns of phi by 1/(1 + tail(q^-1)); importing scipy.signal takes 0.5 s."""
     out, order = phi.copy(), len(tail)
     reversed_tail = tail[::-1]
     for k in range(1, len(out)):

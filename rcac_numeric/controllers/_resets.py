@@ -1,4 +1,4 @@
-"""When the covariance is set back."""
+"""Covariance resets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def _steps(value: object, name: str) -> tuple[int, ...]:
 
 @attrs.frozen(slots=False, field_transformer=with_checks)
 class CovarianceReset:
-    """When P(k) is set back to P(0); theta stays.
+    """Rules that reset P(k) to P(0); theta stays.
 
     Any of the rules may be given; each that holds resets before the update of that step.
 
@@ -55,6 +55,8 @@ class CovarianceReset:
             if number(getattr(self, name), name) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} must not be negative.")
         if self.trace_below >= 1:
-            raise InputError(f"trace_below = {self.trace_below} would reset at every step.")
+            raise InputError(
+                f"trace_below = {self.trace_below} must be below 1: P would be reset at every step."
+            )
         if self.growth and self.growth <= 1:
             raise InputError(f"growth = {self.growth} must exceed 1.")

@@ -1,4 +1,4 @@
-"""Everything that determines an RCAC controller, checked and as plain data."""
+"""Settings of an RCAC controller, checked, as plain data."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _intervals(value: object, name: str) -> tuple[tuple[int, int | None], ...]:
     return tuple(interval(pair) for pair in items(value, name))
 
 
-# What some fields take beside what they keep; for type checkers.
+# Argument types of converted fields, for type checkers.
 
 
 def _target_like(value: TargetModel | DataDriven) -> TargetModel:
@@ -181,8 +181,8 @@ class ControllerSettings(Value):
             require_learnable(self.learning, structure, target.l_z)
             if self.target_changes or self.freeze:
                 raise InputError(
-                    "DataDriven changes the target model itself, and no update comes before the "
-                    "first; leave target_changes and freeze out."
+                    "DataDriven changes the target model itself, and no update precedes its first "
+                    "target model; leave target_changes and freeze out."
                 )
         for model in self.targets:
             require_target(model, structure, target)
@@ -233,27 +233,29 @@ class ControllerSettings(Value):
         set_("k_w", shortest if k_w is None else integer(k_w, "k_w"))
         if self.learning is not None and self.k_w < self.learning.start:
             raise InputError(
-                f"k_w = {k_w}: until step start = {self.learning.start} of DataDriven u is the "
-                "dither alone. Use a later k_w, or an earlier start."
+                f"k_w = {k_w} must be at least {self.learning.start}: DataDriven excites the "
+                f"plant until step {self.learning.start} (start={self.learning.start}). Use a "
+                f"larger k_w, or an earlier start."
             )
         set_("k_update", self.k_w if k_update is None else integer(k_update, "k_update"))
         if self.k_w < shortest and self.k_update < shortest:
             raise InputError(
                 f"k_w = {k_w} is shorter than max(n_c, n_f) = max({self.structure.n_c}, "
-                f"{longest}) = {shortest}: the regressor and the target-model filter would not "
-                f"be filled with data. Use k_w >= {shortest}, or k_update >= {shortest} where "
+                f"{longest}) = {shortest}: the regressor and the target-model filter would "
+                f"contain zeros from before step 0. Use k_w >= {shortest}, or k_update >= "
+                f"{shortest} where "
                 "theta_0 is a controller already."
             )
         set_("k_filter", integer(k_filter, "k_filter"))
 
     @property
     def targets(self) -> tuple[TargetModel, ...]:
-        """The target model and those that replace it."""
+        """The target models in the order of use."""
         return (self.target, *self.target_changes.values())
 
     @property
     def measures_first(self) -> bool:
-        """Whether u(k) uses y(k), by a tap or by the fixed compensator beside it."""
+        """Whether u(k) uses y(k), by a tap or by the fixed compensator in parallel."""
         direct = self.fixed is not None and bool(self.fixed.past_y[0].any())
         return direct or self.structure.measures_first
 
@@ -268,20 +270,20 @@ class ControllerSettings(Value):
         return self.structure.l_r
 
     def compensator_of(self, theta: ArrayLike) -> Compensator:
-        """The compensator that the coefficients `theta` describe, `fixed` included."""
+        """Return the compensator of the coefficients `theta`, `fixed` included."""
         adaptive = self.structure.compensator(theta)
         return adaptive if self.fixed is None else parallel(self.fixed, adaptive)
 
 
-# The same controller with other numbers.
+# Fast copies of settings with other numbers.
 
 
 def settings_with_numbers(
     settings: ControllerSettings, of_update: Mapping[str, Any], of_settings: Mapping[str, Any]
 ) -> ControllerSettings | None:
-    """The same with other R_theta, lambda, R_z, R_u, theta_0, and k_w with k_update.
+    """Return a copy with other R_theta, lambda, R_z, R_u, theta_0, k_w and k_update.
 
-    Whatever else the settings were checked for does not depend on them, and is not asked again.
+    The other checks do not depend on these numbers and are not repeated.
     None where one stands in the place of what is no number; k_w and k_update may be left out.
     """
     update, l_z = settings.update, settings.target.l_z
@@ -326,11 +328,11 @@ def _is_number(value: object) -> bool:
     return type(value) in (int, float)
 
 
-# Whether a controller can learn its target model.
+# Checks of settings.
 
 
 def require_learnable(learning: DataDriven, structure: Structure, l_z: int) -> None:
-    """Raise where a target model cannot be learnt for a controller of this structure."""
+    """Raise if DataDriven cannot learn a target model for this structure."""
     instance_of(learning, "learning", DataDriven)
     widths = structure.l_u, l_z
     if widths != (1, 1):
@@ -353,7 +355,7 @@ def require_learnable(learning: DataDriven, structure: Structure, l_z: int) -> N
 
 
 def require_target(model: object, structure: Structure, first: TargetModel) -> None:
-    """Raise where a target model does not fit the structure, or the first of several."""
+    """Raise if a target model does not fit the structure or the first target model."""
     if not isinstance(model, TargetModel):
         raise InputError(
             f"target = {model!r}: use fir_target, pole_placement_target or target_model."
@@ -368,7 +370,7 @@ def require_target(model: object, structure: Structure, first: TargetModel) -> N
 
 
 def require_reflectable(structure: Structure) -> None:
-    """Raise where the poles of a structure do not determine its coefficients of u."""
+    """Raise if the poles of a structure do not determine its coefficients of u."""
     if structure.l_u != 1:
         raise InputError(
             f"reflect_poles needs l_u = 1; this structure has l_u = {structure.l_u}, "
@@ -383,7 +385,7 @@ def require_reflectable(structure: Structure) -> None:
 
 
 def interval(pair: tuple[int, int | None]) -> tuple[int, int | None]:
-    """A pair (start, stop) of steps; stop may be None."""
+    """Return a pair (start, stop) of steps; stop may be None."""
     try:
         start, stop = pair
     except (TypeError, ValueError):
@@ -399,7 +401,7 @@ def interval(pair: tuple[int, int | None]) -> tuple[int, int | None]:
 def require_bounds(
     bounds: CoefficientBounds, structure: Structure, update: Update, theta_0: Array, reflects: bool
 ) -> None:
-    """Raise where bounds do not fit the structure, the update, theta(0) or pole reflection."""
+    """Raise if bounds do not fit the structure, the update, theta(0) or pole reflection."""
     low, high = bounds.box(structure)
     outside = np.flatnonzero((theta_0 < low) | (theta_0 > high))
     if len(outside):
@@ -410,8 +412,7 @@ def require_bounds(
         )
     if reflects:
         raise InputError(
-            "reflect_poles moves the coefficients of u to where bounds may not let them be; use "
-            "one of the two."
+            "reflect_poles may move the coefficients of u outside their bounds; use one of the two."
         )
     if isinstance(update, JointUD) and bounds.method == "metric":
         raise InputError(
@@ -421,7 +422,7 @@ def require_bounds(
 
 
 def require_fixed(fixed: Compensator, structure: Structure) -> None:
-    """Raise where a compensator in parallel does not have the controller's inputs and outputs."""
+    """Raise if the parallel compensator has other inputs or outputs than the controller."""
     widths, expected = (fixed.l_u, fixed.l_y), (structure.l_u, structure.l_y + structure.l_r)
     if widths != expected:
         raise InputError(
@@ -430,13 +431,13 @@ def require_fixed(fixed: Compensator, structure: Structure) -> None:
         )
 
 
-FLOOR = 1e-4  # of the diagonal of the mean of Phi_f' Phi_f
-SLOWEST = 0.99  # an integral counts as a lag of so many steps
-FREQUENCIES = 4097  # at which the size of G_f is summed
+FLOOR = 1e-4  # floor, relative to the diagonal of the mean of Phi_f' Phi_f
+SLOWEST = 0.99  # an integrator counts as a lag of this many steps
+FREQUENCIES = 4097  # number of frequencies for the mean gain of G_f
 
 
 def prior_weight(prior: PriorSamples, structure: Structure, target: TargetModel) -> Array:
-    """R_theta = samples * mean(Phi_f' Phi_f), of a record or of white signals of these sizes."""
+    """Return R_theta = samples * mean(Phi_f' Phi_f), of a record or of white signals."""
     widths = structure.l_u, structure.l_y, structure.l_r
     for name, signal, width in zip("uyr", (prior.u, prior.y, prior.r), widths, strict=True):
         if signal is None:
@@ -462,7 +463,7 @@ def prior_weight(prior: PriorSamples, structure: Structure, target: TargetModel)
 def mean_information(
     structure: Structure, target: TargetModel, u: Array, y: Array, r: Array | None = None
 ) -> Array:
-    """The mean of Phi_f' Phi_f over a record, with a floor of 1e-4 of its own diagonal."""
+    """Return the mean of Phi_f' Phi_f over a record, with a floor of 1e-4 of its diagonal."""
     phi = regressor_of(structure, {"u": u, "y": y, "r": r}, np.asarray)
     Phi_f = filtered_regressor(phi, target).reshape(-1, structure.l_theta)
     information = Phi_f.T @ Phi_f / len(phi)
@@ -471,7 +472,7 @@ def mean_information(
 
 
 def _of_sizes(prior: PriorSamples, structure: Structure, target: TargetModel) -> Array:
-    """The same of white signals of these sizes, each independent of the others."""
+    """Return the mean of Phi_f' Phi_f of independent white signals of these sizes."""
     omega = np.linspace(0, np.pi, FREQUENCIES)
     responses, past = target.frequency_response(omega), np.exp(-1j * omega)
     weights = np.r_[0.5, np.ones(FREQUENCIES - 2), 0.5] / (FREQUENCIES - 1)

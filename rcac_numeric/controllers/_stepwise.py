@@ -1,4 +1,4 @@
-"""Controllers whose steps are Python, and what they say of themselves for `simulate`."""
+"""Interface of controllers with Python steps."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rcac_numeric.arrays._values import Value
 
 
 class Stepper(Protocol):
-    """A controller that is at work."""
+    """Protocol of a running controller."""
 
     @property
     def k(self) -> int:
-        """Number of steps taken."""
+        """Number of completed steps."""
 
     @property
     def theta(self) -> Array:
@@ -27,14 +27,14 @@ class Stepper(Protocol):
         """u(k), shape (l_u,), from y(k) and the command."""
 
     def save(self) -> Array:
-        """Every number of its state, in one dimension."""
+        """Return the state as a one-dimensional array."""
 
     def take_up(self, values: Array) -> None:
-        """Go on from what `save` gave; ValueError where that is something else."""
+        """Restore the state that `save` returned; raise ValueError for another size."""
 
 
 class StepwiseController(Value, ABC):
-    """A controller as data that is not compiled; `simulate` runs it, one step of Python each."""
+    """Base class of controllers as data whose steps `simulate` runs in Python."""
 
     @property
     @abstractmethod
@@ -54,14 +54,14 @@ class StepwiseController(Value, ABC):
     @property
     @abstractmethod
     def l_theta(self) -> int:
-        """Number of parameters that it adapts."""
+        """Number of adapted parameters."""
 
     @abstractmethod
     def started(self) -> Stepper:
-        """The controller at step 0."""
+        """Return the controller at step 0."""
 
     def compensator_of(self, theta: ArrayLike) -> NoReturn:
-        """Refused: its gains depend on more than theta."""
+        """Raise: the gains depend on more than theta."""
         raise InputError(
             f"a {type(self).__name__} is no compensator of its theta alone: its gains come from "
             "Riccati matrices that have a state. Look at u, z and theta of the run."

@@ -1,4 +1,4 @@
-"""What the regressor of a controller is made of: a table of taps on a few scalar signals."""
+"""Controller structures: the regressor as a table of taps on scalar signals."""
 
 from __future__ import annotations
 
@@ -174,10 +174,11 @@ class Structure:
             if tap.signal == "u" and tap.delay == 0:
                 raise InputError(f"{tap} reads u(k) to compute u(k); use a delay of at least 1.")
         if len(set(self.taps)) < len(self.taps):
-            raise InputError("the taps hold the same entry twice; their coefficients would not be "
-                             "told apart.")  # fmt: skip
+            raise InputError(
+                "the taps hold the same entry twice; their coefficients would not be identifiable."
+            )
         if not self.taps:
-            raise InputError("the structure has no taps, so there is nothing to adapt.")
+            raise InputError("the structure has no taps, so it has no coefficients.")
         for signal in self.derived:
             if len(signal.now) != self.l_y + self.l_r:
                 raise InputError(
@@ -200,7 +201,7 @@ class Structure:
         return any(tap.delay == 0 for tap in self.taps)
 
     def index(self, tap: Tap) -> int:
-        """The kernel's number of a tap's scalar signal: u, y, r, then the derived ones."""
+        """Return the kernel's index of the scalar signal of a tap: u, y, r, then derived ones."""
         before = {
             "u": 0,
             "y": self.l_u,
@@ -210,10 +211,10 @@ class Structure:
         return before[tap.signal] + tap.component
 
     def compensator(self, theta: ArrayLike) -> Compensator:
-        """The fixed compensator (2.32) from [y; r] to u that the coefficients `theta` describe.
+        """Return the fixed compensator (2.32) from [y; r] to u of the coefficients `theta`.
 
-        Derived signals are multiplied out, so that an integrator shows as a pole at 1; their limits
-        are not met.
+        Derived signals are multiplied out, so that an integrator is a pole at 1; their limits are
+        ignored.
         """
         values = real_array(theta, "theta").reshape(-1)
         if values.size != self.l_theta:
@@ -254,5 +255,5 @@ class Structure:
 
 
 def polynomial_with(poles: Sequence[float]) -> Array:
-    """The coefficients of prod (1 - pole q^{-1}) in powers of q^{-1}."""
+    """Return the coefficients of prod (1 - pole q^{-1}) in powers of q^{-1}."""
     return np.atleast_1d(np.poly(poles)).astype(np.float64)

@@ -1,4 +1,4 @@
-"""What watches a controller while it runs, what it does in trouble, and what it has noted."""
+"""Supervision of a running controller: detection, policies, records."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rcac_numeric.arrays._validation import instance_of, integer, number, one_of
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator
 
-# In the order of the kernel's numbers.
+# In the order of the kernel's indices.
 POLICIES = ("off", "warn", "freeze", "bound", "reset", "fallback")
 TROUBLES = ("windup", "large z", "saturated", "missed sample", "jump", "overflow")
 ACTIONS = ("frozen", "bounded", "restored", "reset", "to fallback", "to adaptive")
@@ -23,7 +23,7 @@ WHERE_MISSED = ("hold", "fallback")
 
 
 class SupervisionWarning(UserWarning):
-    """A controller that is driven step by step noticed a trouble for the first time."""
+    """The supervision of a `Controller` detected a trouble for the first time."""
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
@@ -108,15 +108,17 @@ fade=0.9, missed='hold')
         if not 0 <= self.fade < 1:
             raise InputError(f"fade = {self.fade} is not in [0, 1).")
         if self.fallback is None and "fallback" in (self.policy, self.missed):
-            raise InputError("there is no fallback to switch to; give fallback = Compensator(...).")
+            raise InputError(
+                'the policy "fallback" needs a compensator; give fallback = Compensator(...).'
+            )
 
     @property
     def is_on(self) -> bool:
-        """Whether anything is noted."""
+        """Whether the supervision records troubles."""
         return self.policy != "off"
 
     def require_widths(self, l_u: int, l_e: int) -> None:
-        """Raise where the fallback does not read [y; r] of l_e entries and make l_u of u."""
+        """Raise unless the fallback maps [y; r] of l_e entries to u of l_u entries."""
         if self.fallback is None:
             return
         widths = self.fallback.l_y, self.fallback.l_u
@@ -129,7 +131,7 @@ fade=0.9, missed='hold')
 
 @dataclass(frozen=True)
 class TroubleCount(Truth):
-    """How often something was noted.
+    """Number and extent of the occurrences of a trouble.
 
     Attributes
     ----------
@@ -156,7 +158,7 @@ class TroubleCount(Truth):
 
 @dataclass(frozen=True)
 class SupervisionEvent(Truth):
-    """The beginning of a trouble, or something that was done; at a step, with its value.
+    """The start of a trouble, or an action, with its step and value.
 
     Examples
     --------
@@ -176,7 +178,7 @@ class SupervisionEvent(Truth):
 
 @dataclass(frozen=True)
 class SupervisionRecord(Truth):
-    """What the supervision of a controller has noted and done.
+    """The record of the supervision: troubles and actions.
 
     Attributes
     ----------
@@ -209,7 +211,7 @@ class SupervisionRecord(Truth):
 
     @classmethod
     def of(cls, noted: Sequence[Any]) -> SupervisionRecord:
-        """What the kernel has noted."""
+        """Return the record of a compiled controller."""
         counts, entries, growth, frozen, fallback = noted
         if not counts:
             return cls({}, (), growth, frozen, fallback)
@@ -224,7 +226,7 @@ class SupervisionRecord(Truth):
 
     def __str__(self) -> str:
         if not self.troubles:
-            return "nothing was noted"
+            return "no trouble recorded"
         lines = []
         for name, count in self.troubles.items():
             times = "once" if count.episodes == 1 else f"{count.episodes} times"

@@ -1,4 +1,4 @@
-"""What every update of the controller coefficients is."""
+"""Interface of the updates of the controller coefficients."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from rcac_numeric.targets._model import TargetModel
 
 
 class Update(Value):
-    """An update of the controller coefficients; what `ControllerSettings` takes as `update`."""
+    """Base class of updates; the type of `ControllerSettings.update`."""
 
-    name: ClassVar[str] = ""  # in experiment files, reports and the kernel
+    name: ClassVar[str] = ""  # name in experiment files, reports and the kernel
 
     @property
     def keeps_covariance(self) -> bool:
-        """Whether a covariance goes from step to step, which a reset can set back."""
+        """Whether the update has a covariance that a reset can set back."""
         return False
 
     def require_size(self, l_theta: int) -> None:
-        """Raise where a matrix of the update does not fit l_theta coefficients."""
+        """Raise if a matrix of the update does not fit l_theta coefficients."""
 
     def require_problem(self, targets: Sequence[TargetModel], n_c: int, penalises: bool) -> None:
-        """Raise where the update is not for these target models, n_c, or a weight R_u."""
+        """Raise if the update does not support these target models, n_c, or R_u."""
 
     def __repr__(self) -> str:
-        """The settings that differ from their defaults."""
+        """Return a repr with the settings that differ from their defaults."""
         words = []
         for name, parameter in signature(type(self)).parameters.items():
             value = getattr(self, name)
@@ -47,7 +47,7 @@ class Update(Value):
 
 
 def weight(value: ArrayLike | PriorSamples, name: str, *, definite: bool = False) -> float | Array:
-    """A weight as a number or a symmetric matrix, checked before its size is known.
+    """Converter: return a weight as a number or a symmetric matrix, of any size.
 
     R_theta may be a `PriorSamples` until `ControllerSettings` puts the matrix in its place.
     """
@@ -62,12 +62,12 @@ def weight(value: ArrayLike | PriorSamples, name: str, *, definite: bool = False
 
 
 def weight_like(value: ArrayLike | PriorSamples) -> float | Array:
-    """What a field takes that `weight` reads; for type checkers."""
+    """Typing stub: argument type of a weight."""
     return cast(float, value)
 
 
 def optional_weight_like(value: ArrayLike | None) -> float | Array | None:
-    """The same of a field that may be None."""
+    """Typing stub: argument type of a weight that may be None."""
     return cast(float, value)
 
 

@@ -68,7 +68,7 @@ Weight = Array | SignalWeight | WeightFunction
 def weight(
     value: ArrayLike | SignalWeight | WeightFunction, name: str, l_z: int, *, definite: bool
 ) -> Weight:
-    """A weight of (2.41) as it is kept."""
+    """Converter: return a weight of (2.41)."""
     if isinstance(value, SignalWeight):
         if definite and value.constant == 0:
             raise InputError(

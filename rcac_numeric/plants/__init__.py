@@ -1,1 +1,1 @@
-"""What is controlled, as data: linear, scheduled, nonlinear, saturated."""
+"""Plants as data: linear, scheduled, nonlinear, saturated."""

@@ -1,4 +1,4 @@
-"""What every plant says of itself: its sizes, and how its exogenous input is divided."""
+"""Interface of plants: sizes, and the blocks of the exogenous input."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from rcac_numeric.arrays._validation import instance_of, integer
 
 
 class AnyPlant(Protocol):
-    """A plant of any kind: `Plant`, `PlantSchedule`, `FunctionPlant`, or one of your own.
+    """Protocol of plants: `Plant`, `PlantSchedule`, `FunctionPlant`, or a custom class.
 
-    The engine knows how to run those that `rcac_numeric.compiled._plants` has registered.
+    The engine runs the classes that are registered in `rcac_numeric.compiled._plants`.
     """
 
     @property
@@ -37,7 +37,7 @@ class AnyPlant(Protocol):
 
     @property
     def blocks(self) -> Mapping[str, int]:
-        """How w is divided: the names of its blocks and their widths."""
+        """Names and widths of the blocks of w."""
 
     @property
     def y_needs_u(self) -> bool:
@@ -49,7 +49,7 @@ class AnyPlant(Protocol):
 
 
 def blocks_of_w(blocks: object, l_w: int) -> dict[str, int]:
-    """How w is divided; one block "w" where nothing is said."""
+    """Return names and widths of the blocks of w; one block "w" by default."""
     named_blocks = instance_of(blocks, "blocks", Mapping)
     read = {
         instance_of(name, "the name of a block", str): integer(width, f"the width of {name!r}")
@@ -61,6 +61,6 @@ def blocks_of_w(blocks: object, l_w: int) -> dict[str, int]:
 
 
 def block_start(plant: AnyPlant, name: str) -> int:
-    """The number of channels of w before those of a block."""
+    """Return the index of the first channel of a block of w."""
     names = list(plant.blocks)
     return sum(plant.blocks[before] for before in names[: names.index(name)])

@@ -1,4 +1,4 @@
-"""Whatever another package calls a system, as a plant, and the proof that it is the same one."""
+"""Plants from systems of other packages, with a check of the frequency response."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ from rcac_numeric.plants._schedules import PlantSchedule
 from rcac_numeric.plants._zero_order_hold import zero_order_hold
 
 METHODS = ("zoh", "bilinear")
-CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))  # where plant and source are compared
+# Points at which the responses of plant and source are compared.
+CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))
 LARGEST_GAP = 1e-8
 
 
@@ -77,8 +78,9 @@ def plant_of(
     >>> plant_of(control.tf([1], [1, 1]))
     Traceback (most recent call last):
         ...
-    compensator_theory.errors.InputError: this TransferFunction is in continuous time, and RCAC runs
-    in discrete time; say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").
+    compensator_theory.errors.InputError: this TransferFunction is in continuous time, and RCAC
+        runs in discrete time; give the sample time and method: plant_of(system, sample_time=0.01,
+        method="zoh").
     """
     one_of(method, "method", METHODS)
     if sample_time is not None:
@@ -104,9 +106,9 @@ def plant_of(
 
 
 def as_plant(system: Any) -> Any:
-    """A plant as it is; a text or a system, ours or foreign, by `plant_of`; an exact problem.
+    """Convert a text, system or exact problem to a plant; return a plant unchanged.
 
-    What is neither is handed back, for the caller to refuse by its own name.
+    Other values are returned, so that the caller refuses them with its argument name.
     """
     if type(system) in (Plant, PlantSchedule, FunctionPlant):
         return system
@@ -116,12 +118,12 @@ def as_plant(system: Any) -> Any:
 
 
 def agreed_time(system: Any, sample_time: float | None) -> float | None:
-    """The sample time of a system, or the one that was named; two that differ are refused."""
+    """Return the sample time of a system or the requested one; refuse two that differ."""
     return agreed_times([system], sample_time)
 
 
 def agreed_times(systems: Sequence[Any], sample_time: float | None = None) -> float | None:
-    """The sample time that systems share, with the one that was named."""
+    """Return the common sample time of systems and of the request."""
     if sample_time is not None:
         positive_time(sample_time, "sample_time")
     periods = [sample_time_of(system) for system in systems]
@@ -132,24 +134,24 @@ def agreed_times(systems: Sequence[Any], sample_time: float | None = None) -> fl
 
 
 def linear_plant(system: Any, name: str = "plant") -> Plant:
-    """A linear plant, ours or one that `plant_of` reads."""
+    """Return a linear plant; systems are read by `plant_of`."""
     read = as_plant(system)
     if isinstance(read, FunctionPlant):
         raise InputError(
-            f"{name} is nonlinear, and a linear one is needed: linearise it where the loop is to "
-            "work, for instance with control.linearize(system, x, u)."
+            f"{name} is nonlinear, and a linear one is needed: linearise it at the operating "
+            f"point, for instance with control.linearize(system, x, u)."
         )
     linear: Plant = instance_of(read, name, Plant)
     return linear
 
 
 def _is_own(system: Any) -> bool:
-    """Whether it says of itself what a plant says; the engine decides whether it can run it."""
+    """Whether a value has the attributes of a plant; the engine decides whether it runs."""
     return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
 
 
 def rounded_once(realisation: exact.Realisation) -> tuple[Array, Array, Array, Array]:
-    """A, B, C and D in float64, each entry rounded once; symbols are refused by name."""
+    """Return A, B, C, D in float64, each entry rounded once; symbols are refused by name."""
     A, B, C, D = (
         np.reshape(rounded(list(entries), name), entries.shape)
         for name, entries in zip(
@@ -166,7 +168,7 @@ def _sampled(
         kind = "text" if isinstance(system, str) else type(system).__name__
         raise InputError(
             f"this {kind} is in continuous time, and RCAC runs in discrete time; "
-            'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
+            'give the sample time and method: plant_of(system, sample_time=0.01, method="zoh").'
         )
     A, B, C, D = rounded_once(realisation)
     if method == "zoh":
@@ -179,13 +181,13 @@ def _sampled(
 
 
 def _matched(A: Array, B: Array, C: Array, D: Array, period: float | None) -> Plant:
-    """The standard problem with w at the inputs."""
+    """Return the standard problem with w at the inputs."""
     return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
 
 
 def _verified(plant: Plant, system: Any, realisation: exact.Realisation, method: str) -> Plant:
-    """The plant, whose response was compared with that of the system itself."""
-    if method == "zoh":  # its own rounding is bounded; the entries are compared by its tests
+    """Return the plant after comparing its frequency response with that of the system."""
+    if method == "zoh":  # the rounding of zero_order_hold is bounded
         return plant
     points = CHECKED
     if method == "bilinear":
@@ -210,7 +212,7 @@ def _response(plant: Plant, points: ComplexArray) -> ComplexArray:
 
 
 def _response_of(system: Any, realisation: exact.Realisation, points: ComplexArray) -> ComplexArray:
-    """The response as the system's own package computes it; of SymPy's from its exact matrix."""
+    """Return the frequency response from the system's package; for SymPy from the exact matrix."""
     package = type(system).__module__.split(".")[0]
     with np.errstate(all="ignore"):
         if package == "control":
@@ -235,13 +237,13 @@ def _values(polynomial: Any, points: ComplexArray) -> ComplexArray:
 
 
 def is_nonlinear(system: Any) -> bool:
-    """Whether it is a system of python-control that is given by functions alone."""
+    """Whether a value is a nonlinear python-control system."""
     is_control = type(system).__module__.split(".")[0] == "control"
     return is_control and hasattr(system, "dynamics") and not hasattr(system, "A")
 
 
 def plant_of_nonlinear(system: Any, sample_time: float | None) -> FunctionPlant:
-    """A discrete `nlsys`, or nonlinear `interconnect`, with w added to its inputs and y = z."""
+    """Return the plant of a discrete `nlsys` or `interconnect`, w added to the inputs, y = z."""
     kind = type(system).__name__
     if sample_time is not None or not system.isdtime(strict=True):
         raise InputError(
@@ -250,7 +252,7 @@ def plant_of_nonlinear(system: Any, sample_time: float | None) -> FunctionPlant:
         )
     n, l_u, l_y = system.nstates, system.ninputs, system.noutputs
     if not (l_u and l_y) or n is None:
-        raise InputError(f"this {kind} does not say its inputs, outputs and states; name them.")
+        raise InputError(f"this {kind} has no names of inputs, outputs and states; give them.")
     period = 1.0 if system.dt is True else float(system.dt)
     plant = FunctionPlant(
         advance=Advance(system, period), output=Output(system, period),
@@ -261,14 +263,14 @@ def plant_of_nonlinear(system: Any, sample_time: float | None) -> FunctionPlant:
     at_rest = np.ravel(system.output(0.0, x, np.zeros(l_u)))
     if not np.array_equal(at_rest, np.ravel(system.output(0.0, x, rng.standard_normal(l_u)))):
         raise InputError(
-            f"the output of this {kind} depends on its input at once; put one step of delay at its "
-            "input."
+            f"the output of this {kind} depends directly on its input (feedthrough); add one step "
+            f"of delay at its input."
         )
     return plant
 
 
 class Advance:
-    """The state at the next step: f(t, x, u + w)."""
+    """State update of a python-control system: f(t, x, u + w)."""
 
     def __init__(self, system: Any, period: float) -> None:
         self.system, self.period = system, period
@@ -279,7 +281,7 @@ class Advance:
 
 
 class Output:
-    """The measurement, which is the performance variable too."""
+    """Output of a python-control system: y = z."""
 
     def __init__(self, system: Any, period: float) -> None:
         self.system, self.period = system, period

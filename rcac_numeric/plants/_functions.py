@@ -108,13 +108,13 @@ class FunctionPlant(Value):
 
 
 def _is_compiled(function: object) -> bool:
-    from scipy import LowLevelCallable  # only who writes a plant as functions waits for SciPy
+    from scipy import LowLevelCallable  # imported here: only plants given by functions need SciPy
 
     return isinstance(function, LowLevelCallable)
 
 
 def _require_signature(function: LowLevelCallable, name: str) -> None:
-    """Both functions take a step, four arrays and the user's data, and return an int."""
+    """Raise unless the function takes a step, four arrays and user data, and returns an int."""
     signature = function.signature.replace(" ", "")
     steps = ("int64_t", "long", "longlong", "int64")
     if signature not in {ADVANCE.replace(" ", "").replace("int64_t", step) for step in steps}:

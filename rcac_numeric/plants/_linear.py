@@ -28,7 +28,7 @@ from rcac_numeric.arrays._wording import matrix_latex
 from rcac_numeric.plants._any_plant import blocks_of_w
 
 if TYPE_CHECKING:
-    from sympy import Poly  # read only when a polynomial is asked for
+    from sympy import Poly  # imported only for polynomials
 
 MATRICES = ("A", "B", "D_1", "C", "D_0", "D_2", "E_1", "E_2", "E_0")
 
@@ -151,7 +151,7 @@ class Plant(Value):
         Raises
         ------
         BudgetError
-            Where there are more states than full matrices are made for.
+            Where the plant has more states than full matrices are computed for.
         """
         require_dense(self.n, "the plant")
         period = self.sample_time

@@ -1,4 +1,4 @@
-"""Plants made from transfer functions and exact problems, each entry rounded once."""
+"""Plants from transfer functions and exact problems, each entry rounded once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rcac_numeric.plants._linear import MATRICES, Plant
 
 
 def exact_realisation(system: Any, variable: str | None = None) -> exact.Realisation:
-    """The exact realisation, in the system's own basis where it has one, else a minimal one.
+    """Return the exact realisation: that of a state space, else a minimal one.
 
     A scalar transfer function is realised with its common factors.
     """
@@ -32,7 +32,7 @@ def exact_realisation(system: Any, variable: str | None = None) -> exact.Realisa
 
 
 def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | None = None) -> Plant:
-    """An exact standard problem, each entry rounded once to float64."""
+    """Return the plant of an exact standard problem, each entry rounded once."""
     matrices: dict[str, Any] = {
         name: rounded(list(getattr(problem, name)), name).reshape(getattr(problem, name).shape)
         for name in MATRICES
@@ -103,7 +103,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
         matrices = {**own, "variable": p.variable, "sample_time": p.sample_time, **matrices}
     variable = matrices.get("variable")
     if G is not None and shape_of(G, variable) != (1, 1):
-        # Inputs and disturbances are matched, in the system's own basis or a minimal one.
+        # Inputs and disturbances are matched, in the basis of the system or a minimal one.
         realisation = exact_realisation(G, variable)
         own = {
             "A": realisation.A,
@@ -121,7 +121,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
 
 
 def realised_row(entries: list[Any]) -> dict[str, Any]:
-    """A, B and C of one row of strictly proper transfer functions, in observer canonical form.
+    """Return A, B, C of a row of strictly proper transfer functions, observer canonical form.
 
     Its order is the degree of the least common denominator D, so that it is controllable where the
     numerators over D and D itself have no factor in common.
@@ -160,7 +160,7 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
 
 
 def sample_time_of(system: Any) -> float | None:
-    """The sample time of a system; None where it has none, or of a text."""
+    """Return the sample time of a system; None for a text or without one."""
     if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:
@@ -170,7 +170,7 @@ def sample_time_of(system: Any) -> float | None:
 
 
 def plant_of_problem(problem: exact.StandardProblem) -> Plant:
-    """The plant of an exact standard problem in discrete time."""
+    """Return the plant of an exact standard problem in discrete time."""
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
             f"the standard problem is in {problem.variable}, and plants here are in discrete time: "
@@ -181,7 +181,7 @@ def plant_of_problem(problem: exact.StandardProblem) -> Plant:
 
 
 def _discrete(problem: exact.StandardProblem, call: str) -> exact.StandardProblem:
-    """The problem in q, as compensators and target models are; `call` makes it of a plant."""
+    """Return the problem in q; a continuous plant is refused with the call `call`."""
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
             f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. ",

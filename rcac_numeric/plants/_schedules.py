@@ -1,4 +1,4 @@
-"""Linear plants that change while they run."""
+"""Linear plants that change during a run."""
 
 from __future__ import annotations
 
@@ -103,9 +103,9 @@ class PlantSchedule(Value):
         if changes[0].start != 0 or changes[0].state_map is not None:
             raise InputError("the first change must begin at step 0, without a state map.")
         if changes[-1].ramp:
-            raise InputError("the last change cannot ramp: there is nothing to ramp to.")
+            raise InputError("the last change cannot ramp: no plant follows it.")
         sizes = _sizes(changes[0].plant)
-        advice = "all plants of a schedule are sampled alike: resample one."
+        advice = "all plants of a schedule need the same sample time: resample one."
         agreed_period(*(c.plant.sample_time for c in changes), at="a plant", remedy=advice)
         for before, now in pairwise(changes):
             if now.start <= before.start:
@@ -119,15 +119,15 @@ class PlantSchedule(Value):
                 matrix(now.state_map, "state_map", (n, n_before))
             elif n != n_before:
                 raise InputError(
-                    f"the plant at {now.start} has {n} states after {n_before}; say by state_map "
-                    "what becomes of the state."
+                    f"the plant at {now.start} has {n} states after {n_before}; give state_map, "
+                    f"the matrix from the old state to the new one."
                 )
             if before.ramp and n != n_before:
                 raise InputError(f"the ramp from {before.start} joins plants of different order.")
 
     @property
     def sample_time(self) -> float | None:
-        """The sample time of its plants, in seconds; None where none of them has one."""
+        """Sample time of the plants, in seconds; None if no plant has one."""
         period: float | None = agreed_period(*(change.plant.sample_time for change in self.changes))
         return period
 
@@ -137,7 +137,7 @@ class PlantSchedule(Value):
         return self.changes[0].plant
 
     def at(self, k: int) -> PlantChange:
-        """The change that is in force at step k; a ramp counts as where it began."""
+        """Return the change in force at step k; during a ramp, the plant at its start."""
         return [change for change in self.changes if change.start <= k][-1]
 
     @property
@@ -191,17 +191,19 @@ def _sizes(plant: Plant) -> tuple[int, int, int, int, int]:
 
 
 def plant_at(plant: AnyPlant, k: int) -> Plant:
-    """The plant at step k; a delay of its input is written out as states."""
+    """Return the plant at step k, with an input delay as states."""
     if isinstance(plant, Plant):
         return plant
     if not isinstance(plant, PlantSchedule):
-        raise InputError(f"{plant!r} is not linear, so it has no fixed loop at a step.")
+        raise InputError(
+            f"{plant!r} is not linear, so the loop at a step has no transfer function."
+        )
     change = plant.at(k)
     return _delayed(_moved(plant, change, k), change.delay)
 
 
 def measuring_command(plant: Plant) -> Plant:
-    """The plant with y and the command r as its measurement, for a controller that reads both."""
+    """Return the plant with measurement [y; r], for a controller that reads the command."""
     l_r = plant.blocks.get("r", 0)
     start = block_start(plant, "r") if l_r else 0
     reads = np.zeros((l_r, plant.l_w))
@@ -218,7 +220,7 @@ def measuring_command(plant: Plant) -> Plant:
 
 
 def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
-    """The plant of a change, at step k of its ramp."""
+    """Return the interpolated plant at step k of a ramp."""
     if not change.ramp or k == change.start:
         return change.plant
     end = next(b for a, b in pairwise(plant.changes) if a is change)
@@ -230,9 +232,9 @@ def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
     return Plant(**matrices, blocks=plant.first.blocks)
 
 
-@lru_cache(maxsize=32)  # made exactly, and asked for at every kept theta of a run
+@lru_cache(maxsize=32)  # cached: exact, and evaluated at every stored theta of a run
 def _delayed(plant: Plant, delay: int) -> Plant:
-    """[x; u(k-1); ...; u(k-delay)] as the state."""
+    """Return the plant with the state [x; u(k-1); ...; u(k-delay)]."""
     if delay == 0:
         return plant
     from sympy import ImmutableMatrix, eye, zeros

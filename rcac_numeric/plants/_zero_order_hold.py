@@ -13,7 +13,7 @@ from compensator_theory.polynomials._ball_precision import at_growing_precision
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import matrix, number, real_array
 
-# Bits of the balls: at first, and at most; a norm of h A of 1e150 is done with what is between.
+# Precision of the balls in bits: first and largest; enough for a norm of h A of 1e150.
 FEWEST_BITS, MOST_BITS = 256, 1 << 14
 
 
@@ -43,7 +43,7 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
 
     Notes
     -----
-    By ball arithmetic, so that the rounding is bounded and not guessed. Section 3.2.1 calls its
+    Ball arithmetic bounds the rounding error. Section 3.2.1 calls its
     matrices (3.3) and (3.4) an Euler discretisation; they are this one.
 
     Examples
@@ -65,8 +65,8 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
         size = h * float(np.abs(A).max())
         raise InputError(
             f"exp(h A) was not enclosed with {MOST_BITS} bits: h A has an entry of {size:.3g}. "
-            "Write the states in units of like size, or leave out what is that much faster than "
-            "the sampling."
+            "Scale the states to like size, or remove modes that are that much faster than the "
+            "sampling."
         )
     if not np.isfinite(both).all():
         fastest = float(np.linalg.eigvals(A).real.max(initial=0.0))
@@ -78,14 +78,14 @@ def zero_order_hold(A: ArrayLike, B: ArrayLike, h: float) -> tuple[Array, Array]
 
 
 def _exponential(generator: Array, h: float) -> Array | None:
-    """exp(h generator), each entry rounded once; None where the balls stay too wide."""
+    """Return exp(h generator), each entry rounded once; None if the balls stay too wide."""
     period = _decimal(h)
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
 
     def attempt(_: int) -> Array | None:
         exponential = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
         entries = [exponential[i, j] for i in range(len(rows)) for j in range(len(rows))]
-        tiny = arb(2) ** -1100  # below float64 nothing is left to decide
+        tiny = arb(2) ** -1100  # below float64: rounded to zero
         if not all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
             return None
         values = [float(x.mid()) for x in entries]

@@ -1,4 +1,4 @@
-"""Commands that a plant can follow: lags of first and second order with limits."""
+"""Reference filters: lags of first and second order with limits."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class FilteredCommand(Signal):
 
     @property
     def steps_known(self) -> int | None:
-        """That of the signal, and one: x(k) knows r(k-1)."""
+        """Number of known steps of the signal plus one: x(k) depends on r(k-1)."""
         known = self.signal.steps_known
         return None if known is None else known + 1
 
@@ -143,7 +143,7 @@ class FilteredCommand(Signal):
 
     @property
     def _gains(self) -> tuple[float, float]:
-        """The gain from the distance to the rate, and the share of a rate that is taken over."""
+        """Return the gains from the distance to the rate, and from the rate to the next rate."""
         if self.zeta is None:
             return -expm1(-self.omega), 1.0
         share, bend = -expm1(-2 * self.zeta * self.omega), 1 - self.zeta**2

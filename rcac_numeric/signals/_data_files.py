@@ -1,4 +1,4 @@
-"""Variables of a log file, whatever wrote it: .csv, .mat up to version 7, .npz."""
+"""Variables of log files: .csv, .mat up to version 7, .npz."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NUMBERED = re.compile(r"(.*?[^\W\d_])[_(\[]?(\d{1,6})[)\]]?$")
 
 
 def read_variables(path: str | Path) -> dict[str, Array]:
-    r"""Every numeric variable of a file, by name."""
+    r"""Read every numeric variable of a file, by name."""
     file = Path(path)
     readers: dict[str, Callable[[Path], Mapping[str, np.ndarray]]] = {
         ".csv": _columns, ".mat": read_mat, ".npz": read_npz,
@@ -40,7 +40,7 @@ def read_variables(path: str | Path) -> dict[str, Array]:
 
 
 def _columns(file: Path) -> dict[str, Array]:
-    """The columns, and under the common name those that are numbered without a gap."""
+    """Return the columns; consecutively numbered columns also as one array."""
     names, table = read_table(file, named=True)
     columns = {name: table[:, [j]] for j, name in enumerate(names)}
     members: dict[str, dict[int, Array]] = {}
@@ -56,7 +56,7 @@ def _columns(file: Path) -> dict[str, Array]:
 
 
 def _numeric(contents: Mapping[str, np.ndarray]) -> dict[str, Array]:
-    """The arrays of numbers. Complex ones stay so: who needs them as real numbers refuses them."""
+    """Return the numeric arrays; the caller refuses complex ones if needed."""
     variables: dict[str, Array] = {}
     for name, value in contents.items():
         if value.dtype.kind in "iufb" and value.size:

@@ -1,6 +1,6 @@
-"""Numeric variables of .mat files, versions 4 to 7, read so that no damaged file can do harm.
+"""Safe reader of numeric variables of .mat files, versions 4 to 7.
 
-SciPy's reader is C that trusts the types and sizes in the file, and dies of a segmentation fault
+SciPy's reader is C code that trusts the types and sizes in the file, and has a segmentation fault
 where they are wrong; here every size is checked against what is there before it is used.
 """
 
@@ -28,11 +28,11 @@ COMPLEX_FLAG = 0x0800
 
 
 class DamagedError(ValueError):
-    """What is wrong in a file; the reader adds which file."""
+    """A defect of a .mat file; the reader adds the file name."""
 
 
 def read_mat(file: Path) -> dict[str, np.ndarray]:
-    """The numeric arrays of a file by name; texts, cells and structures are left out."""
+    """Read the numeric arrays of a file by name; texts, cells and structures are skipped."""
     contents, limit = file.read_bytes(), ReadingLimit(file)
     try:
         if b"\0" in contents[:4]:
@@ -50,13 +50,13 @@ def read_mat(file: Path) -> dict[str, np.ndarray]:
 
 
 def _version(contents: bytes) -> int:
-    """The major version in the header: 1 for 5 to 7, 2 for 7.3."""
+    """Return the major version in the header: 1 for 5 to 7, 2 for 7.3."""
     tail = contents[124:128]
     return tail[1 if tail[2:] == b"IM" else 0] if len(tail) == 4 else 0
 
 
 class _Version5:
-    """A file as a sequence of elements: a type, a number of bytes, and so many bytes."""
+    """Parser of the elements of a version 5 file: a type, a number of bytes, the data."""
 
     def __init__(self, contents: bytes, order: str, limit: ReadingLimit) -> None:
         self.contents, self.order, self.limit = contents, order, limit
@@ -88,7 +88,7 @@ class _Version5:
         room = MOST_BYTES - self.unpacked
         data = stream.decompress(body, room)
         if stream.unconsumed_tail:
-            self.limit.take([self.limit.left + 1])  # says what is too much
+            self.limit.take([self.limit.left + 1])  # raises with the name of the limit
         if not stream.eof:
             raise DamagedError("a compressed variable ends too soon")
         self.unpacked += len(data)
@@ -119,12 +119,12 @@ class _Version5:
         if any(len(part) != count for part in parts):
             raise DamagedError(f"{name} of shape {tuple(shape)} has {len(parts[-1])} entries")
         kind = CLASSES[code & 0xFF]
-        with np.errstate(invalid="ignore", over="ignore"):  # damaged numbers are numbers
+        with np.errstate(invalid="ignore", over="ignore"):  # damaged values cannot be detected
             values = parts[0].astype(kind) if len(parts) == 1 else _complex(*parts)
         return name, values.reshape(shape, order="F")
 
     def _sparse(self, body: memoryview, shape: list[int], *, is_complex: bool) -> np.ndarray:
-        """All entries of a sparse matrix, written out."""
+        """Return a sparse matrix as a full array."""
         self.limit.take(shape)
         rows, body = self._element(body)
         starts, body = self._element(body)
@@ -145,7 +145,7 @@ class _Version5:
         return full
 
     def _element(self, view: memoryview) -> tuple[np.ndarray, memoryview]:
-        """The numbers of the next element, and what follows it."""
+        """Return the numbers of the next element and the remaining bytes."""
         if len(view) < 8:
             raise DamagedError("a variable ends too soon")
         (first,) = struct.unpack(self.order + "I", view[:4])

@@ -16,7 +16,7 @@ LONGEST_NAME = 1000
 
 
 def read_version_4(contents: bytes, limit: ReadingLimit) -> dict[str, np.ndarray]:
-    """The numeric arrays by name; texts are left out."""
+    """Read the numeric arrays by name; texts are skipped."""
     variables: dict[str, np.ndarray] = {}
     view = memoryview(contents)
     try:
@@ -59,7 +59,7 @@ def _variable(view: memoryview, order: str, limit: ReadingLimit) -> tuple[str, A
 
 
 def _sparse(table: np.ndarray, limit: ReadingLimit) -> np.ndarray:
-    """Rows (i, j, value), or (i, j, real, imaginary), from 1 on; the last one is the shape."""
+    """Return a full array from rows (i, j, value) or (i, j, real, imaginary), counted from 1."""
     if len(table) < 1 or table.shape[1] not in (3, 4) or not (abs(table[:, :2]) < 2**31).all():
         raise ValueError("a sparse matrix has no shape")
     where = table[:, :2].astype(np.int64)

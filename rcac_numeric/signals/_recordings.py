@@ -1,4 +1,4 @@
-"""Recorded signals: as arrays, and in files as columns of text or as NumPy arrays."""
+"""Recorded signals: arrays, and files with text columns or NumPy arrays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rcac_numeric.signals._text_tables import read_table
 
 @attrs.frozen(eq=False, slots=False)
 class Recorded(Signal):
-    """A record, one value for each step from step 0 on; nothing is known beyond its end.
+    """A record, one value for each step from step 0 on, without values beyond its end.
 
     More steps than were recorded are refused, also of a sum.
 
@@ -54,11 +54,11 @@ class Recorded(Signal):
 
     @property
     def steps_known(self) -> int:
-        """How long the record is."""
+        """Number of recorded steps."""
         return int(self.record.size)
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:
-        """The first entries of the record."""
+        """Return the first values of the record."""
         return self.record[:steps].copy()
 
 

@@ -1,4 +1,4 @@
-"""Signals made of pieces, one after another: levels, and other signals."""
+"""Piecewise signals: levels, and sequences of signals."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class Piecewise(Signal):
 
     @property
     def steps_known(self) -> int | None:
-        """That of the last signal."""
+        """Number of known steps of the last signal."""
         return self.pieces[-1][1].steps_known
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:

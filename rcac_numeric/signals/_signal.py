@@ -1,4 +1,4 @@
-"""Scalar signals that can be added and scaled, and the exogenous input that they make."""
+"""Scalar signals with addition and scaling, and the exogenous input w."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class Signal(Value, ABC):
     @property
     @abstractmethod
     def description(self) -> str:
-        """The signal in a few words, for reports and errors."""
+        """Short description of the signal, for reports and errors."""
 
     @abstractmethod
     def values(self, steps: int, rng: np.random.Generator) -> Array:
-        """The values at k = 0, ..., steps-1, no more than are known; shape (steps,)."""
+        """Return the values at k = 0, ..., steps-1, at most `steps_known`; shape (steps,)."""
 
     @property
     def steps_known(self) -> int | None:
-        """How many steps are known; None: all of them."""
+        """Number of known steps; None for all."""
         return None
 
     def samples(self, steps: int, rng: np.random.Generator | None = None) -> Array:
@@ -50,11 +50,11 @@ class Signal(Value, ABC):
         return self.values(steps, np.random.default_rng(0) if rng is None else rng)
 
     def require_length(self, steps: int) -> None:
-        """Refuse a run of more steps than are known."""
+        """Raise if a run has more steps than are known."""
         if self.steps_known is not None and steps > self.steps_known:
             raise InputError(
                 f"the signal {self.description} is known for {self.steps_known} steps, but "
-                f"{steps} are asked for. Shorten the run; `Levels` would hold the last value."
+                f"{steps} are requested. Shorten the run; `Levels` would hold the last value."
             )
 
     def __add__(self, other: Signal) -> Signal:
@@ -70,7 +70,7 @@ class Signal(Value, ABC):
 
 @attrs.frozen(eq=False, slots=False)
 class Sum(Signal):
-    """A sum of signals, added in their order; what `+` makes.
+    """A sum of signals, the result of `+`.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class Sum(Signal):
 
     @property
     def steps_known(self) -> int | None:
-        """That of the shortest part."""
+        """Number of known steps of the shortest part."""
         return min((n for part in self.parts if (n := part.steps_known) is not None), default=None)
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:
@@ -111,7 +111,7 @@ class Sum(Signal):
 
 @attrs.frozen(eq=False, slots=False)
 class Scaled(Signal):
-    """A signal times a number; what `*` makes."""
+    """A signal times a number, the result of `*`."""
 
     factor: float
     signal: Signal
@@ -127,7 +127,7 @@ class Scaled(Signal):
 
     @property
     def steps_known(self) -> int | None:
-        """That of the signal."""
+        """Number of known steps of the signal."""
         return self.signal.steps_known
 
     def values(self, steps: int, rng: np.random.Generator) -> Array:

@@ -16,7 +16,7 @@ from rcac_numeric.arrays._wording import shortened
 
 
 def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
-    r"""The names of a table's columns, and its numbers; shape (rows, columns)."""
+    r"""Read the column names of a table and its numbers; shape (rows, columns)."""
     try:
         with _opened(file) as stream:
             head, row, delimiter = _first_row(file, stream)
@@ -28,7 +28,9 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
             for _ in range(skipped):
                 stream.readline()
             table = _table(stream, delimiter)
-        if table is None or table.shape[1] != len(row):  # slower, but it knows what is wrong
+        if table is None or table.shape[1] != len(
+            row
+        ):  # slower, but reports the line and the column of an error
             labels = names or [str(i) for i in range(1, len(row) + 1)]
             with _opened(file) as stream:
                 table = _checked_table(file, stream, skipped, labels, delimiter)
@@ -43,7 +45,7 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
 
 
 def as_number(text: str) -> float | None:
-    """The number that a text is, or None; 1_000 is Python, and no number in a file."""
+    """Return the number of a text, or None; Python's 1_000 is refused."""
     try:
         return None if "_" in text else float(text)
     except ValueError:
@@ -55,7 +57,7 @@ def _opened(file: Path) -> TextIO:
 
 
 def _first_row(file: Path, stream: TextIO) -> tuple[int, list[str], str]:
-    """The number of the first line that is not empty, its entries, and what separates them."""
+    """Return the number of the first nonempty line, its entries, and the separator."""
     for line, text in enumerate(stream, start=1):
         delimiter = next((d for d in ",;\t" if d in text), ",")
         row = [entry.strip() for entry in next(csv.reader([text], delimiter=delimiter), [])]
@@ -78,7 +80,7 @@ def _names(file: Path, line: int, row: list[str]) -> list[str]:
 
 
 def _table(stream: TextIO, delimiter: str) -> Array | None:
-    """The rest of the file by NumPy's own reader; None where an entry or a row is not right."""
+    """Return the remaining rows by NumPy's reader; None if an entry or a row is invalid."""
     place = stream.tell()
     while not (line := stream.readline()).strip("\r\n"):
         if not line:
@@ -92,7 +94,7 @@ def _table(stream: TextIO, delimiter: str) -> Array | None:
 
 
 def _require_room(file: Path, delimiter: str) -> None:
-    """Refuse more entries than may be read, as far as separators and line ends count them."""
+    """Raise if separators and line ends count more entries than the limit."""
     separator, count = delimiter.encode(), 0
     with file.open("rb") as stream:
         while piece := stream.read(2**20):

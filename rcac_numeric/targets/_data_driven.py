@@ -164,5 +164,5 @@ class DataDriven:
 
     @property
     def first_target(self) -> TargetModel:
-        """What stands in the place of G_f until the first look; no update runs with it."""
+        """Placeholder of G_f before the first target update; no update uses it."""
         return TargetModel([0.0, 1.0])

@@ -1,4 +1,4 @@
-"""Whether a target model keeps a plant's NMP zeros, and what it does to them where it does not."""
+"""Check of the NMP zeros and zero directions of a target model."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from rcac_numeric.targets._zero_directions import (
     direction_information,
 )
 
-# Beside the norm of G_f: below it a singular value counts as zero.
+# Singular values below this share of the norm of G_f count as zero.
 SINGULAR = 1e-6
 VERDICTS = {
     "kept": "has the zero in the plant's direction",
     "not a zero": "has no zero there: the controller that matches it has a pole at the zero, "
     "which hides an instability",
-    "in every channel": "is zero there in every direction and so asks for more zeros than the "
+    "in every channel": "is zero there in every direction and so requires more zeros than the "
     "plant has",
     "in one channel": "has the zero in one channel alone, which is not the plant's direction",
     "on the input side": "blocks the plant's input direction, as a left numerator of G_zu does; "
@@ -36,7 +36,7 @@ VERDICTS = {
 
 @dataclass(frozen=True, eq=False)
 class DirectionCheck(Result):
-    """What a target model does at each NMP zero of G_zu.
+    """The angle and the kind of error of a target model at each NMP zero of G_zu.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ class DirectionCheck(Result):
 
     @property
     def is_kept(self) -> bool:
-        """Whether every zero is kept, and none in too many directions."""
+        """Whether every zero is kept in the plant's direction only."""
         return all(form == "kept" for form in self.forms)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each zero that is not kept."""
+        """One sentence for each zero that is not kept."""
         rows = zip(self.zeros, self.angles, self.forms, strict=True)
         return tuple(
             f"at the NMP zero {_shown(zero)} the target model {VERDICTS[form]} "
@@ -81,7 +81,7 @@ class DirectionCheck(Result):
 def check_directions(
     target: TargetModel, source: Plant | DirectionInformation, tolerance: float = 5.0
 ) -> DirectionCheck:
-    """Whether eta' G_f(z0) = 0 at every NMP zero of G_zu, and how it fails.
+    """Check eta' G_f(z0) = 0 at every NMP zero of G_zu, and classify the errors.
 
     Parameters
     ----------
@@ -121,8 +121,8 @@ def check_directions(
     rows, columns = known.H.shape
     if rows != columns or (target.l_z, target.l_u) != (rows, columns):
         raise InputError(
-            f"G_zu is {rows} x {columns} and G_f {target.l_z} x {target.l_u}; square ones of one "
-            "size are checked."
+            f"G_zu is {rows} x {columns} and G_f {target.l_z} x {target.l_u}; square matrices of "
+            f"equal size are needed."
         )
     limit = number(tolerance, "tolerance")
     zeros = list(dict.fromkeys(z0 for z0, _ in known.zeros))
@@ -137,7 +137,7 @@ def check_directions(
 
 
 def _angle(etas: ComplexArray, G_f: ComplexArray) -> float:
-    """Of the worst combination of the directions, in degrees."""
+    """Return the largest angle over the combinations of the directions, in degrees."""
     size = float(np.linalg.norm(G_f, 2))
     if size == 0.0:
         return 0.0
@@ -182,7 +182,7 @@ def _value(target: TargetModel, z0: complex) -> ComplexArray:
 
 
 def _input_directions(plant: Plant, z0: complex) -> ComplexArray:
-    """The right null vectors of G_zu(z0); z0 is no pole."""
+    """Return the right null vectors of G_zu(z0); z0 is no pole."""
     G = plant.E_1 @ np.linalg.solve(z0 * np.eye(plant.n) - plant.A, plant.B) + plant.E_2
     _, singular, V = np.linalg.svd(G)
     count = max(1, int((singular <= SINGULAR * singular[0]).sum()))

@@ -1,4 +1,4 @@
-"""Any filter of the user's as a target model."""
+"""Target models from any filter."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def target_model(filter: Any) -> TargetModel:
 
 
 def _is_expression(part: Any) -> bool:
-    """Whether it stands for a polynomial by itself, such as a string or a SymPy object."""
+    """Whether a value is one polynomial, such as a string or a SymPy object."""
     is_polynomial = in_our_order(part) is not part  # of NumPy or flint, which are in q
     return isinstance(part, str) or hasattr(part, "free_symbols") or is_polynomial
 
@@ -82,7 +82,7 @@ def _from_coefficients(parts: Sequence[Any]) -> TargetModel:
 
 
 def _from_matrix(G: exact.TransferMatrix) -> TargetModel:
-    """Rows in lowest terms: D_f = diag(d_1, ..., d_l), each rounded once."""
+    """Return the target with rows in lowest terms: D_f = diag(d_1, ..., d_l), rounded once."""
     l_z, l_u = G.shape
     rows, denominators = [], []
     common = G.denominator.one
@@ -114,7 +114,7 @@ def _from_matrix(G: exact.TransferMatrix) -> TargetModel:
 
 
 def read_filter(filter: Any) -> exact.TransferFunction | exact.TransferMatrix:
-    """A filter as an exact transfer function, or matrix where it has several inputs or outputs."""
+    """Read a filter as an exact transfer function or transfer matrix."""
     if isinstance(filter, exact.TransferMatrix):
         return _scalar_if_possible(filter)
     library = type(filter).__module__.split(".")[0]
@@ -128,8 +128,8 @@ def read_filter(filter: Any) -> exact.TransferFunction | exact.TransferMatrix:
 def _from_control(system: Any) -> exact.TransferMatrix:
     if getattr(system, "dt", None) is None:
         raise InputError(
-            f"the {type(system).__name__} does not say whether it runs in discrete time; give it "
-            "a sample time, or dt=True."
+            f"the {type(system).__name__} has no time domain; give it a sample time, or dt=True "
+            f"for discrete time."
         )
     if system.isctime():
         raise _continuous(system)
@@ -145,7 +145,7 @@ def _from_control(system: Any) -> exact.TransferMatrix:
 
 
 def _from_scipy(system: Any) -> exact.TransferMatrix:
-    from scipy.signal import dlti, lti  # half a second of import time, paid only here
+    from scipy.signal import dlti, lti  # imported here: it takes 0.5 s
 
     if isinstance(system, lti):
         raise _continuous(system)
@@ -171,7 +171,7 @@ def _from_state_space(system: Any) -> exact.TransferMatrix:
 
 
 def _from_quotients(entries: Sequence[Sequence[tuple[Any, Any]]]) -> exact.TransferMatrix:
-    """Numerators over the least common multiple of all denominators."""
+    """Return the matrix of numerators over the least common denominator."""
     quotients = [
         [exact.TransferFunction(*(exact.polynomial(list(p), "q") for p in pair)) for pair in row]
         for row in entries

@@ -139,7 +139,7 @@ def _require_nonzero(H: Array, source: Plant | Array) -> Array:
 
 
 def _exact_parameters(plant: Plant, n_bar: int) -> list[Matrix]:
-    """By x_1 = B, x_(i+1) = A x_i, over the rationals."""
+    """Return the Markov parameters by x_1 = B, x_(i+1) = A x_i, over the rationals."""
     problem = plant.problem
     A, x, E_1 = (
         DomainMatrix.from_Matrix(m).convert_to(QQ).to_dense()

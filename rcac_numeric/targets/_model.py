@@ -1,4 +1,4 @@
-"""Target models G_f: what the intercalated transfer function is to become."""
+"""Target models G_f of the intercalated transfer function."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rcac_numeric.arrays._validation import instance_of, real_array, rounded
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.arrays._wording import polynomial_latex, sum_latex
 
-if TYPE_CHECKING:  # SymPy and FLINT decide, and a target without feedback needs neither
+if TYPE_CHECKING:  # imported here: an FIR target needs neither SymPy nor FLINT
     import flint
     from sympy import Poly
 
@@ -135,7 +135,7 @@ def _require_same(
     denominator: Array,
     exact: exact_theory.TransferFunction | exact_theory.TransferMatrix,
 ) -> None:
-    """Refuse coefficients that are not those of `exact`, but for rounding.
+    """Raise if the coefficients differ from `exact` by more than rounding.
 
     N_f d = D_f N for G = N / d, at points where no power of q^{-1} is lost.
     """
@@ -169,7 +169,7 @@ def _require_same(
 
 
 def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
-    """The target model with these exact coefficients, each rounded once."""
+    """Return the target model of an exact transfer function, each coefficient rounded once."""
     require_causal(exact)
     order = exact.denominator.degree()
     padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
@@ -181,7 +181,7 @@ def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
 
 
 def require_causal(exact: exact_theory.TransferFunction) -> None:
-    """Refuse a filter that is improper or not in q."""
+    """Raise if a filter is improper or not in q."""
     if exact.denominator.degree() < exact.numerator.degree():
         raise ImproperError(
             f"the target model {exact} has more zeros than poles; it would use future values. "
@@ -201,10 +201,10 @@ def require_no_pole_outside(
     denominator: Array,
     exact: exact_theory.TransferFunction | exact_theory.TransferMatrix | None = None,
 ) -> None:
-    """Refuse a filter D_f^{-1} N_f with a pole of modulus greater than 1.
+    """Raise if a filter D_f^{-1} N_f has a pole of modulus greater than 1.
 
     Phi_f of (2.40) would grow without bound, and a loop that matches the filter would be unstable.
-    A pole on the circle is the user's to ask for. No tolerance is involved: the poles are those of
+    A pole on the circle is allowed. No tolerance is involved: the poles are those of
     `exact` where the denominator was rounded from it, else the roots of det D_f with the shortest
     decimals of its entries.
     """
@@ -231,7 +231,7 @@ def require_no_pole_outside(
 
 
 def _determinant(denominator: Array) -> Poly:
-    """A multiple of q^(l n_f) det D_f(q), with integer coefficients, without fractions."""
+    """Return a multiple of q^(l n_f) det D_f(q) with integer coefficients."""
     import flint
     from sympy import QQ, Poly, Symbol
 
@@ -240,7 +240,7 @@ def _determinant(denominator: Array) -> Poly:
     size, subject = denominator.shape[1], "the denominator of the target model"
     degree = size * (len(denominator) - 1)
     ask("degree", degree, subject)
-    if (denominator * (1 - np.eye(size))).any():  # what the elimination writes down; 1 s at most
+    if (denominator * (1 - np.eye(size))).any():  # size of the elimination; 1 s at most
         ask("entries", size**3 * degree // 3, subject)
     rows = [_integers(denominator[:, i]) for i in range(size)]
     previous = flint.fmpz_poly([1])
@@ -256,7 +256,7 @@ def _determinant(denominator: Array) -> Poly:
 
 
 def _integers(row: Array) -> list[flint.fmpz_poly]:
-    """A row of D_f, shape (n_f + 1, l_z), times q^n_f and a common denominator of its decimals."""
+    """Return a row of D_f times q^n_f and the common denominator of its decimals."""
     import flint
 
     decimals = [[Fraction(repr(float(value))) for value in entry] for entry in row.T]

@@ -1,4 +1,4 @@
-"""What RCAC must know of a plant: relative degree, leading coefficient and NMP zeros of G_zu."""
+"""Modelling information of RCAC: relative degree, leading coefficient, NMP zeros of G_zu."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rcac_numeric.arrays._validation import integer
 from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 
-# A number as the user gave it: exact but for a float, which means its shortest decimal.
+# A number of the user: exact; a float means its shortest decimal.
 Number: TypeAlias = int | float | complex | Fraction | str | Expr
 
 
@@ -48,8 +48,8 @@ class ModellingInformation:
     d_zu: int
     H: Number
     nmp_zeros: tuple[Number, ...]
-    # Of zeros that were read of a plant and are not rational: N_zu,u where that is, else that the
-    # zeros are rounded and no more is known.
+    # For irrational zeros of a plant: N_zu,u if it is rational, else the mark that the zeros are
+    # rounded.
     _factor: Poly | None = field(default=None, init=False, repr=False)
     _is_rounded: bool = field(default=False, init=False, repr=False)
 
@@ -64,7 +64,7 @@ class ModellingInformation:
             raise InputError("H = 0: the first nonzero Markov parameter cannot be zero.")
         for zero in nmp_zeros:
             modulus = abs(complex(exact.exact_number(zero)))
-            if modulus < 1 - 1e-12:  # a zero on the circle may have been rounded
+            if modulus < 1 - 1e-12:  # tolerance: a zero on the circle may be rounded
                 raise InputError(
                     f"the zero {zero} has modulus {modulus:.6g} < 1 and is minimum phase; only "
                     "zeros on or outside the unit circle belong in nmp_zeros."
@@ -81,7 +81,7 @@ class ModellingInformation:
         H: Number | None = None,
         nmp_zeros: Sequence[Number] | None = None,
     ) -> ModellingInformation:
-        """The same with another d_zu, H or nmp_zeros; where the zeros stay, they stay exact."""
+        """Return a copy with another d_zu, H or nmp_zeros; unchanged zeros stay exact."""
         information = ModellingInformation(
             self.d_zu if d_zu is None else d_zu,
             self.H if H is None else H,
@@ -94,7 +94,7 @@ class ModellingInformation:
 
     @property
     def is_exact(self) -> bool:
-        """Whether `nmp_polynomial` is N_zu,u itself; not where a plant's has irrational factors."""
+        """Whether `nmp_polynomial` is exactly N_zu,u; False for irrational factors of a plant."""
         return not self._is_rounded
 
     def nmp_polynomial(self) -> Poly:
@@ -134,7 +134,9 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     """
     numerator, denominator = linear_plant(plant).scalar_map("zu")
     if numerator.is_zero:
-        raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
+        raise InputError(
+            "G_zu = 0: the control does not act on z, so no controller can be adapted."
+        )
     information = ModellingInformation(
         denominator.degree() - numerator.degree(), numerator.LC(), zeros_not_inside(numerator)
     )
@@ -146,7 +148,7 @@ def modelling_information(plant: Plant) -> ModellingInformation:
 
 
 def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
-    """The roots of a rational polynomial on or outside the unit circle, with multiplicity."""
+    """Return the roots of a rational polynomial on or outside the unit circle."""
     zeros: list[Number] = []
     for factor, multiplicity in polynomial.factor_list()[1]:
         zeros += multiplicity * _of_irreducible(factor)
@@ -154,7 +156,7 @@ def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
 
 
 def factor_not_inside(polynomial: Poly) -> Poly | None:
-    """The monic factor with the roots on or outside the circle; None where it is irrational."""
+    """Return the monic factor with the roots on or outside the circle; None if irrational."""
     found = polynomial.one
     for factor, multiplicity in polynomial.factor_list()[1]:
         count = _count_not_inside(factor)
@@ -173,10 +175,10 @@ def _count_not_inside(factor: Poly) -> int:
 
 
 def _of_irreducible(factor: Poly) -> list[Number]:
-    """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
+    """Return the roots of an irreducible polynomial on or outside the circle, decided exactly."""
     count = _count_not_inside(factor)
     if count and factor.degree() == 1:
         return [-factor.monic().nth(0)]
-    # How many there are is exact, and they are the largest.
+    # The number of these roots is exact, and they are the largest.
     largest = sorted(exact.certified_roots(factor), key=lambda root: -abs(root.value))[:count]
     return [root.value.real if root.is_real else root.value for root in largest]

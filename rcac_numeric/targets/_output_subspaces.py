@@ -1,4 +1,4 @@
-"""Output-subspace zeros: what limits RCAC where there are more performance variables than inputs.
+"""Output-subspace zeros: the limits of RCAC for more performance variables than inputs.
 
 RCAC sees z through H' z, H being the Markov parameter of its target model, and so squares a tall
 plant.
@@ -38,7 +38,7 @@ class OutputSubspaceZeros(Result):
     polynomial : sympy.Poly
         Monic in q, exact; its roots are the zeros, with multiplicity.
     nmp_zeros : tuple
-        Those on or outside the unit circle, decided exactly.
+        The zeros on or outside the unit circle, decided exactly.
     """
 
     d_zu: int
@@ -52,7 +52,7 @@ class OutputSubspaceZeros(Result):
 
     @property
     def zeros(self) -> ComplexArray:
-        """All of them, from certified isolation."""
+        """All output-subspace zeros, from certified isolation."""
         if self.polynomial.degree() < 1:
             return np.zeros(0, dtype=np.complex128)
         roots = exact.certified_roots(self.polynomial)
@@ -75,7 +75,7 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
         If l_z < l_u: H' z = 0 then leaves no freedom for z if H has full rank, and the zeros are
         those of `transmission_zero_polynomial`; or if G_zu = 0.
     NoSolutionError
-        If the squared plant H' G_zu is singular for every q, so that zeros mean nothing.
+        If the squared plant H' G_zu is singular for every q, so that zeros are undefined.
 
     Notes
     -----

@@ -32,7 +32,7 @@ def fir_target(information: ModellingInformation | Plant) -> TargetModel:
 
     Notes
     -----
-    It asks for a loop that is at rest within d_zu + deg N_zu,u steps, as fast as any can be: all
+    It requires a loop that is at rest within d_zu + deg N_zu,u steps, as fast as any can be: all
     poles of the plant are moved to 0. With a dead time, or poles that are lightly damped, that is
     seldom a good loop, whatever R_theta is: of 60 random plants one of ten R_theta from 1e-14 to
     1e4 H^2 made a good loop (stable, error at the end below twice that of a fixed controller, no

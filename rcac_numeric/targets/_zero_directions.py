@@ -1,4 +1,4 @@
-"""Target models for several inputs and outputs, which keep NMP zeros with their directions."""
+"""Target models for several inputs and outputs that keep NMP zeros and directions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rcac_numeric.targets._modelling import zeros_not_inside
 from rcac_numeric.targets._pole_placement import fir_target
 
 DirectedZero: TypeAlias = tuple[complex, tuple[complex, ...]]
-# A null vector of Rosenbrock's matrix, beside its largest singular value.
+# Singular values of Rosenbrock's matrix below this share of the largest count as zero.
 NULL = 1e-9
 
 
@@ -155,15 +155,15 @@ def zero_direction_target(
     if plant is None:
         return target
     if plant.l_z == plant.l_u == 1 and taps is None:
-        return fir_target(plant)  # the same, exactly
-    # The plant's zeros and directions were found in float64: what is made of them is not exact.
+        return fir_target(plant)  # the exact zeros and directions
+    # The zeros and directions of the plant are float64, so the target is not exact.
     return TargetModel(target.numerator, target.denominator)
 
 
 def _source(
     H: Any, zeros: Sequence[tuple[complex, Sequence[complex]]], delays: int | Sequence[int]
 ) -> DirectionInformation | Plant:
-    """What is known of G_zu: of a matrix of numbers with the zeros beside it, else of H alone."""
+    """Return the DirectionInformation of a plant, or of H with zeros and delays."""
     if not isinstance(H, DirectionInformation) and _is_matrix_of_numbers(H):
         return DirectionInformation(H, zeros, delays)
     if len(zeros) or delays != 1:
@@ -229,7 +229,7 @@ def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> Di
 
 
 def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZero, ...]:
-    """The NMP zeros of left G_zu right, a square map, with their left directions."""
+    """Return the NMP zeros of the square map left G_zu right with their left directions."""
     n, pencil = plant.n, rosenbrock_matrix(plant, left)
     pencil = pencil[:, :n].row_join(pencil[:, n:] * right)
     q = Symbol("q")
@@ -241,7 +241,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
         if shared := zeros_not_inside(factor):
             raise InputError(
                 f"the NMP zero {shared[0]} is a pole of the plant too: a hidden mode, which no "
-                "controller moves, or one in another direction. Say zeros and directions yourself."
+                "controller moves, or one in another direction. Give zeros and directions."
             )
     zeros: list[DirectedZero] = []
     values = [complex(z) for z in zeros_not_inside(polynomial)]
@@ -260,7 +260,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
 
 
 def _leading(plant: Plant, squaring: ArrayLike | None) -> tuple[Matrix, tuple[int, ...], Matrix]:
-    """H, delays, and S, with H that of G_zu S where the plant is wide."""
+    """Return H, delays and S; H belongs to G_zu S for a wide plant."""
     right = Matrix.eye(plant.l_u)
     if squaring is not None:
         if plant.l_u <= plant.l_z:
@@ -274,7 +274,7 @@ def _leading(plant: Plant, squaring: ArrayLike | None) -> tuple[Matrix, tuple[in
     if plant.l_u > plant.l_z and squaring is None:
         raise InputError(
             f"G_zu is {plant.l_z} x {plant.l_u}, wider than tall, and H q^-d would hide the NMP "
-            "zeros of G_zu H'. Say squaring = S with u = S v, one input alone for instance, so "
+            "zeros of G_zu H'. Give squaring = S with u = S v, one input alone for instance, so "
             "that G_zu S has no NMP zero, or few; or use markov_target."
         )
     rows = [
@@ -291,14 +291,14 @@ def _leading(plant: Plant, squaring: ArrayLike | None) -> tuple[Matrix, tuple[in
     if rank(H) < min(H.shape):
         raise InputError(
             f"the first Markov parameters of the rows, {H.tolist()}, do not have full rank: the "
-            "zeros at infinity have directions too, which this target does not know. Use "
+            "zeros at infinity have directions too, which this target ignores. Use "
             "markov_target."
         )
     return H, tuple(delays), right
 
 
 def _normalised(eta: ComplexArray) -> tuple[complex, ...]:
-    """With the largest entry real and positive, so that a real direction is real."""
+    """Return the vector with a real positive largest entry, so that real directions are real."""
     turned = eta * (abs(pivot := eta[np.argmax(np.abs(eta))]) / pivot)
     turned = turned / np.linalg.norm(turned)
     return tuple(complex(e) if abs(e.imag) > NULL else complex(e.real) for e in turned)

@@ -1,1 +1,1 @@
-"""Plants with names: equations, parameters with units, operating points, exact sampling."""
+"""Benchmark plants: equations, parameters with units, operating points, exact sampling."""

@@ -20,7 +20,7 @@ SOURCES = ("sampled", "corrected", "printed")
 STATES = ("sideslip angle, rad", "roll rate, rad/s", "yaw rate, rad/s", "roll angle, rad")
 PERIOD = 0.1  # s, section 3.2.1
 
-# (3.1) and (3.2) differ in what is named here: the roll and yaw moments of sideslip, and the yaw
+# (3.1) and (3.2) differ in these entries: the roll and yaw moments of sideslip, and the yaw
 # moment of the aileron.
 _MOMENTS = {"nominal": (-25.60, 0.6160, -0.0222), "off-nominal": (-108.8, 0.4107, -0.0665)}
 
@@ -200,7 +200,7 @@ def aircraft_transition(
 
 
 def _with_dummy_commands(A: Array, B: Array) -> Plant:
-    """The state is x and the last x_1, x_2, x_3."""
+    """Return the plant with the state x and the previous x_1, x_2, x_3."""
     whole, drive = np.zeros((7, 7)), np.zeros((7, 1))
     whole[:4, :4], whole[4:, :3], drive[:4] = A, np.eye(3), B
     C = np.zeros((4, 7))

@@ -65,14 +65,14 @@ class BoostConverter:
         return real_array(rates, "the derivative")
 
     def operating_point(self, duty: float = 0.5) -> OperatingPoint:
-        """Where the converter rests at a duty cycle: v = V/(1 - D), i = v/((1 - D) R)."""
+        """Return the equilibrium at a duty cycle: v = V/(1 - D), i = v/((1 - D) R)."""
         if not 0 <= number(duty, "duty") < 1:
             raise InputError(f"duty = {duty:g}; a duty cycle is at least 0 and below 1.")
         v = self.supply / (1 - duty)
         return OperatingPoint([v / ((1 - duty) * self.resistance), v], [duty])
 
     def linearised(self, point: OperatingPoint) -> ContinuousPlant:
-        """The Jacobian at an operating point; deviations from it in A, V and duty cycle."""
+        """Return the linearisation at an operating point, in A, V and duty cycle."""
         i, v = point.x
         off = 1 - point.u[0]
         L, C = self.inductance, self.capacitance

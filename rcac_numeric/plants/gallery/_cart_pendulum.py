@@ -15,7 +15,7 @@ from rcac_numeric.plants.gallery._operating_points import OperatingPoint, requir
 
 @dataclass(frozen=True)
 class CartPendulum:
-    """A pendulum on a cart that a force F moves; its angle phi is 0 upright.
+    """A pendulum on a cart with force F; its angle phi is 0 upright.
 
     (M + m) p'' + b p' - m l cos(phi) phi'' + m l sin(phi) phi'^2 = F
     (I + m l^2) phi'' - m g l sin(phi) = m l cos(phi) p''
@@ -85,12 +85,12 @@ class CartPendulum:
         return real_array([speed, p_dd, rate, phi_dd], "the derivative")
 
     def operating_point(self, kind: str = "upright") -> OperatingPoint:
-        """At rest at p = 0, "upright" or "hanging"."""
+        """Return the equilibrium at p = 0, "upright" or "hanging"."""
         phi = 0.0 if one_of(kind, "kind", ("upright", "hanging")) == "upright" else np.pi
         return OperatingPoint([0, 0, phi, 0], [0])
 
     def linearised(self, point: OperatingPoint) -> ContinuousPlant:
-        """The Jacobian at an operating point, where all speeds and F are zero; y = p."""
+        """Return the linearisation at an operating point (zero speeds and F); y = p."""
         m, l_ = self.pendulum_mass, self.length
         turn = float(np.cos(point.x[2]))
         I_pivot = self.inertia + m * l_**2

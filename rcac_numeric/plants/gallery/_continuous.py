@@ -73,7 +73,7 @@ class ContinuousPlant(Value):
 
     def zeros(self) -> ComplexArray:
         """Invariant zeros from u to y, rad/s, from certified isolation."""
-        # The Rosenbrock pencil does not know whether its variable is s or q.
+        # The Rosenbrock pencil is the same in s and in q.
         return plant_zeros(Plant(A=self.A, B=self.B, D_1=self.B, C=self.C, D_0=self.D, E_2=self.D))
 
     def sampled(self, h: float) -> Plant:

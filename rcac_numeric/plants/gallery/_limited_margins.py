@@ -59,7 +59,7 @@ def no_guaranteed_margins_standard(h: float = 0.01) -> Plant:
 
 
 def limited_delay_margin() -> ContinuousPlant:
-    """The plant (1.3)-(1.4), whose delay margin no controller makes longer than 18.51 s.
+    """The plant (1.3)-(1.4), whose delay margin is at most 18.51 s for every controller.
 
     Notes
     -----

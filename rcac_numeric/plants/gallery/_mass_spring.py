@@ -12,7 +12,7 @@ from rcac_numeric.plants.gallery._operating_points import require_positive
 
 @dataclass(frozen=True)
 class MassSpringDamper:
-    """A mass on a spring from a force w to its velocity, (8.64)-(8.67).
+    """A mass-spring-damper from a force w to its velocity, (8.64)-(8.67).
 
     m q'' + c q' + kappa q = w,  y = q'
 

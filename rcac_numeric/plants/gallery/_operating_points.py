@@ -1,4 +1,4 @@
-"""States and inputs at which a nonlinear plant rests."""
+"""Equilibria of nonlinear plants."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class OperatingPoint(Result):
 
 
 def require_positive(**parameters: float) -> None:
-    """Masses, inductances and the like are positive and finite."""
+    """Raise unless a physical parameter is positive and finite."""
     for name, value in parameters.items():
         if not 0 < number(value, name) < float("inf"):
             raise InputError(f"{name} = {value:g}; it must be positive.")

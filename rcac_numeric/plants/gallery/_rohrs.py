@@ -61,7 +61,7 @@ def sampling_zeros(plant: ContinuousPlant, periods: Sequence[float]) -> list[Com
     Notes
     -----
     Source: K. J. Astrom, P. Hagander, J. Sternby, Zeros of sampled systems, Automatica 20 (1984).
-    Where h is so short that the numerator, of the size h^(relative degree), drowns in the rounding
+    Where h is so short that the numerator, of the size h^(relative degree), is below the rounding
     of the sampled matrices, the zeros are those of the rounded matrices.
 
     Examples

@@ -1,4 +1,4 @@
-"""Zeros of a plant, and of a plant that changes along its path."""
+"""Zeros of a plant, and of a plant that changes over time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rcac_numeric.plants._transmission_zeros import transmission_zero_polynomial
 
 @dataclass(frozen=True, eq=False)
 class ZeroPath(Result):
-    """The zeros of a plant that changes, frozen at some of its steps.
+    """The zeros of a time-varying plant, frozen at some steps.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def plant_zeros(plant: Plant) -> ComplexArray:
     """
     plant = linear_plant(plant)
     scalar = plant.l_u == plant.l_z == 1
-    # The numerator over det(qI - A), unreduced, is the same polynomial and found sooner.
+    # The numerator over det(qI - A), unreduced, is the same polynomial and faster to compute.
     polynomial = plant.scalar_map("zu")[0] if scalar else transmission_zero_polynomial(plant)
     if polynomial.is_zero:
         raise InputError("G_zu = 0: every number is a zero. Choose an output that u acts on.")
@@ -117,10 +117,10 @@ def zero_path(schedule: PlantSchedule, steps: Sequence[int]) -> ZeroPath:
         if rows and len(zeros) != len(rows[-1]):
             raise InputError(
                 f"the plant has {len(rows[-1])} zeros before step {step} and {len(zeros)} at it; "
-                "take the two ranges of steps apart."
+                "call zero_path for the two ranges of steps separately."
             )
         if rows:
-            from scipy.optimize import linear_sum_assignment  # a sixth of a second
+            from scipy.optimize import linear_sum_assignment  # imported here: it takes 0.17 s
 
             _, order = linear_sum_assignment(np.abs(rows[-1][:, None] - zeros[None, :]))
             zeros = zeros[order]

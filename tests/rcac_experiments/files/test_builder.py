@@ -330,7 +330,7 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"plant": {"changes": [{"start": 5, "gain": "g"}]}}, "gain = 'g' must be a real number"),
         ({"plant": {"changes": [{"start": 5, "ramp": True}]}}, "nothing to ramp to"),
         ({"plant": {"changes": [{"start": 5}, {"start": 5}]}}, "does not follow"),
-        ({"plant": {"changes": [{"start": 5, "G": "1/(q - 0.5)"}]}}, "say by state_map"),
+        ({"plant": {"changes": [{"start": 5, "G": "1/(q - 0.5)"}]}}, "give state_map"),
         ({"plant": {"changes": [{"start": 5, "C": [[1, 2]]}]}}, "needs the key 'A'"),
         ({"signals": {"r": {"piecewise": []}}}, "increasing steps are needed"),
         ({"signals": {"r": {"piecewise": [1]}}}, "must be a pair [start, signal]"),

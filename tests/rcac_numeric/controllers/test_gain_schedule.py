@@ -213,7 +213,7 @@ FAR = [
         (lambda: rn.GainSchedule([1, 0], [integral(1)] * 2), "must increase"),
         (lambda: rn.GainSchedule([0, 0], [integral(1)] * 2), "must increase"),
         (lambda: rn.GainSchedule([0, np.nan], [integral(1)] * 2), "values has the entry nan"),
-        (lambda: rn.GainSchedule([0, 1], [integral(1), WIDE]), "there is nothing between them"),
+        (lambda: rn.GainSchedule([0, 1], [integral(1), WIDE]), "interpolation needs equal sizes"),
         (lambda: rn.GainSchedule([0, 1], [integral(1), "PI"]), "'PI' is not a Compensator"),
         (lambda: rn.GainSchedule([0, 1], integral(1)), "must be a list"),
         (lambda: rn.GainSchedule([0, 1], [integral(1)] * 2, "u"), "variable = 'u' is not known"),

@@ -222,7 +222,7 @@ def test_a_weight_whose_definiteness_is_decided_by_rounding(name, weight):
     change = {"structure": rn.iir(6)}
     if name == "R_z":
         change |= {"R_z": weight, "target": rn.TargetModel(np.ones((2, 12, 1)))}
-    with pytest.raises(InputError, match=f"{name} (cannot be told from a singular|has the eigenv)"):
+    with pytest.raises(InputError, match=f"{name} (is singular to working precision|has the eigenv)"):
         if name == "R_theta":
             change["update"] = rn.UD(weight)
         rn.ControllerSettings(**{**GOOD, **change})
@@ -274,7 +274,7 @@ def functions(advance=abs, output=abs, n=1, blocks=None):
         (lambda: rn.PlantSchedule([at(0, 5)]), "the plant of a change = 5 is not a Plant"),
         (lambda: rn.PlantSchedule([at(0), at(0)]), "the change at 0 does not follow that at 0"),
         (lambda: rn.PlantSchedule([at(0, ramp=True)]), "nothing to ramp to"),
-        (lambda: rn.PlantSchedule([at(0), at(3, TWO)]), "has 2 states after 1; say by state_map"),
+        (lambda: rn.PlantSchedule([at(0), at(3, TWO)]), "has 2 states after 1; give state_map"),
         (lambda: rn.PlantSchedule([at(0), at(3, TWO, state_map=np.eye(2))]), "state_map has shape"),
         (
             lambda: rn.PlantSchedule([at(0, ramp=True), at(3, TWO, state_map=np.ones((2, 1)))]),

@@ -196,7 +196,7 @@ def test_refusals():
         zero_direction_target(plant_of_fractions([(1.5, 0.5)] * 2, np.eye(2), np.diag([1.5, 0.25])))
     with pytest.raises(InputError, match="pairs"):
         DirectionInformation(H, [1.5])
-    with pytest.raises(InputError, match="square ones"):
+    with pytest.raises(InputError, match="square matrices"):
         check_directions(TargetModel([0, 1]), case("P1")[0])
 
 
