@@ -1,1 +1,1 @@
-"""The compiled step and everything that drives it."""
+"""Simulation engine: runs, batches, controllers, states, reference arithmetic."""

@@ -1,4 +1,4 @@
-"""The updates as printed, in ball arithmetic; which of them the reference knows is said here."""
+"""Updates of the reference in ball arithmetic, as printed in the text."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 
 def held(value: arb, low: float, high: float, k: int) -> arb:
-    """`value` moved into [low, high]."""
+    """Return `value` clamped to [low, high]."""
     if value > high:
         return arb(high)
     if value < low:
@@ -34,13 +34,13 @@ def held(value: arb, low: float, high: float, k: int) -> arb:
     if value <= high and value >= low:
         return value
     raise DivergedError(
-        f"at step {k} a ball lies across a bound, {low:g} or {high:g}, so that it is not known "
-        "whether it is met. Use more digits."
+        f"at step {k} a ball lies across a bound, {low:g} or {high:g}, so that the clamp is "
+        f"undecided. Use more digits."
     )
 
 
 def normalized(value: arb, by: Normalization) -> arb:
-    """f(z) of a `Normalization`."""
+    """Return f(z) of a `Normalization`."""
     x, limit, pi = arb(by.slope) * value, arb(by.limit), arb.pi()
     if by.function == "rational":
         return x / (1 + abs(x) / limit)
@@ -54,7 +54,7 @@ def normalized(value: arb, by: Normalization) -> arb:
 
 
 def balls(values: ArrayLike) -> arb_mat:
-    """float64 numbers, taken as exact."""
+    """Return float64 numbers as exact balls."""
     array = np.asarray(values, dtype=np.float64)
     return arb_mat(*array.shape, [arb(float(v)) for v in array.ravel()])
 
@@ -65,13 +65,13 @@ def inverse_weight(R_theta: float | Array, l_theta: int) -> arb_mat:
 
 
 def latest(first: T, changes: Mapping[int, T], k: int) -> T:
-    """What is in force at step k: the first value, or that of the last change up to k."""
+    """Return the value at step k: the initial one, or that of the last change up to k."""
     return [first, *(value for step, value in sorted(changes.items()) if step <= k)][-1]
 
 
 @dataclass(frozen=True)
 class BallData:
-    """What an update is made from at step k, which is `age` steps after the first one.
+    """Data of an update at step k, which is `age` steps after the first one.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class BallUpdate(Protocol):
     """One update of theta."""
 
     def begin(self, k: int) -> None:
-        """What is scheduled for step k, whether an update follows or not."""
+        """Apply the scheduled events of step k."""
 
     def step(self, data: BallData, theta: arb_mat) -> arb_mat:
         """theta(k+1) from theta(k)."""
@@ -102,7 +102,7 @@ class BallUpdate(Protocol):
 
 def ball_update(update: Update, l_theta: int) -> BallUpdate:
     """An update in balls."""
-    # The very type: of a subclass it would leave out what that adds.
+    # Exact type: a subclass may change the update.
     if type(update) not in BALL_UPDATES:
         raise InputError(
             f"the reference does not know the update {type(update).__name__}; it knows "
@@ -116,7 +116,10 @@ class BallRecursion:
 
     def __init__(self, update: RecursiveLeastSquares, l_theta: int) -> None:
         rule, reset = update.lambda_, update.reset
-        known = type(rule) in (float, ScheduledForgetting)  # what is derived may do anything
+        known = type(rule) in (
+            float,
+            ScheduledForgetting,
+        )  # exact type: a subclass may change the rule
         if not isinstance(rule, float | ScheduledForgetting) or not known:
             raise InputError(
                 f"the reference does not know the forgetting {type(rule).__name__}; leave it out."
@@ -208,8 +211,8 @@ def _corrected(P: arb_mat, lam: arb, data: BallData, theta: arb_mat) -> tuple[ar
         gain = PF * (W_inverse * lam + data.Phi_f * PF).inv()
     except ZeroDivisionError:
         raise DivergedError(
-            f"the balls have lost every digit at step {data.k}: Upsilon cannot be told from a "
-            "singular matrix. Use more digits or fewer steps, and look whether the loop "
-            "diverges in float64."
+            f"the balls have lost every digit at step {data.k}: Upsilon contains a singular "
+            f"matrix. Use more digits or fewer steps, and check whether the loop diverges in "
+            f"float64."
         ) from None
     return theta - gain * (data.Phi_f * theta + W_inverse * data.R_z * data.residual), gain

@@ -1,4 +1,4 @@
-"""Runs of equal length side by side: arrays of shape (runs, steps, width) in and out."""
+"""Batches of equal-length runs as arrays of shape (runs, steps, width)."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def _ended(
     done, guards = (np.zeros(len(prepared), dtype=np.int64) for _ in range(2))
     outcomes: list[str] = []
     failures: list[str] = []
-    prepared.reverse()  # so that what has run is forgotten from the end
+    prepared.reverse()  # pop() from the end frees completed runs
     while prepared:
         group = [prepared.pop() for _ in range(min(max(GROUP, 64 * threads), len(prepared)))]
         run_to_end(group, threads, lanes)

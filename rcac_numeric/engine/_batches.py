@@ -1,4 +1,4 @@
-"""Many runs at once, over threads: all of them, or one result after another."""
+"""Batches of runs over threads: all results, or a stream of results."""
 
 from __future__ import annotations
 
@@ -135,16 +135,16 @@ def simulate_many(
     return _run_in_groups(prepared, workers, lanes)
 
 
-# Runs of a batch whose loops are there together: enough to fill the lanes of many kinds, and few
-# enough for each to have the memory of one before it.
+# Runs of a batch in memory at the same time: enough to fill the SIMD lanes of many kinds, and few
+# enough to reuse memory.
 GROUP = 256
 
 
 def _run_in_groups(prepared: list[PreparedRun], threads: int, lanes: bool) -> list[Run]:
-    """The runs in their order; those that may share lanes run together."""
+    """Return the runs in order; runs of one kind share SIMD batches."""
     runs: dict[int, Run] = {}
     waiting = dict(sorted(enumerate(prepared), key=lambda pair: pair[1].kind))
-    del prepared[:]  # what has run is kept by nobody
+    del prepared[:]  # frees the memory of completed runs
     while waiting:
         group = dict(islice(waiting.items(), max(GROUP, 64 * threads)))
         for number in group:
@@ -176,13 +176,13 @@ def _made(
 
 
 T = TypeVar("T")
-# What a case that could not be prepared, or whose reducer raised, ends with.
+# Outcomes of a case that could not be prepared, or whose reducer raised.
 REFUSED, REDUCER_FAILED = "refused", "reducer failed"
 
 
 @dataclass(frozen=True, eq=False)
 class CaseResult(Result, Generic[T]):
-    """How one case of a stream ended.
+    """The result of one case of a stream.
 
     Attributes
     ----------
@@ -231,7 +231,7 @@ def simulate_stream(
     at_once: int = 256,
     progress: Callable[[int], None] | None = None,
 ) -> Iterator[CaseResult[Any]]:
-    """Run many cases and hand out each result when its run has ended.
+    """Run many cases and yield each result when its run has ended.
 
     A run is that of `simulate_many`, bit for bit, whatever the order. Cases are taken from their
     iterable as they are needed, `at_once` of them at a time, and nothing of a run is kept once
@@ -313,7 +313,7 @@ def _of_batch(
             numbers.append(number)
         except (CompensatorError, TypeError) as error:
             yield CaseResult(number, REFUSED, None, str(error))
-    del batch  # what is prepared holds its own
+    del batch  # a prepared run has its own reference
     waiting = dict(enumerate(prepared))
     for _ in in_slices(prepared, threads, lanes, keep=reduce is None):
         for i in [i for i, one in waiting.items() if one.has_ended]:
@@ -328,5 +328,5 @@ def _result(
         return CaseResult(number, run.outcome, run, run.failure)
     try:
         return CaseResult(number, run.outcome, reduce(number, run), run.failure)
-    except Exception as error:  # of the user's own function
+    except Exception as error:  # the user's reducer may raise any error
         return CaseResult(number, REDUCER_FAILED, None, f"{type(error).__name__}: {error}")

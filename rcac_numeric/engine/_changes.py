@@ -1,4 +1,4 @@
-"""Changes of a running controller as data: what is asked for, and what was done."""
+"""Changes of a running controller: requests and applied changes."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ LiveWeight = float | Array | SignalWeight
 
 
 def _live_weight(value: ArrayLike | SignalWeight | None) -> LiveWeight | None:
-    """What a field takes that `_weight` reads; for type checkers."""
+    """Typing stub: argument type of a weight."""
     return cast(LiveWeight, value)
 
 
 @attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class ControllerChange(Value):
-    """What is to change in a running controller; whatever is None stays as it is.
+    """A requested change of a running controller; None keeps a setting.
 
     Parameters
     ----------
@@ -80,12 +80,12 @@ class ControllerChange(Value):
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.R_u_unfiltered, SignalWeight):
-            raise InputError("R_u_unfiltered does not follow signals; give a number or a matrix.")
+            raise InputError("R_u_unfiltered must be constant; give a number or a matrix.")
         for name in ("R_z", "R_u", "R_u_unfiltered"):
             object.__setattr__(self, name, _weight(getattr(self, name), name))
         if self.target is None and all(getattr(self, name) is None for name in NUMBERS):
             raise InputError(
-                "nothing is to change: give target, lambda_, R_z, R_u or R_u_unfiltered."
+                "the change is empty: give target, lambda_, R_z, R_u or R_u_unfiltered."
             )
 
     def __repr__(self) -> str:
@@ -102,7 +102,7 @@ class ControllerChange(Value):
 
 @dataclass(frozen=True, eq=False)
 class AppliedChange(Result):
-    """A change that was made in a running controller, and what is known of it.
+    """An applied change of a running controller, with its effect.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class AppliedChange(Result):
 
 
 def nmp_zero_count(numerator: Array) -> int | None:
-    """How many zeros of G_f lie outside the unit circle; None where G_f is not square.
+    """Return the number of zeros of G_f outside the unit circle; None if G_f is not square.
 
     Of a square G_f those of det N_f, in float64: a count that decides about P, not about a claim.
     """
@@ -150,7 +150,7 @@ def nmp_zero_count(numerator: Array) -> int | None:
 
 
 def _determinant(numerator: Array) -> Array:
-    """The coefficients of det N_f in powers of q^{-1}; rounding errors in place of zeros go."""
+    """Return the coefficients of det N_f in powers of q^{-1}, without rounding errors."""
     size = numerator.shape[1] * (len(numerator) - 1) + 1
     values = np.linalg.det(np.fft.fft(numerator, n=size, axis=0))
     coefficients = np.fft.ifft(values).real

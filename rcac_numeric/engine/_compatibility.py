@@ -1,4 +1,4 @@
-"""Whether a plant and a controller fit together."""
+"""Checks that plant and controller fit."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.plants._any_plant import AnyPlant, block_start
 from rcac_numeric.plants._foreign import agreed_times
 
-# One controller, and what `simulate` takes.
+# A single controller, and the controllers of `simulate`.
 OneController = ControllerSettings | FixedController
 AnyController = OneController | Decentralized | StepwiseController
 
 
 def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
-    """Every controller in the loop."""
+    """Return every controller in the loop."""
     instance_of(controller, "settings", AnyController)
     if isinstance(controller, StepwiseController):
         raise InputError(
@@ -30,7 +30,7 @@ def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
 
 
 def command_position(plant: AnyPlant, l_r: int) -> int:
-    """Where the command begins in w; raises where the plant has none of the right width."""
+    """Return the first channel of the command in w; raise without one of the right width."""
     if l_r == 0:
         return 0
     width = plant.blocks.get("r", 0)
@@ -43,7 +43,7 @@ def command_position(plant: AnyPlant, l_r: int) -> int:
 
 
 def require_fit(plant: AnyPlant, controller: AnyController) -> None:
-    """Raise where a plant and a controller do not fit together."""
+    """Raise if plant and controller do not fit."""
     if isinstance(controller, StepwiseController):
         _require_stepwise_fits(plant, controller)
         return

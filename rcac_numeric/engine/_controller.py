@@ -1,4 +1,4 @@
-"""One RCAC controller for any simulator or device."""
+"""The RCAC controller for step-by-step use with a simulator or device."""
 
 from __future__ import annotations
 
@@ -55,11 +55,12 @@ def _rebuilt(
     return controller
 
 
-# What is said with a warning, once: what it means, and what to do next.
+# Text of a warning, issued once: the meaning and the next step.
 WORDS = {
-    "windup": "P grows where the data do not excite theta, and the next disturbance meets a gain "
-    "that no data support; use CappedForgetting, or SubspaceForgetting, or lambda = 1",
-    "overflow": "a number left float64; theta is that of the last look without trouble, P is P(0)",
+    "windup": "P grows where the data do not excite theta, and the next disturbance causes a "
+    "large step of theta; use CappedForgetting, or SubspaceForgetting, or lambda = 1",
+    "overflow": "an update overflowed float64; theta is restored to its last valid value, P to "
+    "P(0)",
 }
 
 
@@ -121,7 +122,7 @@ class Controller:
         self._at_work = Lock()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are controllers of their own in the same state."""
+        """Support copies and pickles: separate controllers in the same state."""
         return _rebuilt, (self.settings, self.state, self.supervision, self.limits)
 
     def step(
@@ -185,7 +186,7 @@ class Controller:
     def _moved(
         self, *arguments: Any, learner: DeviceLearner | None = None
     ) -> tuple[Array, int] | None:
-        """One step of the kernel; None where it could not read an argument and has not moved."""
+        """Return u(k) of the kernel; None if an argument was not readable and no step was made."""
         k = self.k
         try:
             if learner is not None:
@@ -194,21 +195,21 @@ class Controller:
             if learner is not None and answer is not None:
                 learner.after(answer[0], *arguments[:3])
             return answer
-        except DivergedError:  # of a change that was not made
+        except DivergedError:  # discard the recorded change
             raise
-        except BaseException:  # a key was pressed while a weight that is a function ran
+        except BaseException:  # Ctrl-C during a weight function
             self._broken = (
-                f"step {k} was interrupted half-way; restore a saved state, or start anew."
+                f"step {k} was interrupted; restore a saved state, or create a new controller."
             )
             raise
 
     def _fail(self) -> NoReturn:
-        """The last step did not succeed: say why."""
+        """Raise the error of the failed step."""
         self._broken, error = failed_step(self.k - 1, self._failures.error)
         raise error from self._failures.error
 
     def _warn(self) -> None:
-        """Say once of every trouble that it occurred."""
+        """Warn once about every trouble."""
         record = self.record
         for event in record.events:
             if event.kind in WORDS and event.kind not in self._said:
@@ -217,22 +218,22 @@ class Controller:
                 warnings.warn(words, SupervisionWarning, stacklevel=3)
 
     def freeze(self) -> None:
-        """Stop the adaptation: theta and P stay, signals are still recorded."""
+        """Stop the adaptation: theta and P stay constant, the regressor is still updated."""
         self._hold(True)
 
     def resume(self) -> None:
-        """Go on adapting after `freeze`, or where the policy of the supervision stopped it.
+        """Resume the adaptation after `freeze` or after a policy of the supervision.
 
-        From what a policy did P begins again with P(0), and u goes on without a bump.
+        After a policy, P restarts from P(0), and the transfer of u is bumpless.
         """
         self._hold(False)
         with self._alone():
             self._kernel.resume_from_trouble()
 
     def take_over(self, u: ArrayLike, fade: float = 0.9) -> None:
-        """Take a plant over from another controller, without a bump.
+        """Take over the plant from another controller with a bumpless transfer.
 
-        With ``b = u(k-1) - u~(k)``, where u~ is what this one asks for, it gives
+        With ``b = u(k-1) - u~(k)``, where u~ is the request of this controller, the output is
         ``u~(k + i) + fade^i b`` from the next step on.
 
         Parameters
@@ -276,12 +277,12 @@ class Controller:
         """
         update = self.settings.update
         if not update.keeps_covariance:
-            raise InputError(f"{update!r} has no covariance that could be reset.")
+            raise InputError(f"{update!r} has no covariance to reset.")
         with self._alone():
             self._kernel.reset_covariance()
 
     def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
-        """Make several changes at once, or none of them; see `set_target` for what a target does.
+        """Apply several changes together or none; see `set_target` for target models.
 
         Parameters
         ----------
@@ -307,7 +308,7 @@ class Controller:
         return self._changes[-1]
 
     def set_target(self, target: TargetModel, covariance: str = "blend") -> AppliedChange:
-        """Another G_f from the next step on; theta is kept.
+        """Set another G_f from the next step on; theta is kept.
 
         The past of the filter is what the new G_f makes of the stored signals, as if it had been
         there from the beginning: exactly for an FIR model, and for one with D_f as far as its poles
@@ -348,7 +349,7 @@ class Controller:
         return self.change(ControllerChange(target, covariance=covariance))
 
     def set_lambda(self, lambda_: float) -> AppliedChange:
-        """Another forgetting factor from the next step on, until a scheduled one.
+        """Set another forgetting factor from the next step on, until a scheduled one.
 
         Parameters
         ----------
@@ -368,7 +369,7 @@ class Controller:
         R_u: ArrayLike | SignalWeight | None = None,
         R_u_unfiltered: ArrayLike | None = None,
     ) -> AppliedChange:
-        """Other weights of (2.41) from the next step on; None leaves one as it is.
+        """Set other weights of (2.41) from the next step on; None keeps a weight.
 
         Parameters
         ----------
@@ -385,7 +386,7 @@ class Controller:
 
     @property
     def changes(self) -> tuple[AppliedChange, ...]:
-        """What was changed since it was made or restored, by `DataDriven` too; the last 1000."""
+        """The last 1000 changes since the start or the last restore, those of `DataDriven` included."""
         return tuple(self._changes)
 
     def _see_targets(self) -> None:
@@ -394,17 +395,17 @@ class Controller:
 
     @property
     def target(self) -> TargetModel:
-        """The target model that the filter runs."""
+        """The current target model."""
         return TargetModel(*self._kernel.target)
 
     @property
     def state(self) -> SavedState:
-        """Everything that later steps depend on, beside the settings.
+        """The state of the controller: everything but the settings that later steps depend on.
 
         Raises
         ------
         DivergedError
-            Where a step failed half-way, so that there is no state to go on from.
+            Where a step failed, so that the state is undefined.
         """
         if self._broken:
             raise DivergedError(self._broken)
@@ -413,7 +414,7 @@ class Controller:
         return SavedState.taken("controller", self.k, values, self._name)
 
     def restore(self, state: SavedState) -> None:
-        """Go back, or forward, to a saved state of a controller with the same settings.
+        """Restore a saved state of a controller with the same settings.
 
         Raises
         ------
@@ -431,7 +432,7 @@ class Controller:
 
     @property
     def _name(self) -> str:
-        """What a state of this controller is recognised by."""
+        """Return the fingerprint of the settings, the identity of a state."""
         if self.supervision == Supervision() and self.limits is None:
             return fingerprint(self.settings)
         parts = (self.settings, self.supervision)
@@ -439,7 +440,7 @@ class Controller:
 
     @property
     def record(self) -> SupervisionRecord:
-        """What the supervision has noted and done since step 0."""
+        """The record of the supervision since step 0."""
         return SupervisionRecord.of(self._kernel.troubles)
 
     @property
@@ -454,37 +455,37 @@ class Controller:
 
     @property
     def D_f(self) -> Array | None:
-        """1, d_1, ..., d_n of the denominator that `JointUD` fits with theta; else None."""
+        """1, d_1, ..., d_n of the denominator fitted by `JointUD`; else None."""
         return fitted_denominator(self.settings, self._kernel)
 
     @property
     def P(self) -> Array:
         """The covariance P(k); shape (l_theta, l_theta).
 
-        For the gradient update, which has none, its step size times I.
+        For the gradient update: its step size times I.
         """
         return np.asarray(self._kernel.P)
 
     @property
     def guard_count(self) -> int:
-        """Updates so far that rounding decided; see `Run`."""
+        """Number of updates decided by rounding; see `Run`."""
         return int(self._kernel.guard_count)
 
     @property
     def bounded(self) -> int:
-        """Updates so far after which theta was moved to its bounds."""
+        """Number of updates after which theta was moved to its bounds."""
         return int(self._kernel.bounded)
 
     @property
     def compensator(self) -> Compensator:
-        """The present controller as a fixed compensator from [y; r] to u."""
+        """The current controller as a fixed compensator from [y; r] to u."""
         return self.settings.compensator_of(self.theta)
 
     def __repr__(self) -> str:
         return f"Controller(k={self.k}, theta={shown_array(self.theta)})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: settings, where it stands, and what was noted."""
+        """Return the notebook view: settings, state, and the record of the supervision."""
         rows = [
             ("k", str(self.k)),
             ("theta", shown_array(self.theta)),
@@ -495,7 +496,7 @@ class Controller:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Refuse what a weight's function or another thread does in the middle of a step."""
+        """Raise for calls from a weight function or another thread during a step."""
         if not self._at_work.acquire(blocking=False):
             raise busy()
         try:
@@ -504,7 +505,7 @@ class Controller:
             self._at_work.release()
 
 
-# What a controller is handed at a step, read and refused by name; and a step that failed.
+# Arguments of a step, and errors of a failed step.
 
 StepArguments = tuple[Array, Array, Array | None, Array | None]
 
@@ -512,7 +513,7 @@ StepArguments = tuple[Array, Array, Array | None, Array | None]
 def step_arguments(
     settings: ControllerSettings, y: Any, z: Any, r: Any, u_applied: Any, *, gaps: bool = False
 ) -> StepArguments:
-    """The arguments of a step as arrays."""
+    """Return the arguments of a step as arrays."""
     structure = settings.structure
     if (r is None) != (structure.l_r == 0):
         raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
@@ -525,7 +526,7 @@ def step_arguments(
 
 
 def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
-    """A signal at one step; with `gaps` an entry of it may be no finite number."""
+    """Return a signal at one step; with `gaps` an entry may be infinite or NaN."""
     value = gaps_as_nan(value) if gaps else value
     if gaps and not has_mask(value):
         with suppress(TypeError, ValueError, OverflowError):
@@ -538,30 +539,31 @@ def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
 
 
 def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike) -> NoReturn:
-    """Say why what was applied cannot be taken in at step k."""
+    """Raise the reason why u_applied is invalid at step k."""
     vector(u_applied, "u_applied", settings.structure.l_u)
     if k == 0:
-        raise InputError("u_applied belongs to the step before; at step 0 there is none.")
+        raise InputError("u_applied is the applied u of the previous step; leave it out at step 0.")
     raise InputError("u_applied needs a strictly proper target model.")
 
 
 def failed_step(k: int, cause: BaseException | None) -> tuple[str, CompensatorError]:
-    """What a controller whose step k failed says from then on, and the error of that step."""
+    """Return the message of later calls after step k failed, and the error of step k."""
     if cause is not None:
         words = f"a weight that is a function failed at step {k}: {cause}"
-        return "a weight of this controller has failed; start a new one.", FunctionFailedError(
-            words
+        return (
+            "a weight function of this controller has failed; create a new controller.",
+            FunctionFailedError(words),
         )
     words = (
-        f"the controller left the range of float64 at step {k}; its coefficients are no longer "
-        "usable. Start a new one, with a larger R_theta or another target."
+        f"the controller overflowed float64 at step {k}; its coefficients are invalid. Create a "
+        f"new controller with a larger R_theta or another target."
     )
     return words, DivergedError(words)
 
 
 def busy() -> InputError:
-    """What a step says to who comes in the middle of it."""
+    """Return the error of a call during a step."""
     return InputError(
-        "the controller is in the middle of a step: neither a weight that is a function "
-        "nor another thread may drive it meanwhile. Use one controller for each loop."
+        "the controller is executing a step: a weight function or another thread cannot call it "
+        "now. Use one controller for each loop."
     )

@@ -1,4 +1,4 @@
-"""The learner of a controller that is driven step by step, and learns late what was applied."""
+"""DataDriven learning of a `Controller`, which receives the applied u one step later."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.engine._changes import AppliedChange, ControllerChange
 from rcac_numeric.engine._learner import DataDrivenLearner, LearningLoop
 
-# Steps that wait to be learnt where no look is due for long.
+# Largest number of buffered steps between two target updates.
 LONGEST_WAIT = 4096
 
 
 class DeviceLearner:
-    """What `simulate` does between two steps of a controller with `DataDriven`, bit for bit.
+    """Learning between two steps of a `Controller` with `DataDriven`, equal to `simulate`.
 
     The last step's signals wait for what the actuator made of u; before the first target model
     there is no update.
@@ -30,15 +30,15 @@ class DeviceLearner:
         self._kernel = kernel
         self.whole = LearningLoop(kernel, self)
         structure = settings.structure
-        self._waiting: list[Array] = []  # rows of u, z, y and r
+        self._waiting: list[Array] = []  # buffered rows of u, z, y and r
         self._ends = np.cumsum([1, 1, structure.l_y])
         self._width = 2 + structure.l_y + structure.l_r
         self._last = np.zeros(self._width)
-        self._is_held = False  # by its user
+        self._is_held = False  # frozen by the user
         self.freeze(False)
 
     def freeze(self, frozen: bool) -> None:
-        """Hold theta, or let it adapt once there is a target model; what is learnt goes on."""
+        """Freeze theta, or adapt from the first target model on; the identification continues."""
         self._is_held = frozen
         self._kernel.freeze(frozen or not self._learner.has_target)
 
@@ -48,7 +48,7 @@ class DeviceLearner:
         u_applied: Array | None,
         change: Callable[[ControllerChange, str], AppliedChange],
     ) -> None:
-        """What is to be done before step k: learn what came before it, look, change the target."""
+        """Before step k: take in the buffered steps and update the target model if due."""
         if u_applied is not None and self._waiting:
             self._waiting[-1][0] = u_applied[0]
         if self._learner.is_due(k):
@@ -60,9 +60,11 @@ class DeviceLearner:
             self._learn(len(self._waiting))
 
     def after(self, u: Array, y: Array, z: Array, r: Array | None) -> None:
-        """Step k is done; what was applied may still be said with the next."""
+        """Buffer step k; u_applied of this step may follow with the next."""
         row = np.concatenate([u, z, y, *([] if r is None else [r])])
-        missed = ~np.isfinite(row)  # what the kernel held, the model of the plant learns too
+        missed = ~np.isfinite(
+            row
+        )  # a missed sample: the model takes the value that the kernel used
         row[missed] = self._last[missed]
         self._waiting.append(row)
         self._last = row.copy()
@@ -74,7 +76,7 @@ class DeviceLearner:
             del self._waiting[:count]
 
     def save(self) -> Array:
-        """What later steps depend on, the step that waits among it."""
+        """Return the state, the buffered steps included."""
         self._learn(len(self._waiting) - 1)
         waits = bool(self._waiting)
         row = self._waiting[-1] if waits else np.zeros(self._width)
@@ -82,7 +84,7 @@ class DeviceLearner:
         return np.concatenate([self._learner.save(), self._last, row, flags])
 
     def restore(self, values: Array) -> None:
-        """Go back, or forward, to what `save` gave."""
+        """Restore the state that `save` returned."""
         size = 2 * self._width + 2
         if len(values) < size or not np.isin(values[-2:], (0.0, 1.0)).all():
             raise ValueError("it holds no state of a learner")
@@ -94,9 +96,9 @@ class DeviceLearner:
 
 
 def require_not_learnt(settings: ControllerSettings, change: ControllerChange) -> None:
-    """Refuse a target model from outside where the controller learns its own."""
+    """Raise for an external target model if the controller learns its target."""
     if settings.learning is not None and change.target is not None:
         raise InputError(
-            "the target model of this controller is learnt, by DataDriven; the next look would "
-            "replace another one. Start a controller with a TargetModel, or leave the target."
+            "DataDriven learns the target model of this controller and would replace another one. "
+            "Start a controller with a TargetModel, or leave the target."
         )

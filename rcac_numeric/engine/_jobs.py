@@ -1,4 +1,4 @@
-"""A run that is ready to start: checked, compiled, with its arrays; and what it leaves behind."""
+"""Prepared runs: checked, compiled, with arrays; and their results."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from rcac_numeric.engine._states import SavedState, saved_state
 from rcac_numeric.engine._stepwise import StepwiseLoop
 from rcac_numeric.plants._any_plant import AnyPlant
 
-# A signal so many times larger than all that comes from outside holds no digit of it in float64.
+# A signal this many times larger than all inputs has no correct digit of them in float64.
 NO_DIGIT_LEFT = 1e15
 
 
 class PreparedRun:
-    """The compiled job of a run, and the arrays that it writes; arguments as for `simulate`."""
+    """The compiled job of a run and its output arrays; arguments as for `simulate`."""
 
     def __init__(
         self,
@@ -44,10 +44,10 @@ class PreparedRun:
         start: SavedState | None = None,
         into: tuple[Array, Array, Array] | None = None,
     ) -> None:
-        """`into` are u, y and z of who keeps them himself, of as many rows as w."""
+        """`into` are preallocated arrays for u, y and z, with as many rows as w."""
         self.prepared, self.plant, self.settings = loop, loop.plant, loop.settings
         plant = loop.plant
-        # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
+        # A copy: a frozen twin needs it after the caller changes the array.
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self._failures = Failures()
         self.changes: list[AppliedChange] = []
@@ -59,7 +59,7 @@ class PreparedRun:
         self.learner: DataDrivenLearner | None = None
         self._into = into
         self.first_step, self._is_ready, self._start = 0, False, start
-        # What may be refused is asked before anything runs: of a loop of data no more is than x_0.
+        # Errors are raised before anything runs; a loop of data needs only the check of x_0.
         if start is not None or not loop.is_data:
             self.make_ready()
         elif self.x_0 is not None:
@@ -67,11 +67,11 @@ class PreparedRun:
 
     @property
     def kind(self) -> tuple[int, int]:
-        """What runs in the same lanes have in common, and most of what it depends on."""
+        """Key of runs that can share a SIMD batch, and an estimate of their cost."""
         return self.prepared.width, self.plant.n
 
     def make_ready(self) -> None:
-        """Make the loop, its job and the arrays, if they are not there yet."""
+        """Create the loop, its job and the arrays on first use."""
         if self._is_ready:
             return
         self._is_ready = True
@@ -83,7 +83,7 @@ class PreparedRun:
         whole = self._loop if self.learner is None else LearningLoop(self._loop, self.learner)
         self._whole: Restorable = whole
         if self.learner is not None:
-            self._kernels[0].freeze(True)  # until there is a target model
+            self._kernels[0].freeze(True)  # frozen until the first target model
         if self._start is not None:
             self._continue(self._start)
         steps, empty = len(self.w), np.empty
@@ -93,7 +93,7 @@ class PreparedRun:
         else:
             self.u, self.y, self.z = self._into
         self.u_applied = self.u if saturation is None else np.empty_like(self.u)
-        # What the kernel calls theta of a fixed controller never changes: it is kept once.
+        # theta of a fixed controller is constant: it is stored once.
         stride = self.stride if loop.adapts else max(steps, 1)
         width = loop.width or self._loop.theta_before().size
         self._theta = empty((-(-steps // stride), width))
@@ -111,8 +111,8 @@ class PreparedRun:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
         if isinstance(self._loop, StepwiseLoop) and not self._loop.resumes:
             raise InputError(
-                "a schedule with state_map or delay is not continued with a stepwise controller: "
-                "run it whole."
+                "a schedule with state_map or delay cannot be continued with a stepwise "
+                "controller: run it in one piece."
             )
         saved_state(start, "start").restored(
             "loop", self.prepared.name,
@@ -125,7 +125,7 @@ class PreparedRun:
         return self._loop.k if isinstance(self._loop, StepwiseLoop) else self._kernels[0].k
 
     def hold(self, row: int) -> None:
-        """Let the job go no further than so many rows."""
+        """Limit the job to a number of rows."""
         self.make_ready()
         self._hold = row
         self._pause()
@@ -137,7 +137,7 @@ class PreparedRun:
         self.job.pause_at(max(stop, self.job.done))
 
     def proceed(self) -> bool:
-        """Where the job stands still: learn, look, and say whether there is more to do."""
+        """Learn and update the target at a pause of the job; return whether steps remain."""
         if self.learner is None or self.job.outcome != 0:
             return False
         self._learn(self.learner)
@@ -164,14 +164,14 @@ class PreparedRun:
         return self.job.outcome != 0 or self.job.done == len(self.w)
 
     def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
-        """Change the one controller between two steps."""
+        """Apply a change to the controller between two steps."""
         (settings,), (kernel,) = self.prepared.controllers, self._kernels
         settings = instance_of(settings, "settings", ControllerSettings)
         self.changes.append(apply_change(kernel, settings, change, evidence))
         return self.changes[-1]
 
     def result(self, interrupted: bool = False, with_state: bool = True) -> Run:
-        """What the job has done so far, as a run; with the state that it can go on from.
+        """Return the run so far, with the state for a continuation.
 
         A function of the user that failed is an outcome, "plant failed" or "weight failed", and
         `Run.failure` says how. Where the job was interrupted in a function of the user, or in a
@@ -181,7 +181,7 @@ class PreparedRun:
         done, outcome, failures = self.job.done, self.job.outcome, self._failures
         if self.learner is not None and outcome == 0:
             self._learn(self.learner)
-        # A function in which the key was pressed looks to the kernel like one that failed.
+        # The kernel reports a user function interrupted by Ctrl-C as failed.
         in_function = (
             failures.guards_something
             and OUTCOMES[outcome] in ("plant failed", "overflow")
@@ -227,13 +227,13 @@ class PreparedRun:
 
     @property
     def ending(self) -> tuple[int, str, int, Array, str]:
-        """Completed steps, outcome, guards, the last theta and a failure, of a run that ended."""
+        """Return steps, outcome, guards, final theta and failure of a completed run."""
         outcome = self.job.outcome
         failure = self._failures.words
         return self.job.done, self._name_of(outcome), self._counts[0], self._last(outcome), failure
 
     def require_no_failure(self, run: Run) -> None:
-        """Raise where a function of the user failed; the run so far goes with the error."""
+        """Raise if a user function failed; the error has the run so far."""
         if self._failures.error is not None:
             raise FunctionFailedError(
                 "a function of the plant or of a weight failed at step "
@@ -244,11 +244,11 @@ class PreparedRun:
 
     @property
     def _counts(self) -> tuple[int, int, int, int, int]:
-        """Guards, the first step of one, reflections, resets and moves into bounds."""
+        """Return the counts of guards, reflections, resets and bounds, and the first guard step."""
         return (0, -1, 0, 0, 0) if isinstance(self._loop, StepwiseLoop) else self._loop.counts
 
     def _is_whole(self, stopped: bool) -> bool:
-        """Whether a state is that between two steps, and all that later steps depend on."""
+        """Whether the state is complete and between two steps."""
         if isinstance(self._loop, StepwiseLoop):
             return self._loop.resumes and not self._loop.in_step
         return not (stopped and self._failures.guards_something)
@@ -259,7 +259,7 @@ class PreparedRun:
 
     def _name_of(self, outcome: int) -> str:
         if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:
-            return "weight failed"  # the kernel was handed a NaN in its place
+            return "weight failed"  # the kernel received NaN instead
         return OUTCOMES[outcome]
 
     def _recorded_theta(self, done: int) -> Array:
@@ -267,13 +267,13 @@ class PreparedRun:
         return self._theta[:rows] if self.prepared.adapts else np.zeros((rows, 0))
 
     def _fitted(self, outcome: int) -> Array | None:
-        """D_f that belongs to theta_final; None where a step failed half-way."""
+        """Return the D_f of theta_final; None after a failed step."""
         if outcome != 0 or not isinstance(self.settings, ControllerSettings):
             return None
         return fitted_denominator(self.settings, self._kernels[0])
 
     def _noted(self) -> SupervisionRecord | None:
-        """What was noted of the one adaptive controller; None of others."""
+        """Return the supervision record of a single adaptive controller, else None."""
         if not isinstance(self.settings, ControllerSettings):
             return None
         return SupervisionRecord.of(self._kernels[0].troubles)
@@ -288,7 +288,7 @@ class PreparedRun:
 
 
 def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None:
-    """What learns the target model of the one controller, if it is to be learnt."""
+    """Return the learner of a single controller with DataDriven, else None."""
     adaptive = [one for one in controllers if isinstance(one, ControllerSettings)]
     learning = [one.learning for one in adaptive if one.learning is not None]
     if learning and len(controllers) > 1:
@@ -297,7 +297,7 @@ def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None
 
 
 def _read(w: ArrayLike, plant: AnyPlant) -> tuple[Array, float]:
-    """The exogenous input as it is kept, and its largest size, which says that it is finite."""
+    """Return w as an array, and its largest entry, which proves that w is finite."""
     if type(w) is np.ndarray and w.dtype == np.float64 and w.shape[1:] == (plant.l_w,):
         w_array = np.array(w, order="C")
         if (peak := scale_of(0.0, w_array)) < np.inf:
@@ -308,7 +308,7 @@ def _read(w: ArrayLike, plant: AnyPlant) -> tuple[Array, float]:
 
 
 def scale_of(before: float, *from_outside: Array | None) -> float:
-    """The largest size of what comes from outside, in this run and those that it goes on from."""
+    """Return the largest entry of w and x_0 in this run and in those that it continues."""
     for values in from_outside:
         if values is not None:
             before = np.maximum.reduce(np.abs(values), axis=None, initial=before)
@@ -316,7 +316,7 @@ def scale_of(before: float, *from_outside: Array | None) -> float:
 
 
 def divergence_limit_of(given: float | None, scale: float) -> float:
-    """The size at which a loop counts as diverged."""
+    """Return the magnitude at which a loop counts as diverged."""
     if given is None:
         return NO_DIGIT_LEFT * max(1.0, scale)
     limit = number(given, "divergence_limit")
@@ -325,12 +325,12 @@ def divergence_limit_of(given: float | None, scale: float) -> float:
     return limit
 
 
-# Seconds that the kernel runs before Python may look at a key that was pressed.
+# Seconds between two checks for Ctrl-C.
 CHUNK = 0.05
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Ctrl-C while something ran; whoever catches KeyboardInterrupt catches this too.
+    """Ctrl-C during a run; a subclass of KeyboardInterrupt.
 
     Attributes
     ----------
@@ -360,7 +360,7 @@ def run_to_end(prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = 
 def in_slices(
     prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
 ) -> Iterator[None]:
-    """Run every job to its end; hands over after each slice of time, and once at the end."""
+    """Run every job to its end; yield after each slice of time and at the end."""
     for one in prepared:
         one.make_ready()
     jobs = [one.job for one in prepared if isinstance(one.job, _kernel.Job)]
@@ -373,7 +373,7 @@ def in_slices(
         try:
             go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
             go_on = sum(job.go_on(CHUNK) for job in stepwise) > 0 or go_on
-            go_on = sum(one.proceed() for one in learning) > 0 or go_on  # each of them proceeds
+            go_on = sum(one.proceed() for one in learning) > 0 or go_on  # proceeds in all jobs
         except KeyboardInterrupt:
             if not keep:
                 raise

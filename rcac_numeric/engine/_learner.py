@@ -1,4 +1,4 @@
-"""The model of u -> z beside a running controller, and what it asks to be changed."""
+"""Identification of u -> z during a run, and updates of the target model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SMALLEST_ZERO, LARGEST_ZERO = 1.02, 10.0
 
 
 class DataDrivenLearner:
-    """Takes in u and z, and says before a step whether G_f is to change, and why."""
+    """Recursive ARX model of u -> z that requests changes of G_f."""
 
     def __init__(self, settings: DataDriven, structure: Structure) -> None:
         self.settings = settings
@@ -31,16 +31,16 @@ class DataDrivenLearner:
             settings.order, R_theta=settings.R_theta, lambda_=settings.lambda_
         )
         self._window = FrozenPerturbation(structure, settings) if settings.is_frozen else None
-        self._current = np.zeros(0)  # the numerator that was asked for last
-        self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
+        self._current = np.zeros(0)  # the numerator of the last request
+        self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # zeros of this numerator
 
     @property
     def has_target(self) -> bool:
-        """Whether a target model was asked for yet."""
+        """Whether a target model has been requested."""
         return bool(self._current.size)
 
     def take(self, u: Array, z: Array, *read: Array) -> None:
-        """The next steps of u, z, y and r; a model that leaves float64 says nothing."""
+        """Take in the next steps of u, z, y and r; a model that overflows is ignored."""
         if self._window is not None:
             self._window.take(u, z, *read)
             return
@@ -48,16 +48,16 @@ class DataDrivenLearner:
             self.model.update(u, z)
 
     def next_look(self, k: int) -> int:
-        """The first step after k before which the model is looked at."""
+        """Return the first step after k with a target update."""
         start, every = self.settings.start, self.settings.every
         return start if k < start else k + every - (k - start) % every
 
     def is_due(self, k: int) -> bool:
-        """Whether the model is looked at before step k."""
+        """Whether a target update is due before step k."""
         return k >= self.settings.start and (k - self.settings.start) % self.settings.every == 0
 
     def look(self, theta: Array) -> tuple[ControllerChange, str] | None:
-        """The change to make now and its evidence; None where the target stays."""
+        """Return the change of G_f and its evidence; None if the target stays."""
         if self._window is not None:
             try:
                 self.model = self._window.model(theta)
@@ -68,7 +68,7 @@ class DataDrivenLearner:
         try:
             estimate = self.model.estimate(self.settings.level, self.settings.d_zu)
         except InputError:
-            return None  # u is not seen to act on z: the target stays
+            return None  # no significant response of z to u: the target stays
         outside = self._chosen(estimate)
         H = estimate.H if self.settings.H is None else self.settings.H
         if H == 0:
@@ -81,7 +81,7 @@ class DataDrivenLearner:
         return ControllerChange(TargetModel(numerator), covariance=option), str(estimate)
 
     def _chosen(self, zeros: OnlineZeros) -> ComplexArray:
-        """The zeros that G_f is to have, in conjugate pairs."""
+        """Return the zeros of the new G_f, in conjugate pairs."""
         first = not self._current.size
         chosen = []
         for zero, phase in zip(zeros.zeros, zeros.phases, strict=True):
@@ -91,7 +91,7 @@ class DataDrivenLearner:
             was_outside = self._outside.size and (np.abs(self._outside - zero) < 0.2 * size).any()
             if phase == PHASES[0] or first or was_outside:
                 chosen.append(zero)
-        # Both of a pair have one modulus and one error, but for rounding.
+        # A conjugate pair has one modulus and one error, up to rounding.
         paired = [z for z in chosen if z.imag == 0 or z.conjugate() in chosen]
         return np.array(paired, dtype=np.complex128)
 
@@ -104,7 +104,7 @@ class DataDrivenLearner:
         return gap > self.settings.changed * float(np.linalg.norm(old))
 
     def save(self) -> Array:
-        """Everything that later looks depend on."""
+        """Return the state."""
         parts = [self._outside.real, self._outside.imag]
         sizes = np.array([float(self._current.size), float(self._outside.size)])
         model = self.model.state if self._window is None else self._window.save()
@@ -124,23 +124,23 @@ class DataDrivenLearner:
 
 
 class Restorable(Protocol):
-    """What hands out its state as numbers, and takes them back."""
+    """Protocol of objects with a state that can be saved and restored."""
 
     def save(self) -> Array:
-        """Every number of the state."""
+        """Return the state as an array."""
 
     def restore(self, state: Array, /) -> None:
-        """Take them back; ValueError where they are something else."""
+        """Restore a state; raise ValueError for other values."""
 
 
 class LearningLoop:
-    """A compiled loop or controller and its learner, saved and restored as one."""
+    """State of a compiled loop or controller together with its learner."""
 
     def __init__(self, compiled: Restorable, learner: Restorable) -> None:
         self._compiled, self._learner = compiled, learner
 
     def save(self) -> Array:
-        """The learner's values behind those of the loop, and their number."""
+        """Return the values of the loop, those of the learner, and their number."""
         learnt = self._learner.save()
         values = self._compiled.save()
         return np.concatenate([values, learnt, [float(learnt.size)]])
@@ -155,11 +155,11 @@ class LearningLoop:
         self._learner.restore(np.ascontiguousarray(whole[1]))
 
 
-# The virtual perturbation of the last steps, with the theta of one moment in all of them.
+# The virtual perturbation over a window, with one theta for all steps.
 
 
 class FrozenPerturbation:
-    """u~(k) = u(k) - Phi(k) theta over a window, theta that of the moment at which it is asked.
+    """u~(k) = u(k) - Phi(k) theta over a window with the current theta.
 
     The loop that theta would close, driven by u~, is what (4.14) speaks of: u~ -> z has d_zu, H and
     the zeros of G_zu, and the order n + n_c.
@@ -173,12 +173,12 @@ class FrozenPerturbation:
         self._rows = np.zeros((self._longest, 2 + structure.l_y + structure.l_r))  # before step 0
 
     def take(self, *signals: Array) -> None:
-        """The next steps of u, z, y and, where there is one, r; each of shape (steps, width)."""
+        """Take in the next steps of u, z, y and optionally r; shapes (steps, width)."""
         new = np.vstack([self._rows, np.hstack(signals)])
         self._rows = new[-(self._settings.window + self._longest) :]
 
     def signals(self, theta: Array) -> tuple[Array, Array]:
-        """u~ with this theta, and z, over what there is of the window."""
+        """Return u~ with this theta, and z, over the available window."""
         steps = len(self._rows) - self._longest
         known = self._rows[self._longest :]
         perturbation = known[:, 0].copy()
@@ -188,14 +188,14 @@ class FrozenPerturbation:
         return perturbation, known[:, 1]
 
     def model(self, theta: Array) -> RecursiveARX:
-        """The ARX model of u~ -> z; raises DivergedError where it leaves float64."""
+        """Return the ARX model of u~ -> z; raise DivergedError on overflow."""
         chosen = self._settings
         model = RecursiveARX(chosen.order, R_theta=chosen.R_theta, lambda_=chosen.lambda_)
         model.update(*self.signals(theta))
         return model
 
     def save(self) -> Array:
-        """What later looks depend on."""
+        """Return the state."""
         return np.asarray(self._rows.reshape(-1))
 
     def restore(self, values: Array) -> None:

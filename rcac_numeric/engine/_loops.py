@@ -1,4 +1,4 @@
-"""Plant and controller of a run, checked and compiled once for all runs that they make."""
+"""Plant and controller of a run, checked and compiled once for many runs."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._saturation import Saturation
 
-# Loops that are remembered while a batch is prepared.
+# Number of loops in the cache of a batch.
 REMEMBERED = 64
 
 
 class PreparedLoop:
-    """What of a run depends on the plant and the controller alone.
+    """The part of a run that depends on plant and controller only.
 
     A loop of data is compiled once, and each run has a copy of it at its first step; one that
     calls functions, steps in Python or learns its target model is compiled for each run.
@@ -63,9 +63,9 @@ class PreparedLoop:
         self.plant, self.settings, self.saturation = plant, settings, saturation
         is_default = supervision is None or supervision == Supervision()
         self.supervision = None if is_default else supervision
-        self._given = supervision  # what it is remembered by must live as long
+        self._given = supervision  # the key of the cache uses id(): the objects must stay alive
         self.controllers = _compiled_controllers(settings, saturation, supervision)
-        compiled_plant(plant, None, Failures())  # what is no plant is refused as one
+        compiled_plant(plant, None, Failures())  # checks the plant
         require_fit(plant, settings)
         parts = self.controllers or (settings,)
         l_r = max(one.l_r for one in parts)
@@ -74,7 +74,7 @@ class PreparedLoop:
         adaptive = [one for one in self.controllers if isinstance(one, ControllerSettings)]
         self.learns = any(one.learning is not None for one in adaptive)
         self._numbers: Numbers | None = None
-        # Nothing in it is a function, a step in Python or learnt.
+        # No function, no Python steps, no learnt target model.
         is_data = (
             bool(self.controllers)
             and not isinstance(plant, FunctionPlant)
@@ -82,7 +82,7 @@ class PreparedLoop:
             and all(isinstance(R, CONSTANT) for one in adaptive for R in (one.R_z, one.R_u))
         )
         self._template: _kernel.Loop | None = None
-        # Of what the kernel calls theta, coefficients of fixed controllers too; 0: not known yet.
+        # Size of the kernel's theta, coefficients of fixed controllers included; 0: not known yet.
         self.width = 0
         if is_data:
             compiled = self._compiled(None, 1.0, Failures())
@@ -91,11 +91,11 @@ class PreparedLoop:
 
     @property
     def is_data(self) -> bool:
-        """Whether it is compiled once for all runs."""
+        """Whether the loop is compiled once for all runs."""
         return self._template is not None
 
     def with_numbers_of(self, settings: AnyController) -> PreparedLoop | None:
-        """The loop with other settings that differ in numbers alone; None where more differs."""
+        """Return the loop with settings that differ in numbers only; None if more differs."""
         base = self.settings
         if not isinstance(settings, ControllerSettings) or not isinstance(base, ControllerSettings):
             return None
@@ -110,7 +110,7 @@ class PreparedLoop:
     def started(
         self, x_0: Array | None, limit: float, failures: Failures
     ) -> _kernel.Loop | StepwiseLoop:
-        """The loop before its first step."""
+        """Return the loop before its first step."""
         if self._template is None:
             return self._compiled(x_0, limit, failures)
         start = None if x_0 is None else initial_state(x_0, self.plant.n)
@@ -118,7 +118,7 @@ class PreparedLoop:
 
     @cached_property
     def name(self) -> str:
-        """What a state of this loop is recognised by."""
+        """The fingerprint of the loop, the identity of a state."""
         parts = (self.plant, self.settings, self.saturation)
         if not self.controllers:
             return fingerprint(parts[:2])
@@ -136,8 +136,8 @@ class PreparedLoop:
         shared = settings.shared_u if isinstance(settings, Decentralized) else True
         if saturation is not None and not shared and len(self.controllers) > 1:
             raise InputError(
-                "with saturation, controllers that hold their own u cannot know which part of it "
-                "was applied. ",
+                "with saturation, controllers with separate u do not receive their applied parts "
+                "of u. ",
                 Advice(
                     "Decentralized", (("shared_u", "True"),), "Use {function}(..., shared_u=True)"
                 ),
@@ -162,7 +162,7 @@ class PreparedLoop:
 
 
 class PreparedLoops:
-    """The loops of a batch, each prepared once: the last ones, by the objects they are made of."""
+    """Cache of the prepared loops of a batch."""
 
     def __init__(self) -> None:
         self._loops: OrderedDict[tuple[int, ...], PreparedLoop] = OrderedDict()
@@ -170,7 +170,7 @@ class PreparedLoops:
         self._instructions = instruction_set()
 
     def begin(self) -> None:
-        """Before a batch: what was compiled for other instructions is made anew."""
+        """Clear the cache if the instruction set has changed."""
         if self._instructions != (now := instruction_set()):
             self._loops.clear()
             self._bases.clear()
@@ -183,12 +183,12 @@ class PreparedLoops:
         saturation: Saturation | None = None,
         supervision: Supervision | None = None,
     ) -> PreparedLoop:
-        """The loop of these, whose number in memory stays theirs while the loop is remembered."""
+        """Return the prepared loop of these objects, which the cache keeps alive."""
         key = id(plant), id(settings), id(saturation), id(supervision)
         loop = self._loops.get(key)
         if loop is not None:
             return loop
-        controllers_of(settings)  # refuses steps in Python, whose errors are none of a batch
+        controllers_of(settings)  # refuses Python steps before the batch
         structure = getattr(settings, "structure", None)
         alike = id(plant), id(structure), id(saturation), id(supervision)
         base = self._bases.get(alike)
@@ -213,18 +213,18 @@ def _keep(
 def _compiled_controllers(
     settings: AnyController, saturation: Saturation | None, supervision: Supervision | None
 ) -> tuple[OneController, ...]:
-    """Those of which the kernel makes the steps: none where they are Python."""
+    """Return the controllers that the kernel runs; empty for Python steps."""
     if not isinstance(settings, StepwiseController):
         return controllers_of(settings)
     name = type(settings).__name__
     if saturation is not None:
         raise InputError(
-            f"a {name} is run without saturation: it would not know which part of u was applied. "
-            "Leave saturation out."
+            f"a {name} does not support saturation: it would not receive the applied u. Leave "
+            f"saturation out."
         )
     if supervision is not None:
         raise InputError(
-            f"a {name} is run without supervision, which watches P of an RCAC controller; leave "
-            "supervision out."
+            f"a {name} does not support supervision, which checks P of an RCAC controller; leave "
+            f"supervision out."
         )
     return ()

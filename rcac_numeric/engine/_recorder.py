@@ -1,4 +1,4 @@
-"""A log of a controller that is whole whatever happens to the process."""
+"""Crash-safe log of a controller."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rcac_numeric.engine._controller import Controller
 
 
 class Recorder(ShowsState):
-    """Drives a controller and writes its steps to a .csv file that `rcac check` reads.
+    """Controller with a log: writes every step to a .csv file for `rcac check`.
 
     A row is one write to the file, so that a process that is killed leaves no half row, and lacks
     the last step at most: u_applied is given with the next step, so that a row waits for that, or
@@ -94,7 +94,7 @@ class Recorder(ShowsState):
         r: ArrayLike | None = None,
         u_applied: ArrayLike | None = None,
     ) -> Array:
-        """`Controller.step`, and its row.
+        """Run `Controller.step` and write its row.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Recorder(ShowsState):
                 self._row[0] = np.asarray(u_applied, dtype=float).reshape(-1)
             self._flush()
         if self.controller.settings.form == "filter":
-            theta = self.controller.theta  # the update comes before the control
+            theta = self.controller.theta  # filter form: the update precedes the control
         signals = [self._known[name].copy() for name in ("y", "z", "r")]
         self._row = [u.copy(), *signals, theta, np.array([float(missed)])]
         return u
@@ -147,7 +147,7 @@ class Recorder(ShowsState):
             self._size += len(data)
             return
         self.failure, file, self._file = reason, self._file, None
-        os.ftruncate(file, self._size)  # a part of a row is none
+        os.ftruncate(file, self._size)  # remove an incomplete row
         os.close(file)
         warnings.warn(
             SupervisionWarning(f"the log {self.path} ends here: {reason}. The controller goes on."),

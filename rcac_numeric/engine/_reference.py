@@ -1,4 +1,4 @@
-"""The closed loop in ball arithmetic: what RCAC does when rounding plays no part."""
+"""The closed loop in ball arithmetic: RCAC without rounding errors."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from rcac_numeric.plants._schedules import PlantChange, PlantSchedule
 
 
 class BallPlant:
-    """A linear plant or a schedule of them; x holds the state."""
+    """A linear plant or schedule in ball arithmetic, with state x."""
 
     def __init__(self, plant: Plant | PlantSchedule, x_0: ArrayLike | None) -> None:
         changes = [PlantChange(start=0, plant=plant)] if isinstance(plant, Plant) else plant.changes
@@ -83,7 +83,7 @@ class BallPlant:
 
 
 class BallController:
-    """One controller. A step is `measure`, `control`, `adapt` and `finish`, in the loop's order.
+    """One controller. A step is `measure`, `control`, `adapt`, `finish` in this order.
 
     An independent transcription of section 2.3, without the kernel's taps and filters: Phi(k) is
     built from (2.30), filtered as a matrix by (2.40), and theta updated by (2.42)-(2.48) as
@@ -122,12 +122,12 @@ class BallController:
         return u if self.settings.fixed is None else u + self._beside(self.settings.fixed)
 
     def _beside(self, fixed: Compensator) -> arb_mat:
-        """What the fixed compensator in parallel adds to u(k), (2.28)."""
+        """Return the output of the parallel fixed compensator, (2.28)."""
         past, v = self._past, arb_mat(fixed.l_u, 1)
         for lag, P in enumerate(fixed.past_u[: self.k], start=1):
             v = v + balls(P) * past["v"][self.k - lag]
         for lag, Q in enumerate(fixed.past_y[: self.k + 1]):
-            if Q.any():  # where Q_0 is zero y(k) need not be there yet
+            if Q.any():  # for Q_0 = 0 y(k) may be unknown here
                 e = past["y"][self.k - lag].entries() + past["r"][self.k - lag].entries()
                 v = v + balls(Q) * arb_mat(len(e), 1, e)
         past["v"].append(v)
@@ -155,7 +155,7 @@ class BallController:
             R_z, W = _diagonal(R_z, R), _diagonal(W, R)
         data = BallData(k, k - s.k_update, Phi_f, R_z, W, residual)
         self.theta = self._update.step(data, self.theta)
-        if s.bounds is not None:  # entry by entry: `require_supported` has asked
+        if s.bounds is not None:  # "clip" only: `require_supported` refuses "metric"
             rows = zip(self.theta.entries(), *s.bounds.box(s.structure), strict=True)
             theta = [held(value, float(low), float(high), k) for value, low, high in rows]
             self.theta = arb_mat(len(theta), 1, theta)
@@ -180,7 +180,7 @@ class BallController:
         target = latest(self.settings.target, self.settings.target_changes, self.k)
         output = arb_mat(target.l_z, columns)
         for i in range(min(self.k, target.n_f) + 1):
-            # In the filter form u(k) is not there yet, and N_0 is zero.
+            # In the filter form u(k) is unknown here, and N_0 is zero.
             if self.k - i >= self.settings.k_filter and target.numerator[i].any():
                 output = output + balls(target.numerator[i]) * self._past[name][self.k - i]
             if i > 0:
@@ -191,7 +191,9 @@ class BallController:
     def _weight(self, R: Weight, z: arb_mat) -> arb_mat:
         if isinstance(R, np.ndarray):
             return balls(R)
-        assert isinstance(R, SignalWeight)  # no function: `require_supported` has asked
+        assert isinstance(
+            R, SignalWeight
+        )  # constant or SignalWeight: `require_supported` refuses functions
         square = (z.transpose() * z)[0, 0]
         power = square * arb(R.z_squared) + arb(R.constant)
         if R.nu:
@@ -236,7 +238,7 @@ def simulate_reference(
     x_0: ArrayLike | None = None,
     digits: int = 250,
 ) -> ReferenceRun:
-    """The run that `simulate` approximates, with `digits` decimal digits.
+    """Run the loop of `simulate` in ball arithmetic with `digits` decimal digits.
 
     Parameters
     ----------
@@ -255,7 +257,7 @@ def simulate_reference(
         weights, several controllers, the sliding window, variable-rate forgetting, resets that
         watch the run, pole reflection, bounds with method = "metric".
     DivergedError
-        Where the balls have grown until nothing is certain.
+        Where the balls have lost every digit.
 
     Examples
     --------
@@ -281,7 +283,7 @@ def simulate_reference(
 def require_supported(
     plant: AnyPlant, controller: AnyController, saturation: Saturation | None = None
 ) -> tuple[Plant | PlantSchedule, ControllerSettings]:
-    """Refuse by name what the reference does not do."""
+    """Raise for settings that the reference does not support."""
     if not isinstance(plant, Plant | PlantSchedule):
         raise InputError(f"the reference needs a linear plant, not {plant!r}.")
     if not isinstance(controller, ControllerSettings):
@@ -327,9 +329,9 @@ def _run(
     filter_form = settings.form == "filter"
     y_first = settings.measures_first or filter_form
     record: dict[str, list[arb_mat]] = {name: [] for name in ("u", "y", "z", "theta")}
-    unknown = arb_mat(plant.l_u, 1)  # in place of u(k) where nothing depends on it
+    unknown = arb_mat(plant.l_u, 1)  # placeholder of u(k) if nothing depends on it
     for k, row in enumerate(w):
-        with ball_precision(bits):  # of this step only, so that other threads have theirs, too
+        with ball_precision(bits):  # local precision, so that other threads keep theirs
             w_k, r_k = (
                 balls(row.reshape(-1, 1)),
                 balls(row[position : position + l_r].reshape(-1, 1)),
@@ -362,7 +364,7 @@ def _run(
     }
     final = controller.theta.entries()
     size = max(abs(float(b.mid())) for b in final) or 1.0
-    worst = max(b.rad() for b in final)  # as a ball: it may be below every float
+    worst = max(b.rad() for b in final)  # as a ball: the value may underflow float64
     with ball_precision(bits):
         correct = float("inf") if worst == 0 else -float((worst / size).log() / arb(10).log())
     return ReferenceRun(

@@ -1,4 +1,4 @@
-"""What a closed-loop run leaves behind."""
+"""The result of a closed-loop run."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ from rcac_numeric.plants._schedules import PlantChange, PlantSchedule
 from rcac_numeric.targets._data_driven import DataDriven
 from rcac_numeric.targets._model import TargetModel
 
-# What the file of a run may be made of; nothing else is ever constructed from it.
+# Classes that the file of a run may contain; no other class is constructed from a file.
 RECORDS = Records(
     AppliedChange, CappedForgetting, CoefficientBounds, Compensator, ControllerChange,
     ControllerSettings, Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal,
@@ -72,7 +72,7 @@ RECORDS = Records(
     TargetModel, TroubleCount, UD, VariableRateForgetting,
 )  # fmt: skip
 
-# How a run may end, in the order of the kernel's numbers.
+# Outcomes of a run, in the order of the kernel's indices.
 OUTCOMES = (
     "completed",
     "diverged",
@@ -81,13 +81,13 @@ OUTCOMES = (
     "plant failed",
     "unsupported R_theta",
 )
-# The first of which the kernel does not tell from "overflow".
+# The kernel reports the first of these as "overflow".
 OTHER_OUTCOMES = ("weight failed", "interrupted")
 
 
 @dataclass(frozen=True, eq=False)
 class Run(Value):
-    """A closed-loop run and its evidence.
+    """A closed-loop run: signals, coefficients, outcome.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Run(Value):
 
     @property
     def sample_time(self) -> float | None:
-        """That of the plant, of a schedule its first, in seconds; None where it is not known.
+        """Sample time of the plant in seconds, for a schedule of its first plant; None if unknown.
 
         ``run.compensator.to_control()`` goes back to python-control with it.
         """
@@ -175,11 +175,11 @@ class Run(Value):
         return plant.sample_time if isinstance(plant, Plant) else None
 
     def compensator_at(self, k: int) -> Compensator:
-        """The controller that made u(k), for a step at which theta was kept."""
+        """Return the controller at step k, for a step at which theta was stored."""
         row, rest = divmod(integer(k, "k") - self.first_step, self.stride)
         if rest or not 0 <= row < len(self.theta):
             raise InputError(
-                f"theta({k}) was not kept; it is kept at multiples of {self.stride} below "
+                f"theta({k}) was not stored; theta is stored at multiples of {self.stride} below "
                 f"{self.steps}."
             )
         return self._timed(self.settings.compensator_of(self.theta[row]))
@@ -195,9 +195,9 @@ class Run(Value):
         return self.first_step + np.arange(self.steps, dtype=np.float64)
 
     def to_pandas(self) -> DataFrame:
-        """A DataFrame over k: z, u, y, w, u_applied and theta, numbered from 1 where several.
+        """Return a DataFrame over k: z, u, y, w, u_applied and theta, components numbered from 1.
 
-        Where theta was kept with a stride, it is not a number in between.
+        With a stride, theta is NaN between the stored steps.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class Run(Value):
         return imported("pandas").DataFrame(columns).set_index("k")
 
     def to_xarray(self) -> Dataset:
-        """A Dataset with the dimension k, and a dimension of components for each signal.
+        """Return a Dataset with the dimension k and a dimension of components for each signal.
 
         Raises
         ------
@@ -248,7 +248,7 @@ class Run(Value):
         width: float = 9.0,
         ax: Any = None,
     ) -> figures.Figure:
-        """The signals z and u and the coefficients theta over the step k, or in seconds.
+        """Plot z, u and theta over the step k, or in seconds.
 
         Parameters
         ----------
@@ -265,7 +265,7 @@ class Run(Value):
         return run_sheet(self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how it ended, and its pictures."""
+        """Return the notebook view: outcome and plots."""
         return notebook_of(self._sheet(), self.plot if self.steps else None)
 
     def __repr__(self) -> str:
@@ -317,12 +317,12 @@ def load_run(
         require_consistent(run)
     except (CompensatorError, TypeError) as error:
         words = shortened(str(error).rstrip("."), 300)
-        raise InputError(f"{path} holds no run that could have been made: {words}.") from None
+        raise InputError(f"{path} holds no consistent run: {words}.") from None
     return run
 
 
 def require_consistent(run: Run) -> None:
-    """Raise where the parts of a run do not fit together, as those of a file may not.
+    """Raise if the parts of a run, for instance from a file, are inconsistent.
 
     Examples
     --------
@@ -384,7 +384,7 @@ def _linear_plants(plant: AnyPlant) -> list[Plant]:
 
 
 def _require_exact_form(plant: Plant) -> None:
-    """Refuse an exact form whose matrices are not rounded to those of the plant."""
+    """Raise if the matrices of the exact form do not round to those of the plant."""
     if plant.exact is None:
         return
     for name in MATRICES:

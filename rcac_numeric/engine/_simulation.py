@@ -1,4 +1,4 @@
-"""The closed loop at full speed."""
+"""Simulation of the closed loop."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def simulate(
 
 
 def frozen_twin(run: Run, k: int) -> Run:
-    """The same run with the adaptation stopped at step k: the fixed controller beside it.
+    """Return the run with the adaptation frozen from step k on.
 
     Examples
     --------
@@ -147,9 +147,12 @@ def frozen_twin(run: Run, k: int) -> Run:
     ('completed', 'diverged')
     """
     if instance_of(run, "run", Run).first_step != 0:
-        raise InputError("the run is the continuation of another; freeze the whole run instead.")
+        raise InputError("the run continues another run; freeze the whole run instead.")
     if run.changes:
-        raise InputError("the controller was changed while it ran; its twin would not be.")
+        raise InputError(
+            "the controller was changed during the run; the frozen twin would not "
+            "apply the changes."
+        )
     if isinstance(run.settings, StepwiseController):
         raise InputError(f"a {type(run.settings).__name__} has no freeze; RCAC controllers have.")
     from_k = ((integer(k, "k"), None),)
@@ -170,13 +173,13 @@ def frozen_twin(run: Run, k: int) -> Run:
     )
 
 
-# A run that asks a function, every so many steps, what to change in the controller.
+# Runs with a hook: a function that returns changes of the controller.
 
 Hook = Callable[[Run], ControllerChange | None]
 
 
 def require_hook(on_step: object, every: object, settings: object) -> int:
-    """The period of a hook; raises where the hook, its period or the controller is none for it."""
+    """Return the period of a hook; raise for an invalid hook, period or controller."""
     period = integer(every, "every", at_least=1)
     if not callable(on_step):
         raise InputError(f"on_step = {on_step!r} must be a function of the run so far.")
@@ -188,7 +191,7 @@ def require_hook(on_step: object, every: object, settings: object) -> int:
 
 
 def run_with_hook(prepared: PreparedRun, on_step: Hook, every: int) -> None:
-    """Run to the end; before every step k = every, 2 every, ... the hook is asked."""
+    """Run to the end and call the hook before steps k = every, 2 every, ..."""
     prepared.make_ready()
     steps = len(prepared.w)
     while prepared.job.outcome == 0 and prepared.job.done < steps:

@@ -1,4 +1,4 @@
-"""A compiled plant for a loop that is written in Python."""
+"""The compiled plant for a loop in Python."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ class Simulator:
         self._plant, self._l_u, self._l_w, self._k = plant, plant.l_u, plant.l_w, 0
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are plants of their own in the same state."""
+        """Support copies and pickles: separate plants in the same state."""
         return _rebuilt, (self._plant, self._k, self._body.save())
 
     @property
     def k(self) -> int:
-        """The step: how often the plant has advanced."""
+        """The step k."""
         return self._k
 
     @property
@@ -56,7 +56,7 @@ class Simulator:
         return self._body.x.copy()
 
     def output(self, u: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
-        """y(k) and z(k), of shapes (l_y,) and (l_z,); the plant stays where it is.
+        """Return y(k) and z(k), shapes (l_y,) and (l_z,), without advancing the plant.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class Simulator:
         return y, z
 
     def advance(self, u: ArrayLike, w: ArrayLike) -> None:
-        """Move to x(k+1); what `output` takes and raises."""
+        """Advance to x(k+1); arguments and errors as for `output`."""
         works = self._body.advance(self._k, self._row(u, "u"), self._row(w, "w"))
         self._require(works, "advance")
         self._k += 1

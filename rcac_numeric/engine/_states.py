@@ -1,4 +1,4 @@
-"""What a controller or a whole loop carries from step to step, to be saved and restored exactly."""
+"""Saved states of controllers and loops, restored exactly."""
 
 from __future__ import annotations
 
@@ -77,10 +77,10 @@ class SavedState(Value):
 
     @classmethod
     def taken(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
-        """The state of a compiled object whose settings have the fingerprint `of`.
+        """Return the state of a compiled object whose settings have the fingerprint `of`.
 
-        Of most runs nobody looks at the state: its checksum is made when it is first asked for,
-        of bytes that nobody can have changed until then.
+        Most states are never used: the checksum is computed on first access, from immutable
+        bytes.
         """
         state = object.__new__(cls)
         numbers = np.frombuffer(values.tobytes())
@@ -88,14 +88,14 @@ class SavedState(Value):
         return state
 
     def __getattr__(self, name: str) -> str:
-        """The checksum, where it is not made yet."""
+        """Compute the checksum on first access."""
         if name != "checksum" or "scale" not in self.__dict__:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         of = self.kind, self.k, self.values, self.fingerprint, self.scale
         return str(self.__dict__.setdefault(name, _checksum(*of)))
 
     def __getstate__(self) -> dict[str, Any]:
-        """With its checksum: what is read back may have been changed on the way."""
+        """Include the checksum, so that a change of the pickle is detected."""
         return {"checksum": self.checksum, **self.__dict__}
 
     def save(self, path: str | Path) -> None:
@@ -111,7 +111,7 @@ class SavedState(Value):
                 file,
                 kind=np.array(self.kind),
                 k=np.array(self.k),
-                # As integers, so that no reader can mistake or normalise a bit pattern.
+                # As integers, so that no reader changes a bit pattern.
                 bits=np.asarray(self.values).view(np.int64),
                 fingerprint=np.array(self.fingerprint),
                 checksum=np.array(self.checksum),
@@ -159,7 +159,7 @@ class SavedState(Value):
         restore: Callable[[Array], None],
         steps: Callable[[], int],
     ) -> None:
-        """Put the state into an object, or leave that as it was and raise.
+        """Restore the state into an object; on an error the object is unchanged.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class SavedState(Value):
 
 
 def _entry(array: Array, name: str, kind: str) -> Any:
-    """The one entry of an array of a kind of NumPy's types."""
+    """Return the single entry of an array of a NumPy kind."""
     if array.ndim or array.dtype.kind != kind:
         raise ValueError(f"{name} is of type {array.dtype}, shape {array.shape}")
     return array.item()
@@ -211,11 +211,11 @@ def _text(array: Array, name: str) -> str:
 
 def _checksum(kind: str, k: int, values: Array, of: str, scale: float) -> str:
     words = (kind, k, values, of)
-    return fingerprint((*words, scale) if scale else words)  # without: as before there was one
+    return fingerprint((*words, scale) if scale else words)  # files of older versions have no scale
 
 
 def saved_state(value: object, name: str) -> SavedState:
-    """`value` if it is a saved state."""
+    """Return `value` if it is a SavedState, else raise InputError."""
     if not isinstance(value, SavedState):
         raise InputError(f"{name} = {value!r} is not a SavedState.")
     return value

@@ -1,4 +1,4 @@
-"""A job as the kernel's, of a controller whose steps are Python with the plant of the kernel."""
+"""Runs of controllers with Python steps on a compiled plant."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rcac_numeric.plants._schedules import PlantSchedule
 
 
 class StepwiseLoop:
-    """Does for one run what `_kernel.Loop` does, and its `_kernel.Job`."""
+    """Python replacement of `_kernel.Loop` and `_kernel.Job` for one run."""
 
     def __init__(
         self,
@@ -34,11 +34,11 @@ class StepwiseLoop:
         self._r = slice(r_in_w, r_in_w + settings.l_r)
         self._last = self._controller.theta.copy()
         self.done, self.outcome, self.failure = 0, 0, ""
-        self.in_step = False  # and stays so where it is interrupted there
+        self.in_step = False  # stays set if the step is interrupted
 
     @property
     def k(self) -> int:
-        """Number of steps taken, those before a saved state too."""
+        """Number of completed steps, those before a saved state included."""
         return self._controller.k
 
     @property

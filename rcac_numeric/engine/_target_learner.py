@@ -1,4 +1,4 @@
-"""A target model that is updated from identified zeros while the loop runs, section 3.6."""
+"""Target models updated from identified zeros during a run, section 3.6."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class LearnedTarget(Result):
-    """What the window before one step showed, and what was made of it.
+    """The zeros identified in one window, and the action.
 
     Attributes
     ----------
@@ -118,21 +118,18 @@ class TargetLearner(ShowsState):
         if not self.moved >= 0:
             raise InputError(f"moved = {self.moved:g}; a distance of zeros is at least 0.")
         if not self.residual_growth >= 1:
-            raise InputError(
-                f"residual_growth = {self.residual_growth:g}; below 1 the best window so far would "
-                "refuse itself."
-            )
+            raise InputError(f"residual_growth = {self.residual_growth:g}; it must be at least 1.")
         self._found: list[LearnedTarget] = []
         self._in_use: ComplexArray | None = None
         self._smallest = np.inf
 
     @property
     def windows(self) -> tuple[LearnedTarget, ...]:
-        """What was found at each step at which it was called."""
+        """The results of all windows so far."""
         return tuple(self._found)
 
     def __call__(self, run: Run) -> ControllerChange | None:
-        """The change to make before the next step, or None."""
+        """Return the change before the next step, or None."""
         k = run.first_step + run.steps
         if run.steps < self.window:
             self._refuse(k, f"only {run.steps} samples so far")
@@ -172,7 +169,7 @@ class TargetLearner(ShowsState):
 
 
 def acting_input(run: Run) -> Array:
-    """The applied control, with the disturbance that enters where the control does."""
+    """Return the applied control plus the input disturbance."""
     plant = plant_at(run.plant, 0)
     if "d" not in plant.blocks:
         return run.u_applied
