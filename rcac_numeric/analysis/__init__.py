@@ -1,1 +1,1 @@
-"""LQG, Riccati equations, margins and costs: the analysis of a fixed controller in float64."""
+"""Analysis of loops with a fixed controller, compared with exact theory."""

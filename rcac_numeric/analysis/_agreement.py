@@ -1,4 +1,4 @@
-"""LQG's closed-loop poles in float64 beside the exact ones."""
+"""Comparison of float64 and exact closed-loop poles of LQG."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from rcac_numeric.plants._linear import Plant
 
 @dataclass(frozen=True, eq=False)
 class ExactAgreement(Result):
-    """How far the poles from the Riccati equations are from the exact ones.
+    """The distance of the float64 LQG poles to the exact ones.
 
     Attributes
     ----------
     exact : compensator_theory.results.LQGPoles or None
         The polynomials of A + BC_c and A - B_cC over the rationals, or in certified balls.
     reason : str
-        Why there is none; empty where there is one.
+        The reason why `exact` is None; empty otherwise.
     coefficient_distance : float or None
         Largest difference between coefficients of the two polynomials and the exact ones, each
         over the largest exact coefficient of its polynomial.
@@ -55,7 +55,7 @@ def exact_agreement(
     regulator: StabilisingSolution,
     estimator: StabilisingSolution,
 ) -> ExactAgreement:
-    """Compare with `compensator_theory.lqg_poles`, which is exact for any R_2 and V_2."""
+    """Compare the poles with `compensator_theory.lqg_poles`, exact for any R_2 and V_2."""
     try:
         D_1, D_2 = _exact_noise_inputs(plant, inputs)
         p = plant.problem
@@ -79,7 +79,7 @@ def exact_agreement(
 
 
 def _exact_noise_inputs(plant: Plant, inputs: NoiseInputs) -> tuple[Matrix, Matrix]:
-    """(D_1, D_2) with exact entries; the factor of the intensities is rounded to float64 first."""
+    """Return exact (D_1, D_2); the factor of the intensities is rounded to float64 first."""
     entries = [theory.exact_number(float(c)) for c in inputs.factor.ravel()]
     factor = Matrix(*inputs.factor.shape, entries)
     return plant.problem.D_1 * factor, plant.problem.D_2 * factor

@@ -1,4 +1,4 @@
-"""Where a change of gain, phase or delay makes a loop unstable: crossovers, and the nearest one."""
+"""Stability boundaries of a loop under changes of gain, phase or delay."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from rcac_numeric.analysis._opened_loop import OpenedLoop
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._values import Result
 
-# A root off the real axis by no more than this may be a double root that rounding has split.
+# A root this close to the real axis may be a double root split by rounding.
 SPLIT = 1e-6
 # A function of points on the circle that is zero at a crossover, with its slope over omega.
 Gap = Callable[[ComplexArray], tuple[Array, Array]]
-# The value of a gap from that of L, where no slope is needed.
+# The value of a gap from that of L, without its slope.
 ValueOf = Callable[[ComplexArray], Array]
-# What a candidate must reach, relative to the size of L, to count as a crossover: the first where
-# L is well conditioned, and next to a multiple pole what rounding leaves of it, up to the second.
+# Tolerances of a crossover relative to the size of L: the first for a well conditioned L; next to
+# a multiple pole the rounding of L, at most the second.
 REACHED, REACHED_AT_WORST = 1e-8, 1e-3
 # Distances from 0 and from pi at which signs are compared: cos omega is flat there, and of a loop
 # that is sampled fast, all of whose poles are near 1, its polynomial keeps no correct digit.
@@ -31,7 +31,7 @@ ABOUT_A_POLE = np.array([-10.0, -3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0, 10.0])
 
 
 def gain_crossovers(loop: OpenedLoop) -> Array:
-    """All omega in [0, pi] with abs(L(e^{j omega})) = 1, ascending, rad/sample.
+    """Return all omega in [0, pi] with abs(L(e^{j omega})) = 1, ascending, rad/sample.
 
     With L = N / D, abs(N)^2 - abs(D)^2 on the unit circle is a polynomial of degree n in
     x = cos omega. Its coefficients in Chebyshev polynomials come from n + 1 values, and its real
@@ -46,8 +46,8 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
     if np.all(np.abs(excess) <= 1e-12 * sizes):
         raise InputError(
             "abs(L) = 1 at every frequency, so that every frequency is a gain crossover and phase "
-            "and delay have no single margin. Change the gain of the loop a little, or ask "
-            "compensator_theory.stability_margins, whose is_all_pass says so."
+            "and delay have no single margin. Change the gain of the loop a little, or use "
+            "compensator_theory.stability_margins, which returns is_all_pass."
         )
     frequencies = _frequencies(excess, omega)
 
@@ -60,7 +60,7 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
 
 
 def phase_crossovers(loop: OpenedLoop) -> Array:
-    """All omega in [0, pi] with L(e^{j omega}) real and negative, ascending, rad/sample.
+    """Return all omega in [0, pi] with L(e^{j omega}) real and negative, ascending, rad/sample.
 
     The imaginary part of N conj(D) is sin(omega) times a polynomial of degree n - 1 in
     cos omega; the ends 0 and pi are always candidates, and changes of sign as for the gain.
@@ -81,7 +81,7 @@ def phase_crossovers(loop: OpenedLoop) -> Array:
     inner = inner[(inner > 0) & (inner < np.pi)]
     every = np.concatenate([[0.0], inner, [np.pi]])
     values = loop.response(every)
-    with np.errstate(over="ignore", invalid="ignore"):  # no share of a size beyond float64
+    with np.errstate(over="ignore", invalid="ignore"):  # scaled to avoid overflow
         share = np.maximum(1e-6, _rounding(loop, every))
         is_real = np.abs(values.imag) < share * np.abs(values)
     negative = np.isfinite(values) & (values.real < 0) & is_real
@@ -89,7 +89,7 @@ def phase_crossovers(loop: OpenedLoop) -> Array:
 
 
 def _on_the_circle(loop: OpenedLoop, count: int) -> tuple[Array, ComplexArray, ComplexArray]:
-    """N and D of L = N / D at the angles of the Chebyshev nodes cos((i + 1/2) pi / count)."""
+    """Return N and D of L = N / D at the Chebyshev nodes cos((i + 1/2) pi / count)."""
     for more in range(len(loop.open_poles) + 2):  # each pole can sit on a node
         omega = np.asarray((np.arange(count + more) + 0.5) * np.pi / (count + more))
         z = np.exp(1j * omega)
@@ -102,13 +102,13 @@ def _on_the_circle(loop: OpenedLoop, count: int) -> tuple[Array, ComplexArray, C
             factor = np.exp2(-np.round(np.log2(largest))) if largest else 1.0
             return omega, N * factor, D * factor
     raise InputError(
-        "the loop transfer function leaves float64 on the unit circle; scale the signals of the "
+        "the loop transfer function overflows float64 on the unit circle; scale the signals of the "
         "loop, or its states."
     )
 
 
 def _frequencies(values: Array, omega: Array) -> Array:
-    """The zeros in [0, pi] of the polynomial in cos omega that has these values at the nodes."""
+    """Return the zeros in [0, pi] of the polynomial in cos omega with these nodal values."""
     count = len(values)
     scaled = values / np.abs(values).max()
     T = np.cos(np.outer(np.arange(count), omega))
@@ -121,8 +121,8 @@ def _frequencies(values: Array, omega: Array) -> Array:
 
 
 def _crossovers(loop: OpenedLoop, roots: Array, gap: Gap, value_of: ValueOf) -> Array:
-    """Those of the roots that are crossovers, and those that changes of sign find besides."""
-    roots = roots[_rounding(loop, roots) < 1e-6]  # where it is more, only changes of sign count
+    """Return the crossovers among the roots, and those from changes of sign."""
+    roots = roots[_rounding(loop, roots) < 1e-6]  # above it, only changes of sign count
     changes = _changes_of_sign(loop, value_of)
     tolerance = np.clip(_rounding(loop, changes), REACHED, REACHED_AT_WORST)
     crossings = np.sort(
@@ -135,9 +135,9 @@ def _crossovers(loop: OpenedLoop, roots: Array, gap: Gap, value_of: ValueOf) -> 
 
 
 def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
-    """Where the gap changes its sign next to the ends and to the poles, to seven digits.
+    """Return the sign changes of the gap next to the ends and the poles, to seven digits.
 
-    Values that rounding may have made have no sign.
+    Values below the rounding error have no sign.
     """
     modes = np.concatenate([loop.open_poles, loop.closed_poles()])
     modes = modes[np.isfinite(modes)]
@@ -159,9 +159,9 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
 
 
 def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], Array]) -> Array:
-    """The first and the last value of each run of one sign that rounding cannot have made.
+    """Return the first and the last value above rounding of each run of one sign.
 
-    What rounding makes of a value is looked at from the ends of its run inwards, until one is told.
+    The rounding error is computed from the ends of a run inwards, until a value exceeds it.
     """
     edges = [0, *(1 + np.flatnonzero(np.sign(value[1:]) != np.sign(value[:-1]))), len(value)]
     runs = [np.arange(low, high) for low, high in pairwise(edges) if high > low]
@@ -183,7 +183,7 @@ def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], 
 
 
 def _polished(omega: Array, gap: Gap, tolerance: Array | float) -> Array:
-    """Newton steps on L itself; candidates that do not reach a crossover are dropped."""
+    """Refine candidates by Newton steps on L; drop those that do not converge to a crossover."""
     with np.errstate(all="ignore"):
         best = omega.copy()
         smallest = np.abs(gap(np.exp(1j * best))[0])
@@ -206,29 +206,29 @@ def _polished(omega: Array, gap: Gap, tolerance: Array | float) -> Array:
 
 
 def _rounding(loop: OpenedLoop, omega: Array) -> Array:
-    """What share of L is rounding at these frequencies: much next to a multiple pole."""
+    """Return the relative rounding error of L; large next to a multiple pole."""
     if not (len(loop.A) and len(omega)):
         return np.full(len(omega), 1e-14)
     size, nearness = loop.nearness(np.exp(1j * omega))
-    with np.errstate(over="ignore"):  # infinite: no digit of L is known
+    with np.errstate(over="ignore"):  # infinite: L has no correct digit
         return np.asarray(10 * np.finfo(float).eps * size * nearness)
 
 
-# The perturbed loops beside a boundary are this share of the margin away from it.
+# Relative distance of the perturbed loops to a boundary.
 BESIDE = 1e-3
-# Further out than any gain a crossover asks for, to look for a loss of stability without one.
+# Factor beyond the largest crossover gain, to detect a loss of stability without a crossover.
 FAR = 1e6
 # Gains beyond this, or below its inverse, count as infinite, or as 0.
 MOST_GAIN = 1e100
-# Open-loop poles this close are taken as one multiple pole.
+# Open-loop poles this close count as one multiple pole.
 CLUSTER = 1e-4
-# Whole steps of delay that are tried where no crossover can tell.
+# Largest number of delay steps that are tried if no crossover decides.
 MOST_STEPS = 500
 
 
 @dataclass(frozen=True, eq=False)
 class StabilityBoundary(Result):
-    """Where a one-parameter change of the loop first puts a pole on the unit circle.
+    """The smallest one-parameter change of the loop that puts a pole on the unit circle.
 
     Attributes
     ----------
@@ -254,24 +254,24 @@ class StabilityBoundary(Result):
 
     @property
     def is_reached(self) -> bool:
-        """Whether there is a boundary at all."""
+        """Whether the boundary exists."""
         return bool(np.isfinite(self.frequency))
 
 
 def nowhere(value: float) -> StabilityBoundary:
-    """No boundary in this direction."""
+    """Return a boundary at infinity, or at 0."""
     return StabilityBoundary(value, np.nan, np.nan, np.nan, np.nan)
 
 
 def gain_boundary(loop: OpenedLoop, crossovers: Array, *, up: bool) -> StabilityBoundary:
-    """The nearest factor above (or below) 1 at which the loop stops being stable.
+    """Return the nearest gain factor above (or below) 1 at which the loop becomes unstable.
 
-    A crossover of L = -1/k puts a pole on the circle at the gain k. Should a loop be unstable
-    between two gains without one, a crossing was lost to rounding, and bisection on the poles
-    finds it.
+    A crossover of L = -1/k puts a pole on the circle at the gain k. If rounding lost a crossing,
+    the loop is unstable between two gains without one, and bisection
+    on the poles finds the crossing.
     """
     values = loop.response(crossovers).real
-    with np.errstate(over="ignore"):  # beyond float64 is no boundary
+    with np.errstate(over="ignore"):  # beyond float64: no boundary
         inverses = -1.0 / values
     at_a_pole = _at_open_poles(loop, crossovers)  # the crossing is at the gain 0, not above it
     gains = [
@@ -299,7 +299,7 @@ def gain_boundary(loop: OpenedLoop, crossovers: Array, *, up: bool) -> Stability
         touches = abs(boundary.radius_at - 1) <= 1e-9
         if boundary.radius_after >= 1 or touches:
             return boundary
-        previous = k  # a crossing that rounding made up
+        previous = k  # a crossing caused by rounding
     end = previous * FAR if up else 0.0
     if loop.radius(end) > 1 if up else np.abs(_open_poles(loop)[0]).max(initial=0.0) > 1 + 1e-10:
         return _bisected(loop, previous, end)
@@ -307,7 +307,7 @@ def gain_boundary(loop: OpenedLoop, crossovers: Array, *, up: bool) -> Stability
 
 
 def _open_poles(loop: OpenedLoop) -> tuple[ComplexArray, Array]:
-    """The open-loop poles, multiple ones at the mean of their cluster, and how well each is known.
+    """Return the open-loop poles, clusters by their mean, and the error of each.
 
     Rounding moves each of d equal poles by the d-th root of itself, their mean by itself only.
     """
@@ -319,7 +319,7 @@ def _open_poles(loop: OpenedLoop) -> tuple[ComplexArray, Array]:
 
 
 def _at_open_poles(loop: OpenedLoop, omega: Array) -> Array:
-    """Which points of the circle rounding cannot tell from an open-loop pole on it."""
+    """Return the points of the circle that coincide with an open-loop pole up to rounding."""
     means, known = _open_poles(loop)
     on_it = np.abs(np.abs(means) - 1) < 1e-10
     distances = np.abs(np.exp(1j * omega)[:, None] - means[on_it])
@@ -339,12 +339,12 @@ def _bisected(loop: OpenedLoop, inside: float, outside: float) -> StabilityBound
 
 
 def lag_at(loop: OpenedLoop, omega: Array) -> Array:
-    """The lag in [0, 2 pi) that turns L to the negative real axis: Table 5.1's PM, in radians."""
+    """Return the lag in [0, 2 pi) that rotates L to the negative real axis, the PM of Table 5.1."""
     return np.asarray(np.mod(np.pi + np.angle(loop.response(omega)), 2 * np.pi))
 
 
 def phase_boundary(loop: OpenedLoop, crossovers: Array, *, lead: bool) -> StabilityBoundary:
-    """The least turn of L that puts a pole on the unit circle, in degrees."""
+    """Return the least phase change of L that puts a pole on the unit circle, in degrees."""
     if not len(crossovers):
         return nowhere(np.inf)
     lags = lag_at(loop, crossovers)
@@ -354,8 +354,8 @@ def phase_boundary(loop: OpenedLoop, crossovers: Array, *, lead: bool) -> Stabil
     other = lags if lead else 2 * np.pi - lags
 
     def radius(angle: float) -> float:
-        # A complex gain turns the frequencies below zero the other way. What it does to the
-        # spectral radius is about this boundary only as long as it is the nearer of lag and lead.
+        # A complex gain rotates negative frequencies the other way, so the spectral radius
+        # describes this boundary only if it is the nearer of lag and lead.
         gain = np.exp((1j if lead else -1j) * angle)
         if turn <= other.min():
             return loop.radius(gain)
@@ -373,11 +373,11 @@ def _nearest(poles: ComplexArray, point: complex) -> float:
 
 
 def delay_boundary(loop: OpenedLoop, crossovers: Array) -> StabilityBoundary:
-    """The least additional delay that makes the loop unstable, in steps.
+    """Return the least additional delay that makes the loop unstable, in steps.
 
-    At omega = 0 a delay turns nothing; at pi one step turns half a circle.
+    At omega = 0 a delay has no effect; at pi one step rotates L by 180 degrees.
 
-    Where abs(L(-1)) > 1, a delay between two whole numbers of steps has no meaning of its own:
+    Where abs(L(-1)) > 1, a fractional delay is undefined:
     e^{-j omega delay} does not close at omega = pi, and poles pass through that gap. There the
     loop's poles with 1, 2, 3, ... whole steps decide, and a crossover counts only if it lies in
     the step in which stability is lost.
@@ -418,7 +418,7 @@ def _crossing(loop: OpenedLoop, steps: float, omega: float) -> StabilityBoundary
 
 
 def _followed(loop: OpenedLoop, delay: float, omega: float) -> float:
-    """The modulus of the root of 1 + L(z) z^{-delay} = 0 near e^{j omega}, by Newton's method.
+    """Return the modulus of the root of 1 + L(z) z^{-delay} = 0 near e^{j omega}, by Newton steps.
 
     The power is continued from the circle: z^{-delay} = exp(-delay log z) with the branch of log
     that is j omega there, so that a delay that is no whole number of steps has a meaning.

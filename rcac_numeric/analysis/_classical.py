@@ -1,4 +1,4 @@
-"""Gain, phase and delay margins of a discrete loop, each with the poles that show it."""
+"""Gain, phase and delay margins of a discrete loop, each verified by poles."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rcac_numeric.plants._foreign import agreed_times
 
 @dataclass(frozen=True, eq=False)
 class Margins(Result):
-    """How far a loop is from instability, and the evidence.
+    """The stability margins of a loop, with their verification.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Margins(Result):
 
     @property
     def phase(self) -> StabilityBoundary | None:
-        """The lesser of lag and lead: the phase margin in the usual sense, at most 180 degrees."""
+        """The smaller of lag and lead: the usual phase margin, at most 180 degrees."""
         if self.phase_lag is None or self.phase_lead is None:
             return None
         return min(self.phase_lag, self.phase_lead, key=lambda b: b.value)
@@ -85,7 +85,7 @@ class Margins(Result):
 
     @property
     def worst_gap(self) -> float:
-        """Largest distance from 1 of the pole radius at a margin: how well they are verified."""
+        """Largest distance from 1 of the pole radius at a margin: the verification error."""
         margins = (self.gain_up, self.gain_down, self.phase, self.delay)
         return max(
             (
@@ -125,11 +125,11 @@ class Margins(Result):
         return margins_sheet(self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the table of margins and the Nyquist curve."""
+        """Return the notebook view: the table of margins and the Nyquist curve."""
         return notebook_of(self._sheet(), self.plot)
 
     def plot(self, view: str = "all", **options: Any) -> figures.Figure:
-        """Nyquist's curve and Bode's plot of L with the margins marked.
+        """Plot the Nyquist curve and the Bode diagram of L with the margins marked.
 
         Parameters
         ----------
@@ -177,7 +177,7 @@ def stability_margins(
     sample_time: float | None = None,
     disk: bool = True,
 ) -> Margins:
-    """The margins of a loop with a fixed or frozen controller, opened at one scalar signal.
+    """Compute the margins of a loop with a fixed controller, opened at one scalar signal.
 
     Crossovers are roots, never points of a grid, and every margin is to the nearest
     boundary of stability in its direction, also for conditionally stable loops: whether a
@@ -265,9 +265,9 @@ def _at(boundary: StabilityBoundary) -> str:
 def channel_margins(
     loop: ClosedLoop, sample_time: float | None = None, *, disk: bool = True
 ) -> tuple[dict[str, Margins], dict[str, str]]:
-    """The margins at each component of u, and why there are none at the others.
+    """Return the margins at each component of u, or the reason why there are none.
 
-    Of time the plant's own sample time is taken where none is given.
+    The default sample time is that of the plant.
     """
     sample_time = agreed_times([loop.plant, loop.compensator], sample_time)
     found, reasons = {}, {}

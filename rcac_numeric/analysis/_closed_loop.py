@@ -1,4 +1,4 @@
-"""A plant and a fixed compensator in a loop: state space and frequency responses."""
+"""Closed loop of a plant and a fixed compensator: state space and frequency responses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._schedules import measuring_command, plant_at
 
-FEW = 1000  # steps of a linear recursion that are taken one by one
+FEW = 1000  # recursions up to this length are evaluated step by step
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,17 +69,17 @@ class ClosedLoop(Value):
             )
         if not closes(compensator.past_y[0], plant.D_0):
             raise ImproperError(
-                "I - Q_0 D_0 is singular: u and y depend on each other in a circle."
+                "I - Q_0 D_0 is singular: the algebraic loop of u and y is not well posed."
             )
 
     @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
-        """(A, B, C, D) from [w; u_tilde] to [z; u].
+        """Return (A, B, C, D) from [w; u_tilde] to [z; u].
 
         Raises
         ------
         BudgetError
-            Where there are more states than matrices are filled for.
+            Where the loop has more states than full matrices are computed for.
         """
         p = self.plant
         require_dense(p.n + self.compensator.n_c * p.l_u, "the loop")
@@ -101,11 +101,11 @@ class ClosedLoop(Value):
         return A, B, C, D
 
     def poles(self) -> ComplexArray:
-        """The n + l_u n_c eigenvalues of the closed loop."""
+        """Return the n + l_u n_c eigenvalues of the closed loop."""
         return np.linalg.eigvals(self.matrices[0]).astype(np.complex128)
 
     def zeros(self) -> dict[str, ComplexArray]:
-        """Zeros from each channel of w to z, by channel, in float64; for scalar z.
+        """Return the zeros from each channel of w to z in float64; for scalar z.
 
         They are the finite generalised eigenvalues of the system pencil. A channel that does not
         reach z at all is left out.
@@ -114,7 +114,7 @@ class ClosedLoop(Value):
 
         plant = self.plant
         if plant.l_z != 1:
-            raise InputError(f"zeros to one z at a time; the plant has l_z = {plant.l_z}.")
+            raise InputError(f"zeros need scalar z; the plant has l_z = {plant.l_z}.")
         A, B, C, D = self.matrices
         zeros, order = {}, len(A)
         left = np.zeros((order + 1, order + 1))
@@ -124,7 +124,7 @@ class ClosedLoop(Value):
                 continue
             pencil = np.block([[A, B[:, [index]]], [C[:1], D[:1, [index]]]])
             values = eigvals(pencil, left)
-            finite = np.isfinite(values) & (np.abs(values) < 1e6)  # the rest is at infinity
+            finite = np.isfinite(values) & (np.abs(values) < 1e6)  # the other zeros are at infinity
             zeros[name] = np.asarray(values[finite], dtype=np.complex128)
         return zeros
 
@@ -139,22 +139,22 @@ class ClosedLoop(Value):
 
     @cached_property
     def is_stable(self) -> bool:
-        """Whether every pole of the float64 loop is inside the unit circle, as a decision.
+        """Whether every pole of the float64 loop is inside the unit circle, decided rigorously.
 
         By powers, by eigenvalues with their bound, or by an exact count.
         """
         return is_schur_stable(self.matrices[0])
 
     def frequency_response(self, omega: ArrayLike) -> ComplexArray:
-        """The response (2.9) from w to z; shape (len(omega), l_z, l_w), omega in rad/sample."""
+        """Return the response (2.9) from w to z, (len(omega), l_z, l_w), omega in rad/sample."""
         return self._response(omega)[:, : self.plant.l_z, : self.plant.l_w]
 
     def intercalated_response(self, omega: ArrayLike) -> ComplexArray:
-        """The intercalated transfer function (4.16); shape (len(omega), l_z, l_u)."""
+        """Return the intercalated transfer function (4.16); shape (len(omega), l_z, l_u)."""
         return self._response(omega)[:, : self.plant.l_z, self.plant.l_w :]
 
     def simulate(self, w: ArrayLike, u_tilde: ArrayLike) -> Array:
-        """The response z to w and to an intercalated u_tilde, from rest; shape (steps, l_z)."""
+        """Return the response z to w and an intercalated u_tilde, from rest; shape (steps, l_z)."""
         w = signal_array(w, "w", self.plant.l_w)
         u_tilde = signal_array(u_tilde, "u_tilde", self.plant.l_u, len(w))
         A, B, C, D = self.matrices
@@ -164,7 +164,7 @@ class ClosedLoop(Value):
         return np.asarray(states[:-1] @ C.T + inputs @ D.T)
 
     def to_control(self) -> StateSpace:
-        """The python-control loop from [w; u_tilde] to [z; u], with the plant's sample time."""
+        """Return the python-control loop from [w; u_tilde] to [z; u], sampled as the plant."""
         return control_state_space(*self.matrices, self.plant.sample_time)
 
     def _response(self, omega: ArrayLike) -> ComplexArray:
@@ -173,7 +173,7 @@ class ClosedLoop(Value):
         pencils = z[:, None, None] * np.eye(len(A)) - A
         try:
             return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
-        except np.linalg.LinAlgError:  # a pole on the grid, or numbers too large to tell
+        except np.linalg.LinAlgError:  # a pole on the grid, or an overflow
             return np.asarray(C @ np.stack([_solved(pencil, B) for pencil in pencils]) + D)
 
 
@@ -185,7 +185,7 @@ def _solved(pencil: ComplexArray, B: Array) -> ComplexArray:
 
 
 def frozen_loop(plant: AnyPlant, compensator: Compensator, k: int) -> ClosedLoop:
-    """The plant of step k in a loop with a fixed compensator that reads y, or [y; r]."""
+    """Return the loop of the plant at step k with a fixed compensator that reads y or [y; r]."""
     fixed = plant_at(plant, k)
     if compensator.l_y > fixed.l_y:
         fixed = measuring_command(fixed)
@@ -193,7 +193,7 @@ def frozen_loop(plant: AnyPlant, compensator: Compensator, k: int) -> ClosedLoop
 
 
 def linear_states(A: Array, drive: Array) -> Array:
-    """x(0), ..., x(N) of x(k+1) = A x(k) + d(k) from rest; shape (N + 1, n).
+    """Return x(0), ..., x(N) of x(k+1) = A x(k) + d(k) from rest; shape (N + 1, n).
 
     Many steps are cut into m blocks of m. All blocks run side by side from rest; what the state at
     the beginning of a block adds, A^j x, follows. That is 2 sqrt(N) steps in place of N, and the

@@ -1,4 +1,4 @@
-"""The continuous-time algebraic Riccati equation, in its own words, and checked."""
+"""Numerical solution of the continuous-time algebraic Riccati equation, with checks."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 from rcac_numeric.arrays._values import Result
 
-# The residual that is good; and states from which SciPy's solution with Newton steps is taken where
-# it is good enough, before square roots are tried.
+# The target residual; and the order from which SciPy's solution with Newton steps is accepted
+# before the square-root method is tried.
 GOOD, MANY_STATES, GOOD_OF_MANY = 1e-12, 40, 1e-10
 
 Weights = tuple[Array, Array, Array]
@@ -49,7 +49,7 @@ class ContinuousSolution(Result):
     P_root : array, shape (n, n), or None
         S with P = S'S; None where the weight is not positive semidefinite.
     residual : float
-        Norm of what is left of the equation over the sum of the norms of its terms.
+        Norm of the residual of the equation over the sum of the norms of its terms.
     """
 
     A: Array
@@ -87,11 +87,11 @@ class ContinuousSolution(Result):
 def continuous_solution(
     A: Array, B: Array, weights: Weights, factor: tuple[Array, Array] | None, *, of_factors: bool
 ) -> ContinuousSolution:
-    """The solution in continuous time from (Q, N, R) and their factor (E_1, E_2), if any."""
+    """Return the continuous-time solution for (Q, N, R) and their factor (E_1, E_2), if any."""
     if not A.size:
-        raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
+        raise InputError("A is 0 x 0: the plant has no states to estimate or control.")
     _require_regular(weights[2], factor if of_factors else None)
-    with np.errstate(all="ignore"):  # what leaves float64 ends in a bad residual
+    with np.errstate(all="ignore"):  # an overflow gives a large residual
         _require_stabilisable(A, B)
         if factor is not None:
             _require_no_zero_on_axis(A, B, *factor)
@@ -102,7 +102,7 @@ def continuous_solution(
     if found is None or not found.margin > 0 or not found.residual < LARGEST_RESIDUAL:
         best = "none" if found is None else repr(found)
         advice = (
-            "The full weight is not positive semidefinite, so that there may be none."
+            "The full weight is not positive semidefinite, so a solution may not exist."
             if factor is None
             else "Scale the states and signals to like size; for scalar signals "
             "compensator_theory.solve_riccati is exact."
@@ -117,7 +117,7 @@ def continuous_solution(
 
 
 def _require_regular(R: Array, factor: tuple[Array, Array] | None) -> None:
-    """Refuse a direction of u without a weight; of factors that are given E_2 itself is asked."""
+    """Raise if a direction of u has no weight; with factors, E_2 decides."""
     advice = (
         "in continuous time every direction of u needs a weight. Weight it, or sample the plant "
         'and use time="discrete".'
@@ -136,7 +136,7 @@ def _require_regular(R: Array, factor: tuple[Array, Array] | None) -> None:
 
 
 def _until_good(candidates: Iterator[ContinuousSolution]) -> Iterator[ContinuousSolution]:
-    """The candidates up to the first one whose residual is that of rounding."""
+    """Return the candidates up to the first with a residual of rounding."""
     for one in candidates:
         yield one
         if one.margin > 0 and one.residual < (GOOD if len(one.A) <= MANY_STATES else GOOD_OF_MANY):
@@ -146,7 +146,7 @@ def _until_good(candidates: Iterator[ContinuousSolution]) -> Iterator[Continuous
 def _candidates(
     A: Array, B: Array, weights: Weights, factor: tuple[Array, Array] | None
 ) -> Iterator[ContinuousSolution]:
-    """Solutions, each refined, those first that are to be preferred."""
+    """Yield refined solutions, the preferred method first."""
     if factor is not None and len(A) <= MANY_STATES:
         yield from _in_square_roots(A, B, weights, factor)
     for balanced in (True, False):
@@ -162,7 +162,7 @@ def _candidates(
 
 
 def _evaluated(A: Array, B: Array, weights: Weights, P: Array) -> tuple[Array, Array, float]:
-    """The gain of P, what P leaves of the equation, and the sum of the norms of its terms."""
+    """Return the gain of P, the residual, and the sum of the norms of the terms."""
     _, N, R = weights
     if not np.isfinite(P).all():
         raise np.linalg.LinAlgError("not finite")
@@ -195,7 +195,7 @@ def _answer(
 def _refined(
     A: Array, B: Array, weights: Weights, P: Array, factor: tuple[Array, Array] | None
 ) -> ContinuousSolution:
-    """Newton steps: one Lyapunov equation each, as long as the residual falls."""
+    """Refine P by Newton steps (a Lyapunov equation each) while the residual decreases."""
     P = (P + P.T) / 2
     K, left, size = _evaluated(A, B, weights, P)
     for _ in range(5):
@@ -212,10 +212,10 @@ def _refined(
 
 
 def _lyapunov(A: Array, Q: Array) -> Array:
-    """The symmetric X with A X + X A' = Q, by Bartels and Stewart; refused where it is singular."""
+    """Return the symmetric X with A X + X A' = Q, by Bartels and Stewart; raise if singular."""
     T, V = linalg.schur(A, output="real")
     X, scale, info = linalg.lapack.dtrsyl(T, T, V.T @ Q @ V, tranb="C")
-    if info:  # two modes of opposite sign: LAPACK moves one of them by rounding
+    if info:  # two modes of opposite sign: LAPACK perturbs one of them
         raise np.linalg.LinAlgError("the Lyapunov equation is singular")
     X = scale * V @ X @ V.T
     return np.asarray((X + X.T) / 2)
@@ -224,13 +224,15 @@ def _lyapunov(A: Array, Q: Array) -> Array:
 def _in_square_roots(
     A: Array, B: Array, weights: Weights, factor: tuple[Array, Array]
 ) -> Iterator[ContinuousSolution]:
-    """The solution of the discrete-time equation, at the best of some h that are tried."""
+    """Return the solution of an equivalent discrete-time equation, for the best of several h."""
     h = 0.7 / (norm(A) or 1.0)
     candidate = None
-    for _ in range(5):  # h between the fastest and the slowest pole of the loop that is looked for
+    # h between the time constants of the fastest and the slowest closed-loop pole.
+    for _ in range(5):
         try:
             better = _by_sampling(A, B, weights, factor, h)
-        except (CompensatorError, np.linalg.LinAlgError):  # about the discrete-time equation
+        # Warnings concern the discrete-time equation.
+        except (CompensatorError, np.linalg.LinAlgError):
             break
         if candidate is not None and not better.residual < 0.5 * candidate.residual:
             break
@@ -260,7 +262,7 @@ def _by_sampling(
 
 
 def _require_stabilisable(A: Array, B: Array) -> None:
-    """Refuse a mode of A on or right of the imaginary axis that no gain moves, by name."""
+    """Raise for an uncontrollable mode of A on or right of the imaginary axis."""
     _, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
     A, B = A * scale / scale[:, None], B / scale[:, None]
     size = norm(A) or 1.0
@@ -281,7 +283,7 @@ def _require_stabilisable(A: Array, B: Array) -> None:
 
 
 def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None:
-    """Refuse an s on the imaginary axis at which [A - sI, B; E_1, E_2] loses rank.
+    """Raise for a zero of [A - sI, B; E_1, E_2] on the imaginary axis.
 
     E_2 is one to one, so that these are the modes of A - B E_2^+ E_1 there which the rest of z,
     (I - E_2 E_2^+) E_1, does not show.
@@ -301,7 +303,7 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
                 continue
             pencil = np.vstack([inner - at * np.eye(len(A)), shown])
             least = float(np.linalg.svd(pencil, compute_uv=False)[-1])
-            # Beside a fast mode a slow one is as small as rounding; its own row tells them apart.
+            # The pencil is scaled by rows: a slow mode is below the rounding of a fast one.
             smallest = float(np.linalg.svd(balanced_pencil(pencil), compute_uv=False)[-1])
             if least <= 100 * len(A) * EPS * size and smallest <= 100 * len(A) * EPS:
                 raise UnitCircleError(
@@ -314,7 +316,7 @@ def _require_no_zero_on_axis(A: Array, B: Array, E_1: Array, E_2: Array) -> None
 
 
 def _require_no_pole_on_axis(solution: ContinuousSolution, weights: Weights) -> None:
-    """Refuse an eigenvalue of the Hamiltonian matrix that rounding alone moved off the axis."""
+    """Raise for eigenvalues of the Hamiltonian matrix on the axis, up to rounding."""
     (Q, N, R), A, B = weights, solution.A, solution.B
     n = len(A)
     closing = np.linalg.solve(R, np.hstack([N.T, B.T]))

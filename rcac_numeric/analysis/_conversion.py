@@ -1,4 +1,4 @@
-"""Compensators in state space as difference equations (2.28), each conversion certified."""
+"""Conversion of compensators from state space to difference equations, certified."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from rcac_numeric.arrays._validation import matrix
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.controllers._compensator import Compensator
 
-# A difference equation whose certificate is this good is not made better by larger coefficients;
-# one that is worse than the second is refused.
+# Residual below which smaller coefficients are preferred; residual above which a difference
+# equation is refused.
 GOOD, ACCEPTED = 1e-11, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class ConversionCertificate(Result):
-    """What a difference equation was checked against: the state space that it was made from.
+    """The comparison of a difference equation with its state space.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class ConversionCertificate(Result):
         Largest relative distance of det D_c to det(qI - A_c) there: no mode was added but poles
         at 0.
     left_out : int
-        Number of modes of A_c that u does not show, and that the difference equation is without.
+        Number of modes of A_c that are unobservable in u and absent from the difference equation.
     """
 
     points: ComplexArray
@@ -56,7 +56,7 @@ class ConversionCertificate(Result):
 def compensator_from_state_space(
     A_c: ArrayLike, B_c: ArrayLike, C_c: ArrayLike, D_c: ArrayLike | None = None
 ) -> Compensator:
-    """The difference equation (2.28) of a compensator in state space.
+    """Return the difference equation (2.28) of a compensator in state space.
 
     With one output D_c(q) = det(qI - A_c), computed exactly and rounded once. With several, a
     deadbeat observer of the state reads all of them, some, or combinations: of those that
@@ -96,13 +96,14 @@ def compensator_from_state_space(
 def converted(
     parts: StateSpace, accepted: float = ACCEPTED
 ) -> tuple[Compensator, ConversionCertificate]:
-    """As `compensator_from_state_space`, to another accuracy, and with its certificate."""
+    """Convert with another accuracy, and return the certificate too."""
     points = _check_points(parts[0])
-    with np.errstate(all="ignore"):  # what leaves float64 is looked for
+    with np.errstate(all="ignore"):  # overflow is checked below
         response, scales = _response(parts, points)
     if not all(np.isfinite(one).all() for one in (response, *scales)):
         raise IllConditionedError(
-            "the response of this compensator leaves float64. Scale its states, and its inputs and "
+            "the response of this compensator overflows float64. Scale its states, and its inputs "
+            "and "
             "outputs to like size."
         )
     best = None
@@ -123,7 +124,7 @@ def _best(
     parts: StateSpace, points: ComplexArray, response: tuple[ComplexArray, Array]
 ) -> tuple[Compensator, ConversionCertificate] | None:
     best = None
-    with np.errstate(all="ignore"):  # what overflows has no residual that is good enough
+    with np.errstate(all="ignore"):  # an overflow gives an infinite residual
         for (P, Q), basis in _candidates(parts):
             if not (np.isfinite(P).all() and np.isfinite(Q).all()):
                 continue
@@ -134,12 +135,12 @@ def _best(
             ):
                 best = Compensator(P, Q), certificate
             if len(parts[2]) == 1 and certificate.worst <= GOOD:
-                break  # the exact characteristic polynomial: there is no better one
+                break  # the exact characteristic polynomial is optimal
     return best
 
 
 def _rank(certificate: ConversionCertificate, P: Array, Q: Array) -> tuple[float, float]:
-    """Among the good ones the coefficients decide, else the residual."""
+    """Return the sort key: coefficients for an accurate conversion, else the residual."""
     size = max(float(np.abs(P).max()), float(np.abs(Q).max()))
     return (0.0, size) if certificate.worst <= GOOD else (certificate.worst, size)
 
@@ -167,10 +168,10 @@ def _check_points(A: Array) -> ComplexArray:
 
 
 def _response(parts: StateSpace, points: ComplexArray) -> tuple[ComplexArray, list[Array]]:
-    """G_c at the points, and what sizes it counts as having there.
+    """Return G_c at the points, and the magnitudes for relative errors.
 
-    A zero between the points leaves only rounding beside the largest value; a response that is
-    nothing but rounding beside the terms that it is the difference of has their size, if need be.
+    Near a zero the magnitude is bounded below by 1e-6 of the largest value; for a response below
+    the rounding of its terms, by their magnitude if requested.
     """
     A, B, C, D = parts
     pencils = points[:, None, None] * np.eye(len(A)) - A
@@ -187,7 +188,7 @@ def _response(parts: StateSpace, points: ComplexArray) -> tuple[ComplexArray, li
 def _residuals(
     equation: Coefficients, A: Array, points: ComplexArray, wanted: tuple[ComplexArray, Array]
 ) -> tuple[float, float]:
-    """Of the response, and of det D_c to det(qI - A), the modes that are kept."""
+    """Return the residuals of the response, and of det D_c to det(qI - A)."""
     P, Q = equation
     response, scale = wanted
     powers = points[:, None] ** -np.arange(len(Q))
@@ -205,7 +206,7 @@ def _residuals(
 
 
 def _exactly(A: Array, B: Array, C: Array, D: Array) -> Coefficients:
-    """Numerators over det(qI - A), for one output."""
+    """Return the numerators over det(qI - A), for one output."""
     a, b, c, d = (
         Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
         for m in (A, B, C, D)
@@ -221,25 +222,25 @@ def _exactly(A: Array, B: Array, C: Array, D: Array) -> Coefficients:
     return np.array(P)[:, None, None], np.array(Q)[:, None, :]
 
 
-# Difference equations of a compensator in state space, by deadbeat observers of its state.
+# Difference equations from state space, by deadbeat observers.
 
 Coefficients = tuple[Array, Array]
-# Singular values below these shares of the largest count as zero; each is tried.
+# Relative tolerances of the rank; each is tried.
 TOLERANCES = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5)
 
 
 def difference_equations(
     A: Array, B: Array, C: Array, D: Array
 ) -> Iterator[tuple[Coefficients, Array]]:
-    """Coefficients (P, Q) of (2.28) for a compensator, and a basis of the states that they keep.
+    """Yield coefficients (P, Q) of (2.28) and a basis of the retained states.
 
     With A - F W'C nilpotent, x(k) is a combination of the last few u and y, and so is u(k):
 
     P_i = C (A - F W'C)^(i-1) F W',  Q_i = C (A - F W'C)^(i-1) (B - F W'D),  Q_0 = D
 
     Whatever W is, the poles of P are those of A and zeros. Which outputs W'u the observer reads,
-    and which singular values count as zero, float64 cannot decide by itself: every choice is
-    given, for the caller to judge by its response.
+    and which singular values count as zero, float64 cannot decide: every choice is returned, and
+    the caller compares the responses.
     """
     for W in _readings(C):
         for tolerance in TOLERANCES:
@@ -262,7 +263,7 @@ def difference_equations(
 
 
 def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, int]:
-    """F with A - FC nilpotent on the modes that C shows, a basis of these, and the steps it takes.
+    """Return F with A - FC nilpotent on the observable modes, a basis, and the number of steps.
 
     Of the dual pair (A', C') the states that a control brings to zero in k steps make up S_k,
 
@@ -280,7 +281,7 @@ def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, i
     reached, feedback, steps = np.zeros((n, 0)), np.zeros((len(C), 0)), 0
     while reached.shape[1] < n:
         outside = _complement(np.hstack([reached, inputs]), tolerance)
-        rest = _complement(reached, 0.5)  # orthonormal columns: their rank is no question
+        rest = _complement(reached, 0.5)  # orthonormal columns have full rank
         _, values, right = np.linalg.svd(outside.T @ A.T @ rest / size)
         new = rest @ right[int((values > tolerance).sum()) :].T
         if not new.shape[1]:
@@ -293,7 +294,7 @@ def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, i
 
 
 def _readings(C: Array) -> Iterator[Array]:
-    """Combinations W'u of the outputs: all, the strongest few, each alone, all but one."""
+    """Yield combinations W'u of the outputs: all, the strongest few, each alone, all but one."""
     count = len(C)
     sizes = np.linalg.norm(C, axis=1, keepdims=True)
     strongest = np.linalg.svd(C / np.where(sizes > 0, sizes, 1.0))[0]
@@ -307,7 +308,7 @@ def _readings(C: Array) -> Iterator[Array]:
 
 
 def _complement(columns: Array, tolerance: float) -> Array:
-    """An orthonormal basis of what is orthogonal to the columns."""
+    """Return an orthonormal basis of the complement of the columns."""
     left, values, _ = np.linalg.svd(columns)
     rank = int((values > tolerance * values.max(initial=0.0)).sum())
     return np.asarray(left[:, rank:])

@@ -1,4 +1,4 @@
-"""The H2 cost of a stabilising compensator, and the share of each disturbance in it."""
+"""The H2 cost of a stabilising compensator, with the share of each disturbance."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._linear import Plant
 
-# Relative error of J, by the bound that its residuals and its data leave, up to which float64 is
-# trusted; beyond it the cost is computed in ball arithmetic.
+# Largest relative error bound of J for a float64 result; above it the cost is computed in ball
+# arithmetic.
 TRUSTED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class H2Cost(Result):
-    """The stationary mean square of z for white noise w, in its parts.
+    """The stationary mean square of z for white noise w, with its parts.
 
     Attributes
     ----------
     value : float
         J of (A.3); infinite where the loop is not asymptotically stable, or J is beyond float64.
     shares : mapping from names of noises to floats
-        Each noise's own part of `value`, the others being off.
+        The part of `value` of each noise, with the others zero.
     terms : mapping from names to floats
         "state" tr(Q_1 R_1), "cross" 2 tr(R_12 C_c Q_12'), "control" tr(Q_2 C_c' R_2 C_c) and
         "direct", what w adds to z within the same step.
@@ -126,16 +126,16 @@ def h2_cost(
     """
     if isinstance(plant, Run):
         if compensator is not None:
-            raise InputError("a run has its own controller; leave compensator out.")
+            raise InputError("a run contains its controller; leave compensator out.")
         loop = closed_loop(plant)
         plant, compensator = loop.plant, loop.compensator
     plant = linear_plant(plant)
     if compensator is None:
-        raise InputError("a plant alone is no loop; give its compensator, or a Run.")
+        raise InputError("a loop needs a controller; give the compensator, or a Run.")
     agreed_times([plant, compensator])
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow is checked below
         return _cost(plant, parts, inputs)
 
 
@@ -207,11 +207,13 @@ def _result(
 def loop_matrices(
     plant: Plant, compensator: StateSpace, inputs: NoiseInputs
 ) -> tuple[Array, Array, tuple[Array, Array], tuple[Array, Array]]:
-    """A and B of the loop with the state [x; x_c], z without E_2 u, and u, from state and w."""
+    """Return A and B of the loop with state [x; x_c], and z without E_2 u, and u."""
     A_c, B_c, C_c, D_c = compensator
     n, n_c, l_noise = plant.n, len(A_c), len(inputs.names)
     if not closes(D_c, plant.D_0):
-        raise ImproperError("I - D_c D_0 is singular: u and y depend on each other in a circle.")
+        raise ImproperError(
+            "I - D_c D_0 is singular: the algebraic loop of u and y is not well posed."
+        )
     direct = np.eye(plant.l_u) - D_c @ plant.D_0
     K_x = np.asarray(np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c])), dtype=np.float64)
     K_w = np.asarray(np.linalg.solve(direct, D_c @ inputs.D_2), dtype=np.float64)
@@ -230,15 +232,15 @@ def _mean_square(C: Array, covariance: Array) -> float:
 
 
 def _infinite(inputs: NoiseInputs, radius: float, why: str = "unstable") -> H2Cost:
-    """Where a share cannot be told from the others each is infinite too."""
+    """Return an infinite cost; shares that cannot be separated are infinite too."""
     infinite = float("inf")
     terms = dict.fromkeys(("state", "cross", "control", "direct"), infinite)
     return H2Cost(infinite, dict.fromkeys(inputs.names, infinite), terms, radius, 0.0, evidence=why)
 
 
-# How well the H2 cost of a loop is known: rounding, residuals, and balls that hold the cost.
+# Accuracy of the H2 cost: rounding, residuals, and enclosures in balls.
 
-# Relative radius of the ball of J that is asked for, and the largest order that is tried.
+# Target relative radius of the ball of J, and the largest order.
 NARROW, LARGEST = 1e-12, 150
 Arrays = Sequence[Array]
 Costs = tuple[list[float], dict[str, float], float]
@@ -247,7 +249,7 @@ Costs = tuple[list[float], dict[str, float], float]
 def loop_rounding(
     plant: Plant, compensator: StateSpace, inputs: NoiseInputs
 ) -> tuple[Array, Array, Array]:
-    """How far rounding may have moved the entries of A, B and Z, z's map from the state."""
+    """Return the rounding errors of the entries of A, B and Z, the map from state to z."""
     A_c, B_c, C_c, D_c = map(np.abs, compensator)
     P = {name: np.abs(getattr(plant, name)) for name in ("A", "B", "C", "D_0", "E_1", "E_2")}
     D_1, D_2 = np.abs(inputs.D_1), np.abs(inputs.D_2)
@@ -270,7 +272,7 @@ def loop_rounding(
 
 
 def moved_cost(loop: Arrays, gramians: Sequence[Array], moved: Arrays) -> float:
-    """By how much J changes, to first order, when the entries of A, B and Z move by so much.
+    """Return the first-order change of J for changes of the entries of A, B and Z.
 
     dJ = 2 tr(Y dA X A') + 2 tr(Y dB B') + 2 tr(X dZ' Z)
     """
@@ -285,7 +287,7 @@ def _moved(loop: Arrays, gramians: Sequence[Array], through: Array, moved: Array
 
 
 def residual_error(loop: Arrays, gramians: Sequence[Array]) -> float:
-    """How wrong J may be by what is left of both Lyapunov equations, rounding included.
+    """Return a bound of the error of J from the residuals of both Lyapunov equations.
 
     tr(Z (X - X_true) Z') = -tr(Y R), R = A X A' + B B' - X, and so for the dual.
     """
@@ -302,7 +304,7 @@ def residual_error(loop: Arrays, gramians: Sequence[Array]) -> float:
 
 
 def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> Costs | None:
-    """Costs of each noise, the terms of their sum, and its sensitivity; None for an unstable loop.
+    """Enclose the cost of each noise, the terms and the sensitivity; None for an unstable loop.
 
     The loop is formed over the rationals, so that the given float64 numbers are the only ones;
     stability is decided for it, and J enclosed in a ball that is narrow to 1e-12.
@@ -334,7 +336,7 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
     raise IllConditionedError(
         "the H2 cost of this loop is decided by rounding: changing each entry of plant and "
         "compensator by one rounding of float64 can change the cost by as much as the cost "
-        "itself, because poles are that near to the unit circle. Use another compensator, or "
+        "itself, because poles are too close to the unit circle. Use another compensator, or "
         "scale states and signals to like size."
     )
 
@@ -342,7 +344,7 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
 def exact_loop(
     plant: Plant, compensator: StateSpace, inputs: NoiseInputs
 ) -> tuple[fmpq_mat, fmpq_mat, tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]]:
-    """A and B of the loop, and (E_x, E_w, U_x, U_w) of z = E_x x + E_w w + U_x x + U_w w."""
+    """Return A and B of the loop, and (E_x, E_w, U_x, U_w) of z = (E_x + U_x) x + (E_w + U_w) w."""
     A_c, B_c, C_c, D_c = map(rational, compensator)
     p = {name: rational(getattr(plant, name)) for name in ("A", "B", "C", "D_0", "E_1", "E_2")}
     D_1, D_2, E_0 = (rational(m) for m in (inputs.D_1, inputs.D_2, inputs.E_0))
@@ -366,7 +368,7 @@ def _balls(
     maps: tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat],
     gramians: tuple[arb_mat, arb_mat],
 ) -> tuple[list[arb], dict[str, arb]]:
-    """The cost of each column of B, from the dual, and the terms of their sum."""
+    """Return the cost of each column of B from the dual equation, and the terms of the sum."""
     X, Y = gramians
     E, E_w, U, U_w = (arb_mat(part) for part in maps)
     drive, direct = arb_mat(B), E_w + U_w
@@ -381,7 +383,7 @@ def _balls(
 
 
 def _change(A: fmpq_mat, B: fmpq_mat, Z: fmpq_mat, gramians: tuple[arb_mat, arb_mat]) -> float:
-    """By how much J changes, to first order, when each entry of A, B and Z is rounded once."""
+    """Return the first-order change of J when each entry of A, B and Z is rounded once."""
     loop = tuple(_middles(arb_mat(part)) for part in (A, B, Z))
     through = _middles(gramians[0] * arb_mat(A).transpose())
     once = [EPS * np.abs(part) for part in loop]

@@ -1,4 +1,4 @@
-"""Disk margins and the peaks of sensitivity, from H-infinity norms that are found, not sampled."""
+"""Disk margins and sensitivity peaks, from H-infinity norms without a frequency grid."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ CLOSE, WIDER, SCALINGS = 1e-8, 10.0, 60
 
 
 def structured_peak(system: Matrices) -> tuple[float, float]:
-    """An upper bound of mu over the unit circle, for complex diagonal factors, and where it is.
+    """Return an upper bound of mu over the unit circle for complex diagonal factors.
 
     At each frequency mu(M) <= min over D of the largest singular value of D M D^{-1}, D diagonal
     and positive, with equality for up to three channels; it is the same in all units. A scaling
@@ -57,7 +57,7 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
         return best, where
     i = int(np.argmax(values))
     low, high = omega[max(i - 1, 0)], omega[min(i + 1, len(omega) - 1)]
-    from scipy.optimize import minimize_scalar  # a sixth of a second
+    from scipy.optimize import minimize_scalar  # imported here: it takes 0.17 s
 
     minimize_scalar(
         lambda at: -tried(float(at)), bounds=(low, high), method="bounded", options={"xatol": 1e-9}
@@ -79,7 +79,7 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
 
 
 def best_scaling(M: ComplexArray) -> tuple[float, Array]:
-    """The least largest singular value of D M D^{-1} over positive diagonal D, and log D.
+    """Minimise the largest singular value of D M D^{-1} over positive diagonal D; return log D too.
 
     Convex in log D. From Osborne's balancing, which is the least Frobenius norm, by BFGS on
     Schatten norms of growing exponent, which are smooth.
@@ -113,7 +113,7 @@ def _schatten(M: ComplexArray, exponent: int) -> Callable[[Array], tuple[float, 
 
 
 def _balanced(M: ComplexArray) -> Array:
-    """Log D with rows and columns of D M D^{-1} alike, off the diagonal, by Osborne's sweeps."""
+    """Return log D that balances D M D^{-1} off the diagonal, by Osborne's sweeps."""
     squares = np.abs(M) ** 2
     np.fill_diagonal(squares, 0.0)
     logs = np.zeros(len(M))
@@ -141,7 +141,7 @@ def _largest(M: ComplexArray, logs: Array) -> float:
 
 
 def _above(system: Matrices, logs: Array, level: float) -> list[tuple[float, float]]:
-    """The intervals of frequency where this scaling leaves a singular value above the level."""
+    """Return the frequency intervals where a singular value exceeds the level for this scaling."""
     D = np.exp(np.clip(logs - logs.mean(), -200, 200))
     A, B, C, direct = system
     scaled: Matrices = (A, B / D, D[:, None] * C, D[:, None] * direct / D)
@@ -196,18 +196,18 @@ class DiskMargin(Result):
 
     @property
     def gain(self) -> tuple[float, float]:
-        """The range of gains in the disk: (2 - alpha) / (2 + alpha) and its inverse."""
+        """The range of gains of the disk: (2 - alpha) / (2 + alpha) and its inverse."""
         if self.alpha >= 2:
             return 0.0, float("inf")
         return (2 - self.alpha) / (2 + self.alpha), (2 + self.alpha) / (2 - self.alpha)
 
     @property
     def phase(self) -> float:
-        """The turn, in degrees, in both directions: 2 arctan(alpha / 2)."""
+        """The phase margin of the disk in degrees, in both directions: 2 arctan(alpha / 2)."""
         return float(np.degrees(2 * np.arctan(self.alpha / 2)))
 
     def plot(self, **options: Any) -> figures.Figure:
-        """The gains and turns of phase that may change together; options `ax` and `width`."""
+        """Plot the simultaneous gain and phase changes; options `ax` and `width`."""
         from rcac_numeric.plots._margins import plot_disk_margin
 
         return plot_disk_margin(self, **options)
@@ -222,14 +222,14 @@ class DiskMargin(Result):
 
 
 def disk_margin_of(loop: OpenedLoop) -> DiskMargin:
-    """The disk margin of a stable scalar loop."""
+    """Return the disk margin of a stable scalar loop."""
     return _disk_margin((loop.A, loop.B, loop.C, loop.D), loop)
 
 
 def multivariable_disk_margin(
     loop: ClosedLoop | Run | tuple[AnyPlant, Compensator], *, at: str = "u"
 ) -> DiskMargin:
-    """The disk margin against simultaneous, independent factors in every channel of u or of y.
+    """Return the disk margin for simultaneous, independent factors in every channel of u or y.
 
     Parameters
     ----------
@@ -274,7 +274,7 @@ def multivariable_disk_margin(
 def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
     A, B, C, D = L
     one = np.eye(len(D))
-    # S is the response from a signal added after L to what is fed back: (I + L)^{-1}.
+    # S = (I + L)^{-1} is the response from a signal added after L to the fed-back signal.
     inverse: Array = np.asarray(np.linalg.inv(one + D), dtype=np.float64)
     S: Matrices = (A - B @ inverse @ C, B @ inverse, -inverse @ C, inverse)
     T: Matrices = (S[0], S[1], -S[2], one - inverse)
@@ -288,7 +288,7 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
         value = scalar.response(omega)[0]
         S_minus_T = (1 - value) / (1 + value) if np.isfinite(value) else -1.0  # at a pole of L
         # 1 + f L = 0 with f = (1 + d/2)/(1 - d/2) means d = 2/(S - T)
-        if abs(S_minus_T - 1) > 1e-100:  # else L is too small for any factor to matter
+        if abs(S_minus_T - 1) > 1e-100:  # else L is below rounding: every factor is allowed
             factor = (S_minus_T + 1) / (S_minus_T - 1)
             radius = scalar.radius(factor)
     return DiskMargin(
@@ -303,7 +303,7 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
 def _by_sensitivity(
     loop: OpenedLoop | None, constant: int, factor: int
 ) -> Callable[[Array], ComplexArray] | None:
-    """Values of constant + factor S without the states of a delay; None where there is none."""
+    """Return the evaluator of constant + factor S without delay states; None without a delay."""
     if loop is None or not loop.undelayed[0]:
         return None
     return lambda omega: constant + factor / (1 + loop.response(omega))

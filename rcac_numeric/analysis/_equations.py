@@ -1,4 +1,4 @@
-"""The discrete-time algebraic Riccati equation, in square roots, and checked."""
+"""Numerical solution of the discrete-time algebraic Riccati equation, with checks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rcac_numeric.analysis._square_roots import kleinman, starting_gains
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import square_root_columns
 
-# From which closeness of a closed-loop pole to the unit circle a zero on it is looked for (for a
+# Distance of a closed-loop pole to the unit circle below which a zero on it is searched (for a
 # zero of multiplicity d the pole is off by the 2d-th root of a rounding error), and the relative
 # residual above which a solution is refused.
 CLOSE, LARGEST_RESIDUAL = 0.05, 1e-8
@@ -33,10 +33,10 @@ def stabilising_solution(
     factor: tuple[Array, Array] | None,
     role: Role,
 ) -> StabilisingSolution:
-    """The solution for (Q, N, R) and their factor (E_1, E_2), with the words for errors."""
+    """Return the solution for (Q, N, R) and their factor (E_1, E_2); `role` words the errors."""
     if not A.size:
-        raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
-    with np.errstate(all="ignore"):  # what leaves float64 ends in a bad residual
+        raise InputError("A is 0 x 0: the plant has no states to estimate or control.")
+    with np.errstate(all="ignore"):  # an overflow gives a large residual
         require_stabilisable(A, B, role)
         if factor is not None:
             require_rank(A, B, *factor, role)
@@ -44,12 +44,12 @@ def stabilising_solution(
         if factor is not None:
             best = _in_square_roots(A, B, weights, factor, best)
     if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
-        if factor is not None:  # look all around the circle for the reason
+        if factor is not None:  # search the whole circle for the reason
             around = np.exp(1j * np.linspace(0, np.pi, 64))
             require_no_zero_on_circle(A, B, *factor, near=around, role=role)
         residual = "none" if best is None else repr(best)
         advice = (
-            "The full weight is not positive semidefinite, so that there may be none."
+            "The full weight is not positive semidefinite, so a solution may not exist."
             if factor is None
             else "Scale the states and signals to like size; for scalar signals "
             "compensator_theory.solve_riccati is exact."
@@ -65,10 +65,10 @@ def stabilising_solution(
 
 
 def _best(A: Array, B: Array, weights: tuple[Array, Array, Array]) -> StabilisingSolution | None:
-    """The best of SciPy's answers after Newton steps: balanced, as it is, and shifted.
+    """Return the best of SciPy's solutions after Newton steps: balanced, unbalanced, shifted.
 
     Where P is zero or nearly, as for a square G_zu whose zeros are all inside the unit circle,
-    SciPy holds rounding noise against itself and refuses. P + cI is not small.
+    SciPy compares rounding noise with itself and fails. P + cI is not small.
     """
     candidates = []
     for balanced, shifted in ((True, False), (False, False), (True, True), (False, True)):
@@ -89,7 +89,7 @@ def _in_square_roots(
     factor: tuple[Array, Array],
     best: StabilisingSolution | None,
 ) -> StabilisingSolution | None:
-    """The solution that no weight was squared for; `best` where there is none."""
+    """Return the solution by the square-root method; `best` if it fails."""
     starts: Iterator[Array] = starting_gains(A, B, *factor)
     if best is not None and best.margin > 0:
         starts = chain([best.K], starts)
@@ -109,7 +109,7 @@ def _in_square_roots(
 def _from_scipy(
     A: Array, B: Array, weights: tuple[Array, Array, Array], *, balanced: bool, shifted: bool
 ) -> Array:
-    """SciPy's P; `shifted` by way of P + cI, which solves the equation with other weights."""
+    """Return SciPy's P; `shifted` solves for P + cI with other weights."""
     from scipy.linalg import solve_discrete_are
 
     Q, N, R = weights
@@ -122,7 +122,7 @@ def _from_scipy(
 
 
 def _refined(solution: StabilisingSolution) -> StabilisingSolution:
-    """Newton steps: one Lyapunov equation each, as long as the residual falls."""
+    """Refine P by Newton steps (a Lyapunov equation each) while the residual decreases."""
     for _ in range(5):
         if not solution.margin > 0:
             break
@@ -162,14 +162,14 @@ def _with_gain(
 
 
 def _left_over(s: StabilisingSolution) -> tuple[Array, float]:
-    """What is left of the equation, and the sum of the norms of its terms."""
+    """Return the residual of the equation, and the sum of the norms of its terms."""
     terms = (s.A.T @ s.P @ s.A, (s.N + s.A.T @ s.P @ s.B) @ s.K, s.Q, -s.P)
     left = sum(terms[1:], terms[0])
     return np.asarray((left + left.T) / 2), sum(map(norm, terms))
 
 
 def factor_of(weights: tuple[Array, Array, Array]) -> tuple[Array, Array] | None:
-    """(E_1, E_2) with [Q N; N' R] = [E_1 E_2]'[E_1 E_2]; None where there is none."""
+    """Return (E_1, E_2) with [Q N; N' R] = [E_1 E_2]'[E_1 E_2]; None if not semidefinite."""
     Q, N, R = weights
     full = np.block([[Q, N], [N.T, R]])
     scale = np.sqrt(np.abs(np.diag(full)))

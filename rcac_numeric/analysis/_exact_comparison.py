@@ -1,4 +1,4 @@
-"""What RCAC converged to, held against the exact prediction."""
+"""Comparison of the final controller with the exact prediction."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rcac_numeric.targets._model import TargetModel
 
 @dataclass(frozen=True, eq=False)
 class ExactComparison(Result):
-    """A converged controller beside the exact answer; scalar loops.
+    """A final controller compared with the exact solution; scalar loops.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class ExactComparison(Result):
         return comparison_sheet(self)
 
     def report(self) -> str:
-        """The polynomials, poles and zeros in words and numbers; missed poles first."""
+        """Return the report: polynomials, poles and zeros, missed poles first."""
         return report_of(self._sheet())
 
     def __str__(self) -> str:
@@ -78,18 +78,18 @@ class ExactComparison(Result):
         return f"ExactComparison(worst_distance={distance:.3g}, backward_error={change:.3g})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and the map of poles."""
+        """Return the notebook view: the report and the map of poles."""
         return notebook_of(self._sheet(), self.plot)
 
     def plot(self, *, width: float = 5.0) -> figures.Figure:
-        """The closed-loop poles and zeros beside the poles that the target asks for."""
+        """Plot the closed-loop poles and zeros, and the requested poles."""
         from rcac_numeric.plots._run import plot_comparison
 
         return plot_comparison(self, width=width)
 
     @property
     def asked_poles(self) -> ComplexArray:
-        """Every pole that the target asks for; only those of G_f where it cannot be reached."""
+        """Every pole that the target requires; only those of G_f if it is unreachable."""
         return self.target_poles if self.asked is None else _roots(self.asked)
 
     @property
@@ -104,7 +104,7 @@ class ExactComparison(Result):
 
     @cached_property
     def backward_error(self) -> float:
-        """The relative change of the closed-loop polynomial that gives it the poles asked for.
+        """The relative change of the closed-loop polynomial to the requested poles.
 
         The largest over the frequencies, abs(Dtilde - A)/max(abs(Dtilde), abs(A)) on the unit
         circle. A is `asked`, or, nearly the same, that at which the intercalated transfer function
@@ -117,11 +117,11 @@ class ExactComparison(Result):
 
     @property
     def is_reached(self) -> bool:
-        """Whether the loop has the poles that the target asks for: the one verdict on them.
+        """Whether the loop has the poles that the target requires.
 
         They are reached where the backward error is at most 0.05, so that no simple pole is off by
         more than 0.05 (1 - abs(p)) unless others make up for it, or where each is within 0.01. An
-        FIR target asks for a finite response, and for no pole.
+        FIR target requires a finite response, and no pole.
         """
         if not self.target_poles.any():
             return True
@@ -129,7 +129,7 @@ class ExactComparison(Result):
 
     @property
     def judged(self) -> list[tuple[complex, complex]]:
-        """Pairs as in `assigned`, where a pole that is asked for elsewhere too is no pole of G_f's.
+        """Pairs as in `assigned`, without the poles of G_f that cancel zeros of G_zu.
 
         All of `asked` are matched: where the loop cancels a zero of G_zu at which G_f has a pole,
         two poles are asked for there, and the one that cancels does not count for the other.
@@ -141,14 +141,14 @@ class ExactComparison(Result):
 
     @property
     def missed(self) -> list[tuple[complex, complex]]:
-        """Of `judged` the pairs above 0.01 apart, the farthest first; none where reached."""
+        """The pairs of `judged` with a distance above 0.01, the largest first; empty if reached."""
         if self.is_reached:
             return []
         apart = [(a, b) for a, b in self.judged if not abs(a - b) <= NEAR]
         return sorted(apart, key=lambda pair: -abs(pair[0] - pair[1]))
 
     def sensitivity(self, change: float = 1e-9) -> tuple[complex, int, float] | None:
-        """The multiple pole asked for that moves most; None where every one is simple.
+        """The most sensitive requested multiple pole; None if every pole is simple.
 
         That pole, its multiplicity m, and how far it moves where each coefficient of the polynomial
         changes by `change` of the largest: the m-th root of what that change makes there.
@@ -171,7 +171,7 @@ class ExactComparison(Result):
         return max(multiple, key=lambda one: one[2], default=None)
 
     def _candidates(self) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-        """Dtilde, and a polynomial with the poles asked for, at frequencies on the unit circle."""
+        """Return Dtilde and a polynomial with the requested poles, on the unit circle."""
         omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
         at_poles = np.abs(np.angle(np.concatenate([self.poles, self.target_poles])))
         q = np.exp(1j * np.concatenate([omega, at_poles, [0.0, np.pi]]))
@@ -196,12 +196,12 @@ class ExactComparison(Result):
 
     @property
     def spectrum_distance(self) -> float:
-        """The same over all n + n_c poles, the unassigned ones included; NaN without `asked`."""
+        """Largest distance over all n + n_c poles, assigned or not; NaN without `asked`."""
         return float("nan") if self.asked is None else _worst(pairing(self.asked_poles, self.poles))
 
     @property
     def unassigned(self) -> ComplexArray:
-        """The closed-loop poles that no pole of G_f claims."""
+        """The closed-loop poles without an assigned pole of G_f."""
         rest = list(self.poles)
         for _, pole in self.assigned:
             rest.remove(pole)
@@ -217,7 +217,7 @@ class ExactComparison(Result):
         return _distance(coefficients - one, directions)
 
     def can_be_placed_by(self, structure: Structure) -> bool | None:
-        """Whether coefficients of this structure place `asked`; None for one not from y to u alone.
+        """Whether this structure can place `asked`; None for a structure that reads r.
 
         Its compensators and those that place `asked` are two affine sets; they meet, or they are
         apart: by more than 1e-9 of their entries.
@@ -238,7 +238,7 @@ class ExactComparison(Result):
         return bool(gap <= SAME * (np.linalg.norm(rest) + np.linalg.norm(one)))
 
     def _placing(self, placement: exact.results.PolePlacement) -> tuple[Array, Array]:
-        """(D_c, N_c) of one compensator that places `asked`, and what may be added to it."""
+        """Return (D_c, N_c) of one compensator that places `asked`, and its free directions."""
         length = self.compensator.n_c + 1
 
         def vector(denominator: Poly, numerator: Poly) -> Array:
@@ -254,28 +254,28 @@ class ExactComparison(Result):
 
 
 SAME = 1e-9
-POINTS = 1000  # frequencies of the backward error, and those of the poles
+POINTS = 1000  # number of frequencies of the backward error, beside those of the poles
 # The backward error up to which poles are reached, that is, 5 % of the return difference at every
-# frequency; and the distance that is none, whatever the conditioning.
+# frequency; and the distance that counts as zero for any conditioning.
 REACHED, NEAR = 0.05, 0.01
 
 
 def _relative_change(reached: ComplexArray, requested: ComplexArray) -> float:
-    with np.errstate(all="ignore"):  # a pole on the circle makes no statement there
+    with np.errstate(all="ignore"):  # at a pole on the circle the error is undefined
         change = np.abs(reached - requested) / np.maximum(np.abs(reached), np.abs(requested))
     change[(reached == 0) & (requested == 0)] = 0.0
     return float(change.max()) if not np.isnan(change).any() else float("inf")
 
 
 def _distance(gap: Array, directions: Array) -> float:
-    """How far a point is from the span of directions."""
+    """Return the distance of a point to the span of directions."""
     if directions.shape[1]:
         gap = gap - directions @ np.linalg.lstsq(directions, gap, rcond=None)[0]
     return float(np.linalg.norm(gap))
 
 
 def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:
-    """A compensator beside the exact prediction for its target model."""
+    """Compare a compensator with the exact prediction for its target model."""
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         raise InputError(
             f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
@@ -290,8 +290,8 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
     try:
         if not isinstance(target.exact, exact.TransferFunction):
             raise InputError(
-                "the target model is known by float64 coefficients only: it was given so, or its "
-                "zeros are irrational."
+                "the target model has float64 coefficients only: they were given so, or its zeros "
+                "are irrational."
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )
@@ -328,7 +328,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
 
 
 def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
-    """(N_c, D_c) in q with the exact values of their float64 coefficients."""
+    """Return (N_c, D_c) in q with the exact values of their float64 coefficients."""
     N_c, D_c = (
         exact.polynomial([exact.exact_number(float(c), binary=True) for c in coefficients], "q")
         for coefficients in (compensator.numerator, compensator.denominator)
@@ -354,5 +354,5 @@ def _target_poles(target: TargetModel) -> ComplexArray:
 
 
 def _strictness(compensator: Compensator) -> int:
-    """k_c as the coefficients show it: 0 where Q_0 is used, else 1."""
+    """Return k_c from the coefficients: 0 if Q_0 is nonzero, else 1."""
     return 0 if compensator.past_y[0].any() else 1

@@ -9,14 +9,14 @@ from compensator_theory.errors import IllConditionedError
 from compensator_theory.polynomials._ball_precision import ball_precision
 from rcac_numeric.arrays._array_types import Array
 
-# Bits that ball arithmetic takes in turn, and doublings: more than any float64 matrix asks for.
+# Successive precisions of the balls in bits, and doublings: enough for every float64 matrix.
 PRECISIONS, DOUBLINGS = (192, 512, 1536, 4096), 100
-# States of a Stein equation that are tried in balls where float64 loses it: a second of work.
+# Largest order for the enclosure in balls if float64 fails: one second.
 MOST_STATES = 120
 
 
 def stein_solution(A: Array, Q: Array) -> Array:
-    """X = A X A' + Q, as the sum of A^k Q A'^k, for a spectral radius below 1; Q symmetric.
+    """Solve X = A X A' + Q for a spectral radius below 1, as the sum of A^k Q A'^k.
 
     Each step of the doubling doubles the number of terms, X <- X + F X F' and F <- F F. Unlike a
     linear solve it keeps a positive semidefinite X so, and the relative accuracy of badly scaled
@@ -28,7 +28,7 @@ def stein_solution(A: Array, Q: Array) -> Array:
     Source: (4.23); R. A. Smith, SIAM J. Appl. Math. 16 (1968) 198-201.
     """
     A, Q = np.asarray(A, dtype=np.float64), np.asarray(Q, dtype=np.float64)
-    with np.errstate(all="ignore"):  # what leaves float64 ends in the residual
+    with np.errstate(all="ignore"):  # an overflow shows in the residual
         solution = _doubled(A, Q)
         if solution is not None and stein_residual(A, Q, solution) <= _rounding(A):
             return solution
@@ -52,20 +52,20 @@ def norm(value: Array) -> float:
 
 
 def stein_residual(A: Array, Q: Array, X: Array) -> float:
-    """What X leaves of X = A X A' + Q, relative to its terms; infinite where one is not finite."""
+    """Return the residual of X = A X A' + Q relative to its terms; infinite if not finite."""
     left = np.abs(A @ X @ A.T + Q - X).max(initial=0.0)
     size = (np.abs(A) @ np.abs(X) @ np.abs(A).T + np.abs(Q) + np.abs(X)).max(initial=0.0)
     return float(left / size) if np.isfinite(size) and size else (0.0 if size == 0 else np.inf)
 
 
 def _rounding(A: Array) -> float:
-    """The residual that the rounding of some tens of doublings leaves."""
+    """Return the residual that rounding may cause in tens of doublings."""
     return 200 * (len(A) + 1) * float(np.finfo(float).eps)
 
 
 def _doubled(A: Array, Q: Array) -> Array | None:
     X, power = np.array(Q), np.array(A)
-    for _ in range(64):  # 2^64 terms: more than any spectral radius in float64 asks for
+    for _ in range(64):  # 2^64 terms: enough for every spectral radius in float64
         added = power @ X @ power.T
         X = X + (added + added.T) / 2
         small = not np.abs(added).max(initial=0.0) > 1e-18 * np.abs(X).max(initial=0.0)
@@ -94,7 +94,7 @@ def _from_balls(A: Array, Q: Array) -> Array | None:
 
 
 def rational(A: Array) -> fmpq_mat:
-    """A float64 matrix, exactly."""
+    """Return the exact rational matrix of a float64 matrix."""
     entries = [fmpq(*float(entry).as_integer_ratio()) for entry in A.ravel()]
     return fmpq_mat(*A.shape, entries)
 
@@ -102,7 +102,7 @@ def rational(A: Array) -> fmpq_mat:
 def enclosed_gramians(
     A: fmpq_mat, Q: fmpq_mat, R: fmpq_mat, precision: int
 ) -> tuple[arb_mat, arb_mat] | None:
-    """Balls that hold X = A X A' + Q and Y = A' Y A + R, and so prove that A is stable.
+    """Enclose X = A X A' + Q and Y = A' Y A + R in balls, which proves that A is stable.
 
     Doubling ends when a power F = A^(2^k) has norm f < 1: what is left out is then at most
     norm(X) f^2 / (1 - f^2), which widens every ball. None where this precision (in bits) or

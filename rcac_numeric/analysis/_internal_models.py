@@ -1,4 +1,4 @@
-"""What a controller has converged to by itself: whether it still moves, and what it rejects."""
+"""Convergence of the coefficients, and internal models of the controller."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator
 
-# A controller pole this near the unit circle counts as an internal model.
+# A controller pole this close to the unit circle counts as an internal model.
 NEAR = 1e-2
-# theta has converged where it moves less than this in the last tenth, relative to its size.
+# theta has converged if its relative change in the last tenth is below this.
 CONVERGED = 1e-3
 
 
 @dataclass(frozen=True)
 class Drift:
-    """How far the coefficients moved in the last part of a log.
+    """The change of the coefficients in the last tenth of a log.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class InternalModel(Value):
     omega : float
         Its angle, rad/sample.
     gains : mapping from channel of w to float
-        abs(G_zw) of the closed loop at omega: what is left of a signal of that frequency. Empty
+        abs(G_zw) of the closed loop at omega: the attenuation of a signal of that frequency. Empty
         without a plant and for an unstable loop.
     """
 
@@ -64,12 +64,12 @@ class InternalModel(Value):
 
     @property
     def distance(self) -> float:
-        """From the unit circle, positive inside."""
+        """Distance of the pole from the unit circle, positive inside."""
         return 1 - abs(self.pole)
 
     @property
     def rejects(self) -> str:
-        """In words."""
+        """The rejected signals, as text."""
         if self.omega < NEAR:
             return "constant signals"
         if self.omega > np.pi - NEAR:
@@ -80,7 +80,7 @@ class InternalModel(Value):
 
 
 def drift_of(theta: Array) -> Drift:
-    """The drift of coefficients that were logged at every step; shape (steps, l_theta)."""
+    """Return the drift of coefficients logged at every step; shape (steps, l_theta)."""
     start = len(theta) - max(len(theta) // 10, min(len(theta), 2))
     moved = float(np.abs(theta[start:] - theta[-1]).max())
     size = float(np.abs(theta[-1]).max())
@@ -88,7 +88,7 @@ def drift_of(theta: Array) -> Drift:
 
 
 def internal_models(compensator: Compensator, loop: ClosedLoop | None) -> tuple[InternalModel, ...]:
-    """The controller poles within 0.01 of the unit circle, by frequency."""
+    """Return the controller poles within 0.01 of the unit circle, by frequency."""
     poles = compensator.poles()
     near = poles[(np.abs(np.abs(poles) - 1) <= NEAR) & (poles.imag >= 0)]
     models = []

@@ -1,4 +1,4 @@
-"""What a fixed controller does to a plant, beside a target model: each analysis once, on demand."""
+"""Analyses of a loop with a fixed controller and a target model, computed on demand."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SIGNALS = ("w", "u", "y", "z", "u_applied")
 
 @dataclass(frozen=True, eq=False)
 class LoopAnalysis(Value):
-    """A plant with a fixed controller, held against a target model; of a run, its last controller.
+    """Analysis of a loop with a fixed controller, or with the final controller of a run.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class LoopAnalysis(Value):
     target: TargetModel | None = None
 
     def __post_init__(self) -> None:
-        of, target = cast("tuple[object, object]", (self.of, self.target))  # as they were given
+        of, target = cast("tuple[object, object]", (self.of, self.target))  # unconverted arguments
         if not isinstance(of, Run):
             if not isinstance(of, tuple) or len(of) != 2:
                 raise InputError(
@@ -99,19 +99,19 @@ class LoopAnalysis(Value):
 
     @property
     def run(self) -> Run:
-        """The run that this is the analysis of."""
+        """The analysed run."""
         if isinstance(self.of, Run):
             return self.of
-        raise InputError("this is the analysis of a plant and a compensator; no run is known.")
+        raise InputError("the analysis has a plant and a compensator, but no run; give a Run.")
 
     def until(self, k: int) -> LoopAnalysis:
-        """That of the run cut off before step k: of the controller theta(k), which must be kept."""
+        """Return the analysis of the run up to step k, with the controller theta(k)."""
         run = self.run
         length = integer(k, "k") - run.first_step
         if length == run.steps:
             return self
         if k not in self._earlier:
-            run.compensator_at(k)  # raises where theta(k) was not kept
+            run.compensator_at(k)  # raises if theta(k) was not stored
             row = length // run.stride
             signals = {name: getattr(run, name)[:length] for name in SIGNALS}
             rows = {"theta": run.theta[:row], "theta_final": run.theta[row]}
@@ -142,11 +142,11 @@ class LoopAnalysis(Value):
 
     @cached_property
     def compared_with(self) -> TargetModel:
-        """The target model that was given, or the one in force at the last step for all."""
+        """The target model: the given one, or that of all controllers at the last step."""
         if self.target is not None:
             return self.target
         if not isinstance(self.of, Run):
-            raise InputError("the target model is not known; give it as target=.")
+            raise InputError("the target model is missing; give it as target=.")
         targets = []
         for settings in controllers_of(self.run.settings):
             if isinstance(settings, ControllerSettings):
@@ -160,14 +160,14 @@ class LoopAnalysis(Value):
                 first = [settings.target] if settings.learning is None else []
                 targets += [*first, *later, *comparisons][-1:]
         if not targets:
-            raise InputError("nothing adapts in this run, so it has no target model of its own")
+            raise InputError("the controller of this run is fixed, so it has no target model")
         if any(other != targets[0] for other in targets[1:]):
             raise InputError("the controllers have different target models")
         return targets[0]
 
     @property
     def _target(self) -> TargetModel:
-        """The target model, as large as the plant's G_zu."""
+        """Return the target model, checked for the size of G_zu."""
         target, plant = self.compared_with, self.plant
         if (target.l_z, target.l_u) != (plant.l_z, plant.l_u):
             raise InputError(
@@ -178,18 +178,18 @@ class LoopAnalysis(Value):
 
     @property
     def reads_command(self) -> bool:
-        """Whether the controller reads the command r beside y."""
+        """Whether the controller reads the command r."""
         return self.compensator.l_y > self.plant.l_y
 
     @property
     def structure(self) -> Structure | None:
-        """What the coefficients weigh; None for a controller of several parts, and for none."""
+        """The structure of the controller; None for several controllers, and for a fixed one."""
         settings = self.run.settings
         return settings.structure if isinstance(settings, ControllerSettings) else None
 
     @cached_property
     def obstacle(self) -> str:
-        """Why the exact comparison does not apply; empty where it does."""
+        """The reason why the exact comparison does not apply; empty if it does."""
         plant = self.plant
         sizes = {"l_u": self.compensator.l_u, "l_y": plant.l_y, "l_z": plant.l_z}
         if set(sizes.values()) != {1}:
@@ -201,32 +201,32 @@ class LoopAnalysis(Value):
 
     @cached_property
     def loop(self) -> ClosedLoop:
-        """The closed loop, whose measurement is what the controller reads."""
+        """The closed loop; its measurement is the input of the controller."""
         plant = measuring_command(self.plant) if self.reads_command else self.plant
         return ClosedLoop(plant, self.compensator)
 
     @cached_property
     def comparison(self) -> ExactComparison:
-        """The controller beside the exact prediction."""
+        """The comparison of the controller with the exact prediction."""
         if self.obstacle:
-            raise InputError(f"there is no exact comparison here: {self.obstacle}.")
+            raise InputError(f"the exact comparison does not apply: {self.obstacle}.")
         return comparison_of(self.plant, self.compensator, self._target)
 
     @cached_property
     def zeros(self) -> dict[str, ComplexArray]:
-        """Closed-loop zeros from each channel of w to z; exact where the comparison is."""
+        """Closed-loop zeros from each channel of w to z; exact if the comparison applies."""
         zeros, _ = attempted(lambda: self.comparison.zeros)
         return dict(self.loop.zeros() if zeros is None else zeros)
 
     @cached_property
     def match(self) -> IntercalatedMatch:
-        """The intercalated transfer function beside G_f."""
-        target = self._target  # where there is none, this says why
+        """The intercalated transfer function compared with G_f."""
+        target = self._target  # raises the reason if there is none
         return intercalated_match(self.loop, target)
 
     @cached_property
     def split(self) -> ResidualSplit:
-        """The retrospective residual of the whole run for the final controller.
+        """The split of the retrospective residual of the run for the final controller.
 
         Behind a saturation it is that of the applied input, which the controller's own past holds.
         """
@@ -239,7 +239,7 @@ class LoopAnalysis(Value):
     def split_of(
         self, *, u: Array, y: Array, z: Array, w: Array, r: Array | None = None
     ) -> ResidualSplit:
-        """The retrospective residual of recorded signals, which begin at rest, split for it.
+        """Split the retrospective residual of recorded signals that begin at rest.
 
         Where the controller reads the command, r is its record; by default the one that w holds.
         """
@@ -254,7 +254,7 @@ class LoopAnalysis(Value):
         return analysis_sheet(self)
 
     def report(self) -> str:
-        """The loop beside theory: poles and zeros, the intercalated match, the split residual."""
+        """Return the report: poles and zeros, the intercalated match, the residual split."""
         return report_of(self._sheet())
 
     def __str__(self) -> str:
@@ -264,18 +264,18 @@ class LoopAnalysis(Value):
         return f"LoopAnalysis({self.of!r})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the report and the sheet of pictures."""
+        """Return the notebook view: the report and the plots."""
         return notebook_of(self._sheet(), self.plot)
 
     def plot(self, title: str = "") -> figures.Figure:
-        """One sheet: response, coefficients, poles and zeros, the intercalated match."""
+        """Plot response, coefficients, poles and zeros, and the intercalated match."""
         from rcac_numeric.plots._run import plot_sheet
 
         return plot_sheet(self, title)
 
 
 def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensator]) -> ClosedLoop:
-    """The closed loop of a run with its last controller, or of a plant and a compensator."""
+    """Return the closed loop of a run with its final controller, or of plant and compensator."""
     if isinstance(of, ClosedLoop):
         return of
     if isinstance(of, LoopAnalysis):
@@ -284,7 +284,7 @@ def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensato
 
 
 def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
-    """An analysis, or None and why there is none."""
+    """Return (analysis, "") or (None, reason)."""
     try:
         return analysis(), ""
     except CompensatorError as error:
@@ -294,11 +294,12 @@ def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
 def compare_exactly(
     of: Run | AnyPlant, compensator: Compensator | None = None, target: TargetModel | None = None
 ) -> ExactComparison:
-    """Hold what RCAC converged to, or any compensator, against the exact prediction.
+    """Compare the final controller of a run, or any compensator, with the exact prediction.
 
     The closed-loop polynomial D D_c - N_yu N_c of the float64 coefficients, which are dyadic
-    rationals, is exact. Beside it stand the polynomial at which the intercalated transfer function
-    (4.18) equals the target model G_f, and every compensator of this order that places it.
+    rationals, is exact. It is compared with the polynomial at which the intercalated
+    transfer function (4.18) equals the target model G_f, and with every compensator of this order
+    that places it.
 
     Parameters
     ----------
@@ -344,8 +345,8 @@ def compare_exactly(
     """
     if isinstance(of, Run):
         if compensator is not None:
-            raise InputError("a run has its own controller; leave compensator out.")
+            raise InputError("a run contains its controller; leave compensator out.")
         return LoopAnalysis(of, target).comparison
     if compensator is None:
-        raise InputError("a plant alone is no loop; give a Run, or a plant and its Compensator.")
+        raise InputError("a loop needs a controller; give a Run, or a plant and its Compensator.")
     return LoopAnalysis((of, compensator), target).comparison

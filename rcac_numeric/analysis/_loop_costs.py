@@ -1,4 +1,4 @@
-"""The H2 cost of a loop beside the least that LQG reaches."""
+"""The H2 cost of a loop compared with the LQG minimum."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rcac_numeric.arrays._values import Value
 
 @dataclass(frozen=True, eq=False)
 class LoopCosts(Value):
-    """What a loop costs, and what it would cost with LQG.
+    """The H2 cost of a loop and the LQG minimum.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class LoopCosts(Value):
 
     @property
     def ratio(self) -> float | None:
-        """The cost over LQG's, at least 1."""
+        """The cost over the LQG minimum, at least 1."""
         if self.reached is None or self.least is None or self.least.value == 0:
             return None
         return self.reached.value / self.least.value

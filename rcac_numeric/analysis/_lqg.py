@@ -31,12 +31,12 @@ from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import Plant
 
 FORMS = ("predictor", "filter")
-LARGEST_GAP = 1e-6  # of the cost of the loop to that of the Riccati solutions
+LARGEST_GAP = 1e-6  # tolerance between the cost of the loop and that of the Riccati solutions
 
 
 @dataclass(frozen=True, eq=False)
 class LQG(Value):
-    """An LQG controller u = G_c y and what says how good it is.
+    """An LQG controller u = G_c y with its cost and accuracy.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class LQG(Value):
 
     @property
     def certificate(self) -> ConversionCertificate:
-        """How well `compensator` reproduces `state_space`, and where that was checked."""
+        """The certificate that `compensator` reproduces `state_space`."""
         return self._converted[1]
 
     @cached_property
@@ -94,11 +94,11 @@ class LQG(Value):
 
     @property
     def loop(self) -> ClosedLoop:
-        """The plant in a loop with `compensator`."""
+        """The closed loop of the plant with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
     def to_control(self) -> frames.StateSpace:
-        """The controller for python-control, with the plant's sample time, or True without one."""
+        """Return the python-control controller with the plant's sample time, or dt = True."""
         return frames.control_state_space(*self.state_space, self.plant.sample_time)
 
     @cached_property
@@ -108,23 +108,23 @@ class LQG(Value):
 
     @property
     def spectral_radius(self) -> float:
-        """Of the controller: above 1 where LQG stabilises with an unstable controller."""
+        """Spectral radius of the controller: above 1 for an unstable controller."""
         return float(np.abs(np.linalg.eigvals(self.state_space[0])).max(initial=0.0))
 
     @cached_property
     def agreement(self) -> ExactAgreement:
-        """The closed-loop poles beside the exact ones of `compensator_theory.lqg_poles`."""
+        """The closed-loop poles compared with those of `compensator_theory.lqg_poles`."""
         inputs = noise_inputs(self.plant, self.noise)
         return exact_agreement(self.plant, inputs, self.regulator, self.estimator)
 
     @property
     def cost_gap(self) -> float:
-        """Distance of `cost` and `cost_from_riccati`, over the sizes of the terms of the cost."""
+        """Distance of `cost` and `cost_from_riccati`, relative to the terms of the cost."""
         size = sum(map(abs, self.cost.terms.values()))
         return abs(self.cost.value - self.cost_from_riccati) / (size or np.inf)
 
     def plot(self) -> figures.Figure:
-        """The closed-loop poles by what made them, and the gain and phase of the controller."""
+        """Plot the regulator and estimator poles, and the gain and phase of the controller."""
         from rcac_numeric.plots._lqg import plot_lqg
 
         return plot_lqg(self)
@@ -135,7 +135,7 @@ class LQG(Value):
         return lqg_sheet(self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: cost, margins and the picture."""
+        """Return the notebook view: cost, margins and the plot."""
         return notebook_of(self._sheet(), self.plot)
 
     def _repr_latex_(self) -> str:
@@ -149,7 +149,7 @@ class LQG(Value):
 def lqg_controller(
     plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "predictor"
 ) -> LQG:
-    """The controller of order n that minimises J = lim E[z'z] for white noise w.
+    """Compute the controller of order n that minimises J = lim E[z'z] for white noise w.
 
     With P and Q the stabilising solutions of (A.7) and (A.8), S = R_2 + B'PB, V = V_2 + CQC',
 
@@ -247,7 +247,7 @@ def lqg_controller(
 
 
 def _verified(design: LQG) -> LQG:
-    """The design, where its loop costs what its Riccati solutions say."""
+    """Return the design, or raise if the costs of loop and Riccati solutions differ."""
     if np.isfinite(design.cost_from_riccati) and not design.cost_gap <= LARGEST_GAP:
         raise IllConditionedError(
             f"the loop of this LQG controller costs {design.cost.value:.6g}, its Riccati solutions "
@@ -258,11 +258,11 @@ def _verified(design: LQG) -> LQG:
     return design
 
 
-# What two Riccati solutions make: the gain of the innovation, the controller and its cost.
+# The innovation gain, the controller and the cost from two Riccati solutions.
 
 
 def weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
-    """(R_1, R_12, R_2) = (E_1'E_1, E_1'E_2, E_2'E_2), or those of the noise from transposes."""
+    """Return (R_1, R_12, R_2) = (E_1'E_1, E_1'E_2, E_2'E_2); transposes give noise weights."""
     with np.errstate(over="ignore", invalid="ignore"):
         weights = E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
     if not all(np.isfinite(weight).all() for weight in weights):
@@ -278,8 +278,9 @@ def filter_gain(
     plant: Plant, inputs: NoiseInputs, regulator: StabilisingSolution,
     estimator: StabilisingSolution,
 ) -> Array:  # fmt: skip
-    """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
-    if regulator.P_root is not None and estimator.P_root is not None:  # nothing squared
+    """Return D_f, the gain of the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w."""
+    # From factors: weights are not squared.
+    if regulator.P_root is not None and estimator.P_root is not None:
         S, T = regulator.P_root, estimator.P_root
         from_w = least_squares(
             np.vstack([plant.E_2, S @ plant.B]), np.vstack([inputs.E_0, S @ inputs.D_1])
@@ -294,7 +295,7 @@ def filter_gain(
 
 
 def controller_matrices(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace:
-    """(A.4) with the direct term; D_0 makes e depend on u, which is solved for u."""
+    """Return (A.4) with the direct term; with D_0 the innovation depends on u."""
     if not closes(-D_f, plant.D_0):
         raise ImproperError(
             "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
@@ -311,7 +312,7 @@ def cost_of_solutions(
     inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution,
     D_f: Array, E_2: Array,
 ) -> float:  # fmt: skip
-    """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
+    """Return tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
     K, Q = regulator.K, estimator.P
     if regulator.P_root is not None and estimator.P_root is not None:
         # S and V are squares, in which much cancels with large gains: their roots are used.

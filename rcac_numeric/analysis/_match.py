@@ -1,4 +1,4 @@
-"""What RCAC fits, (4.14): the intercalated transfer function beside G_f, and the residual split."""
+"""The fit of RCAC, (4.14): intercalated transfer function and G_f, and the residual split."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rcac_numeric.targets._model import TargetModel
 
 @dataclass(frozen=True, eq=False)
 class IntercalatedMatch(Result):
-    """How far the intercalated transfer function is from the target model, over frequency.
+    """The distance between the intercalated transfer function and G_f over frequency.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class IntercalatedMatch(Result):
         return float(np.median(self.error))
 
     def plot(self) -> figures.Figure:
-        """Gain and phase of both, on one branch."""
+        """Plot gain and phase of both, on one branch."""
         from rcac_numeric.plots._run import plot_match
 
         return plot_match(self)
@@ -111,7 +111,7 @@ class ResidualSplit(Result):
 
     @property
     def parts(self) -> dict[str, Array]:
-        """The residual and its two parts, by name."""
+        """Return the residual and its two parts, by name."""
         return {
             "residual": self.residual,
             "matching error": self.matching_error,
@@ -120,19 +120,19 @@ class ResidualSplit(Result):
 
     @property
     def identity_error(self) -> float:
-        """Largest gap between the residual and its two parts together, relative to the largest.
+        """Largest difference between the residual and the sum of its parts, relative.
 
-        (4.14) makes it zero from rest; what is left is rounding.
+        By (4.14) it is zero from rest, up to rounding.
         """
         parts = self.matching_error + self.disturbance_response
         size = max(np.abs(v).max(initial=0.0) for v in (self.residual, self.matching_error, parts))
         return float(np.abs(self.residual - parts).max(initial=0.0) / size) if size else 0.0
 
     def power(self, start: int = 0) -> dict[str, float]:
-        """Mean square of each signal from step `start` on."""
+        """Return the mean square of each signal from step `start` on."""
         if start >= len(self.residual):
             return dict.fromkeys(self.parts, float("nan"))
-        with np.errstate(over="ignore"):  # an unstable loop may leave float64: then infinity
+        with np.errstate(over="ignore"):  # overflow of an unstable loop gives infinity
             return {
                 name: float(np.mean(np.sum(v[start:] ** 2, axis=1)))
                 for name, v in self.parts.items()
@@ -229,7 +229,7 @@ def split_residual(
 
 
 def pseudo_control(compensator: Compensator, u: Array, y: Array) -> Array:
-    """u*(k) = Phi(k) theta* of (4.3): what the fixed controller answers to the recorded past."""
+    """Return u*(k) = Phi(k) theta* of (4.3): the fixed controller on the recorded signals."""
     result = np.zeros_like(u)
     for i, P in enumerate(compensator.past_u, start=1):
         result[i:] += u[: max(len(u) - i, 0)] @ P.T
@@ -239,13 +239,13 @@ def pseudo_control(compensator: Compensator, u: Array, y: Array) -> Array:
 
 
 def filtered(target: TargetModel, u: Array) -> Array:
-    """G_f(q) u from zero initial conditions; shape (steps, l_z)."""
+    """Return G_f(q) u from zero initial conditions; shape (steps, l_z)."""
     output = np.zeros((len(u), target.l_z))
     for i, N in enumerate(target.numerator):
         output[i:] += u[: max(len(u) - i, 0)] @ N.T
     if not target.denominator[1:].any():
         return output
-    # The last n_f outputs are the state, and the newest of them is what is asked for.
+    # The last n_f outputs are the state, the newest is the output.
     l_z, order = target.l_z, target.n_f * target.l_z
     A = np.eye(order, k=-l_z)
     A[:l_z] = -np.concatenate(target.denominator[1:], axis=1)

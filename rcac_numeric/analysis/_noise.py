@@ -1,4 +1,4 @@
-"""Which components of w are noise: intensities by name, and bias as a slow disturbance."""
+"""Noise models of w: intensities by name, slow bias, drifting oscillations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NoiseIntensities = Mapping[str, ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class NoiseInputs(Value):
-    """White noise of unit intensity that drives a plant, in place of w.
+    """Unit-intensity white noise inputs of a plant, in place of w.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class NoiseInputs(Value):
 
 
 def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseInputs:
-    """Read intensities by name of a block or of a channel of w."""
+    """Read noise intensities by the name of a block or a channel of w."""
     if noise is None:
         noise = dict.fromkeys(plant.channels, 1.0)
     if not isinstance(noise, Mapping):
@@ -59,7 +59,7 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
         root = square_root_columns(
             constant_weight(intensity, f"the intensity of {name}", len(where), definite=False)
         )
-        if root.shape[1] == 0:  # no noise has a share too
+        if root.shape[1] == 0:  # a noise of zero intensity has a share of zero
             root = np.zeros((len(where), 1))
         placed = np.zeros((plant.l_w, root.shape[1]))
         placed[where] = root
@@ -71,11 +71,11 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
 
 
 def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) -> Plant:
-    """The plant whose channel of w also carries a slow disturbance b(k+1) = pole b(k) + noise.
+    """Return the plant with a slow disturbance b(k+1) = pole b(k) + noise on a channel of w.
 
     A design for it expects a bias of that mean square, which lasts about 1/(1 - pole) steps, and
-    approaches a controller with an internal model at 1 as the pole goes there. A pole at 1 itself
-    is a mode that no control moves: LQG refuses it.
+    approaches a controller with an internal model at 1 as the pole goes there. A pole at 1 is an
+    uncontrollable mode on the circle: LQG refuses it.
 
     Parameters
     ----------
@@ -109,7 +109,8 @@ def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) ->
     pole, power = number(pole, "pole"), number(mean_square, "mean_square")
     if not -1 < pole < 1:
         raise InputError(
-            f"pole = {pole} must lie inside (-1, 1): no control moves the disturbance's own mode. "
+            f"pole = {pole} must lie inside (-1, 1): the mode of the disturbance is "
+            f"uncontrollable. "
             "For a constant bias take a pole near 1, such as 0.999."
         )
     if power < 0:
@@ -122,7 +123,7 @@ def with_oscillation(
     plant: Plant, channel: str, *, omega: float, radius: float, mean_square: float,
     name: str = "oscillation",
 ) -> Plant:  # fmt: skip
-    """The plant whose channel of w also carries a sinusoid that drifts in amplitude and phase.
+    """Return the plant with a sinusoid of drifting amplitude and phase on a channel of w.
 
     s(k+1) = radius [cos omega, sin omega; -sin omega, cos omega] s(k) + noise, b(k) = s_1(k): the
     model whose inverse LQG builds into the controller, as `with_bias` is that of a constant.
@@ -133,8 +134,8 @@ def with_oscillation(
     omega, radius = number(omega, "omega"), number(radius, "radius")
     if not 0 < radius < 1 or mean_square < 0:
         raise InputError(
-            f"radius = {radius:g} must lie in (0, 1) and mean_square = {mean_square:g} must not be "
-            "negative: no control moves the disturbance's own mode."
+            f"radius = {radius:g} must lie in (0, 1) and mean_square = {mean_square:g} must not "
+            f"be negative: the mode of the disturbance is uncontrollable."
         )
     turn = np.array([[np.cos(omega), np.sin(omega)], [-np.sin(omega), np.cos(omega)]])
     drive = np.sqrt((1 - radius**2) * mean_square) * np.eye(2)
@@ -142,7 +143,7 @@ def with_oscillation(
 
 
 def _with_model(plant: Plant, channel: str, S: Array, drive: Array, name: str) -> Plant:
-    """The plant whose channel also carries the first state of s(k+1) = S s(k) + drive noise."""
+    """Return the plant with the first state of s(k+1) = S s(k) + drive noise on a channel."""
     at, n, m = plant.channels.index(channel), plant.n, len(S)
 
     def beside(block: Array, from_channel: Array) -> Array:
@@ -164,7 +165,7 @@ def _with_model(plant: Plant, channel: str, S: Array, drive: Array, name: str) -
 
 
 def _places(plant: Plant) -> dict[str, list[int]]:
-    """The indices of w that each block and each channel stands for."""
+    """Return the indices of w of each block and channel."""
     places: dict[str, list[int]] = {}
     first = 0
     for name, width in plant.blocks.items():

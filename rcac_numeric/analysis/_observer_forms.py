@@ -1,4 +1,4 @@
-"""All observer-based forms of a compensator in float64, thousands at a time, with residuals."""
+"""Observer-based forms of a compensator in float64, vectorised, with residuals."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._linear import Plant
 
-# Largest relative residual of a form that is handed out.
+# Largest relative residual of a returned form.
 RESOLVED = 1e-6
-SHOWN = 6  # forms that a notebook writes out
+SHOWN = 6  # largest number of forms in a notebook formula
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +110,7 @@ class NumericObserverForms(Result):
 
     @property
     def forms(self) -> tuple[NumericObserverForm, ...]:
-        """The forms one by one."""
+        """The forms as separate objects."""
         return tuple(map(self._form, range(len(self))))
 
     def _form(self, i: int) -> NumericObserverForm:
@@ -164,7 +164,7 @@ class NumericObserverForms(Result):
         return self._least(off[0] + off[1])
 
     def plot(self) -> figures.Figure:
-        """The closed-loop roots, divided into regulator and observer roots form by form."""
+        """Plot the closed-loop roots, divided into regulator and observer roots for each form."""
         from rcac_numeric.plots._observer_forms import plot_observer_forms
 
         return plot_observer_forms(self)
@@ -182,18 +182,18 @@ class NumericObserverForms(Result):
 
     def _least(self, cost: Array) -> NumericObserverForm:
         if not len(self):
-            raise NoSolutionError("there is no form to choose from; see rejected")
+            raise NoSolutionError("no observer-based form exists; see rejected")
         return self._form(int(np.argmin(cost)))
 
     @property
     def _unresolved(self) -> str:
         count = len(self.unresolved_roots)
-        return f", {count} that float64 does not resolve (unresolved_roots)" if count else ""
+        return f", {count} unresolved in float64 (unresolved_roots)" if count else ""
 
     def __str__(self) -> str:
         if not len(self):
-            return f"no observer-based form; {self.rejected} subspaces give none{self._unresolved}"
-        ordered = np.sort(self.condition)  # no mean of two: some may be infinite
+            return f"no observer-based form; {self.rejected} subspaces rejected{self._unresolved}"
+        ordered = np.sort(self.condition)  # not the mean of two: entries may be infinite
         low, middle, high = ordered[0], ordered[len(ordered) // 2], ordered[-1]
         return (
             f"{len(self)} observer-based forms, {self.rejected} subspaces without one"
@@ -272,21 +272,23 @@ def observer_forms(
         feedback = None
     if isinstance(plant, Run):
         if compensator is not None:
-            raise InputError("a run has its own controller; leave compensator out")
+            raise InputError("a run contains its controller; leave compensator out")
         of_run = closed_loop(plant)
         plant, compensator = of_run.plant, of_run.compensator
     if compensator is None:
-        raise InputError("a plant alone is no loop; give its compensator, or a Run")
+        raise InputError("a loop needs a controller; give the compensator, or a Run")
     system, given = _realisation(plant, variable), _realisation(compensator, variable)
     controller = given.with_sign(agreed_sign(given, feedback))
     exact_loop = closed_loop_matrix(system, controller)
     n, n_c = system.n, controller.n
     if not (n and n_c):
-        raise InputError(f"the plant has {n} and the compensator {n_c} states; both need some")
+        raise InputError(
+            f"the plant has {n} and the compensator {n_c} states; both need at least one"
+        )
     Dtilde = characteristic_polynomial(exact_loop, system.variable)
     count = count_observer_forms(Dtilde, n)
     if count > limit:
-        raise InputError(f"there are {count} candidates, more than limit = {limit}; raise it")
+        raise InputError(f"there are {count} candidates, more than limit = {limit}; increase limit")
     if repeated := derogatory_factor(exact_loop, Dtilde):
         raise InputError(
             f"the closed loop has several Jordan blocks for the roots of {repeated.as_expr()}, so "
@@ -328,7 +330,7 @@ def observer_forms(
 
 
 def _realisation(system: Any, variable: str | None) -> Realisation:
-    """That of a plant or a compensator of ours, in q; else what `realisation` reads."""
+    """Return the realisation of a plant, a compensator or another system, in q."""
     if isinstance(system, Plant):
         return realisation((system.A, system.B, system.C, system.D_0), "q")
     if isinstance(system, Compensator):
@@ -344,9 +346,9 @@ def _rounded(matrix: ImmutableMatrix) -> Array:
     return np.array(entries, float).reshape(matrix.shape)
 
 
-# Invariant subspaces of a closed loop in float64, and the ways to choose among them.
+# Invariant subspaces of a closed loop in float64, and their enumeration.
 
-# For one root: the columns that the regulator may take, and those that are left for the observer.
+# For one root: the columns of the regulator, and the remaining columns of the observer.
 Choice = list[tuple[list[int], list[int]]]
 
 
@@ -365,7 +367,7 @@ def rounded_roots(Dtilde: Any) -> list[tuple[complex, int]]:
 def kernel_bases(
     loop: Array, roots: list[tuple[complex, int]]
 ) -> tuple[Array, ComplexArray, list[Choice]]:
-    """Return columns that span the kernels, the root of each, and what may be chosen per root.
+    """Return columns that span the kernels, the root of each, and the choices per root.
 
     A choice is a pair of lists of columns: those of the kernel of the power e for the regulator,
     and as many others as are left for the observer (of these only the roots matter).
@@ -393,7 +395,7 @@ def kernel_bases(
 def selections(
     choices: list[Choice], n: int, n_c: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """List the columns of every regulator of degree n, and of the observer that is left."""
+    """Return the columns of every regulator of degree n, and of the remaining observer."""
     tables = {0: (np.zeros((1, 0), np.intp), np.zeros((1, 0), np.intp))}
     for choice in choices:
         grown: dict[int, list[tuple[Any, Any]]] = {}
@@ -419,7 +421,7 @@ def selections(
 
 
 def solved(matrices: Array, right: Array) -> Array:
-    """Solutions of many systems of equations; not a number where a matrix is singular."""
+    """Return the solutions of many systems of equations; NaN for a singular matrix."""
     try:
         return np.asarray(np.linalg.solve(matrices, right))
     except np.linalg.LinAlgError:
@@ -433,12 +435,12 @@ def solved(matrices: Array, right: Array) -> Array:
 
 
 def least_sines(blocks: Array) -> Array:
-    """The least singular value of each block of orthonormal columns."""
+    """Return the least singular value of each block of orthonormal columns."""
     if not len(blocks):
         return np.zeros(0)
     return np.asarray(np.linalg.svd(blocks, compute_uv=False)[:, -1])
 
 
 def norms(matrices: Array) -> Array:
-    """The Frobenius norm of each matrix."""
+    """Return the Frobenius norm of each matrix."""
     return np.asarray(np.sqrt((matrices**2).sum(axis=(1, 2))))

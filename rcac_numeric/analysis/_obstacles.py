@@ -1,4 +1,4 @@
-"""Why a discrete-time Riccati equation has no stabilising solution: the mode, rank or zero."""
+"""Reasons why a discrete-time Riccati equation has no stabilising solution."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from compensator_theory.errors import (
 from rcac_numeric.arrays._array_types import Array
 
 EPS = float(np.finfo(float).eps)
-# How close to the circle a computed zero may be one on it; a multiple one comes as a cluster.
+# Distance to the circle within which a computed zero may be on it; a multiple zero is a cluster.
 NEXT = 1e-3
-# How far from each other the members of such a cluster may be.
+# Largest distance between the members of a cluster.
 ABOUT = 0.1
-# Steps of the search below this are about digits that decide nothing.
+# Step size at which the search ends.
 SETTLED = 1e-10
-# Points at which the normal rank is read off; any but finitely many serve.
+# Points at which the normal rank is computed; all but finitely many points have it.
 PROBES = (0.41 + 0.83j, -1.37 + 0.29j, 0.07 - 1.61j)
 
 
 @dataclass(frozen=True)
 class Role:
-    """The words for one of the two equations; the estimator is the dual regulator."""
+    """Text for one of the two equations; the estimator is the dual regulator."""
 
     pair: str
     hidden: str
@@ -62,7 +62,7 @@ ESTIMATOR = Role(
 
 
 def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
-    """Refuse a mode on or outside the unit circle that no gain moves, by name."""
+    """Raise for an uncontrollable mode on or outside the unit circle."""
     size = max(float(np.linalg.norm(A, 2)), 1.0) if A.size else 1.0
     widths = np.linalg.norm(B, axis=0)
     scaled = B[:, widths > 0] / widths[widths > 0] * size
@@ -78,7 +78,7 @@ def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
 
 
 def require_rank(A: Array, B: Array, E_1: Array, E_2: Array, role: Role = REGULATOR) -> None:
-    """Refuse a transfer matrix with dependent columns: the weights do not determine the gain."""
+    """Raise for a transfer matrix with dependent columns: the gain is not unique."""
     n, columns = len(A), B.shape[1]
     rank = max(_rank(_pencil(A, B, E_1, E_2, probe)) for probe in PROBES) - n
     if rank < columns:
@@ -98,7 +98,7 @@ def require_no_zero_on_circle(
     near: NDArray[np.complex128],
     role: Role = REGULATOR,
 ) -> None:
-    """Refuse a zero on the unit circle that is next to one of the numbers `near`.
+    """Raise for a zero on the unit circle next to one of the numbers `near`.
 
     From each of them a zero is sought by Newton's method on the smallest singular value of the
     system pencil; at a zero that value is rounding noise.
@@ -113,7 +113,8 @@ def require_no_zero_on_circle(
         zero = _nearest_zero(A, B, E_1, E_2, start)
         if not (np.isfinite(zero) and abs(abs(zero) - 1) < NEXT):
             continue
-        # A multiple zero is known to a root of the rounding error only; these are often meant.
+        # A multiple zero is accurate to a root of the rounding error only; 1 and -1 are the usual
+        # ones.
         likely = [at for at in (1, -1, 1j, -1j) if abs(at - zero) < NEXT]
         for at in (*likely, zero / abs(zero)):
             pencil = balanced_pencil(_pencil(A, B, E_1, E_2, at))
@@ -132,7 +133,7 @@ def _zero_on_circle(at: complex, least: float, role: Role) -> UnitCircleError:
 
 
 def words(value: complex) -> str:
-    """A complex number, without what is rounding only."""
+    """Return a complex number as text, without parts of the size of rounding."""
     value = complex(value)
     if abs(value.imag) < 1e-12 * max(abs(value), 1.0):
         return f"{value.real:.12g}"
@@ -142,7 +143,7 @@ def words(value: complex) -> str:
 
 
 def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) -> complex:
-    """A zero of the system pencil; a number that is none where the iteration does not settle."""
+    """Return a zero of the system pencil; not a zero if the iteration does not converge."""
     n, at, before = len(A), complex(start), np.inf
     for _ in range(60):
         left, values, right = np.linalg.svd(_pencil(A, B, E_1, E_2, at))
@@ -151,17 +152,18 @@ def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) ->
         if values[-1] == 0:
             break
         if values[-1] >= 10 * abs(slope):
-            return complex(np.nan)  # none is near
+            return complex(np.nan)  # no zero nearby
         step = values[-1] / slope
         at += step
-        if abs(step) < SETTLED and not abs(step) < before / 2:  # rounding, or a multiple zero
+        # Converged to rounding, or a multiple zero.
+        if abs(step) < SETTLED and not abs(step) < before / 2:
             break
         before = abs(step)
     return at
 
 
 def _suspects(modes: NDArray[Any], size: float) -> list[complex]:
-    """The modes on or outside the circle, and the centres of clusters of them.
+    """Return the modes on or outside the circle, and the centres of their clusters.
 
     A multiple eigenvalue is computed as a cluster, off by a root of the rounding error; its centre
     is not.
@@ -178,7 +180,7 @@ def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[
 
 
 def balanced_pencil(pencil: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The matrix with rows and columns of size one, which changes no rank."""
+    """Return the matrix with rows and columns scaled to one; the rank is unchanged."""
     for _ in range(3):
         for axis in (1, 0):
             sizes = np.linalg.norm(pencil, axis=axis, keepdims=True)

@@ -1,4 +1,4 @@
-"""A loop opened at one scalar signal: its open-loop response, and its poles once closed again."""
+"""Loops opened at one scalar signal: open-loop response and closed-loop poles."""
 
 from __future__ import annotations
 
@@ -46,30 +46,30 @@ class OpenedLoop(Value):
     D: Array
 
     def response(self, omega: ArrayLike) -> ComplexArray:
-        """L(e^{j omega}), shape that of omega (rad/sample); infinite at a pole."""
+        """Return L(e^{j omega}), omega in rad/sample; infinite at a pole."""
         return self.at(np.exp(1j * np.atleast_1d(np.asarray(omega, dtype=np.float64))))
 
     def at(self, z: ComplexArray) -> ComplexArray:
-        """L at points of the plane."""
+        """Return L at points of the plane."""
         steps, inner = self.undelayed
         return _shifted(inner._resolvent(z, 1), z, steps)
 
     def slope(self, z: ComplexArray) -> ComplexArray:
-        """dL/dz at points of the plane."""
+        """Return dL/dz at points of the plane."""
         steps, inner = self.undelayed
         slope = inner._resolvent(z, 2)
         return _shifted(slope - steps * inner._resolvent(z, 1) / z if steps else slope, z, steps)
 
     @cached_property
     def undelayed(self) -> tuple[int, OpenedLoop]:
-        """The steps k and the loop of which L is z^{-k} times; itself where no state is a delay."""
+        """The steps k and a loop L_0 with L = z^{-k} L_0; k = 0 without delay states."""
         steps, matrices = without_delay(self.A, self.B, self.C, self.D)
         return steps, OpenedLoop(*matrices) if steps else self
 
     def nearness(self, z: ComplexArray) -> tuple[float, Array]:
-        """1 + norm(A), and norm((zI - A)^{-1}), of many states an estimate in other coordinates.
+        """Return 1 + norm(A) and norm((zI - A)^{-1}), estimated for many states.
 
-        Those of the loop without its pure delay, of which each step adds one to the first.
+        For a loop with pure delay, the norms of the loop without it; each step adds 1 to the first.
         """
         steps, inner = self.undelayed
         if steps:
@@ -125,7 +125,7 @@ class OpenedLoop(Value):
         return np.concatenate([np.linalg.eigvals(inner), hidden]).astype(np.complex128)
 
     def closed_poles(self, gain: complex = 1.0) -> ComplexArray:
-        """The roots of 1 + gain L = 0 with the hidden modes; infinite where it is not well posed.
+        """Return the roots of 1 + gain L = 0 with hidden modes; infinite if not well posed.
 
         A complex gain turns the phase at every positive frequency and is no real system; its
         poles show where phase and disk margins end.
@@ -137,17 +137,17 @@ class OpenedLoop(Value):
         return np.asarray(poles, dtype=np.complex128)
 
     def radius(self, gain: complex = 1.0) -> float:
-        """The spectral radius of the loop closed with an extra gain."""
+        """Return the spectral radius of the loop closed with an extra gain."""
         return float(np.abs(self.closed_poles(gain)).max(initial=0.0))
 
     @property
     def is_stable(self) -> bool:
-        """Whether the loop is stable when it is closed as it is, decided for its float64 matrix."""
+        """Whether the closed loop is stable, decided for its float64 matrix."""
         direct = 1 + self.D[0, 0]
         return bool(direct) and is_schur_stable(self.A - self.B @ self.C / direct)
 
     def delayed(self, steps: int) -> OpenedLoop:
-        """The same loop with `steps` more steps of delay."""
+        """Return the loop with `steps` more steps of delay."""
         if steps == 0:
             return self
         n = len(self.A)
@@ -162,7 +162,7 @@ class OpenedLoop(Value):
 
 
 def _shifted(values: ComplexArray, z: ComplexArray, steps: int) -> ComplexArray:
-    """z^{-steps} times these values; infinite ones stay so."""
+    """Return z^{-steps} times the values; infinite values stay infinite."""
     if not steps:
         return values
     with np.errstate(all="ignore"):  # infinite, at a pole
@@ -185,9 +185,9 @@ def broken_loop(
     )
     if is_pair or isinstance(plant, ClosedLoop | LoopAnalysis | Run):
         if compensator is not None:
-            raise InputError("a closed loop has its own compensator; leave compensator out.")
+            raise InputError("a ClosedLoop contains its compensator; leave compensator out.")
         if feedback is not None:
-            raise InputError("a closed loop knows its sign of feedback; leave feedback out.")
+            raise InputError("a ClosedLoop has a sign of feedback; leave feedback out.")
         return _opened(closed_loop(plant), at, channel)
     if isinstance(compensator, Compensator) or (
         isinstance(plant, Plant) and compensator is not None
@@ -202,14 +202,14 @@ def broken_loop(
 def _sign(feedback: int | None) -> int:
     if feedback not in (1, -1):
         raise InputError(
-            f"feedback = {feedback!r}: a loop transfer function L does not say how it is closed; "
-            "give -1 for 1 + L = 0 or +1 for 1 - L = 0."
+            f"feedback = {feedback!r}: a loop transfer function L needs the sign of feedback; "
+            f"give -1 for 1 + L = 0 or +1 for 1 - L = 0."
         )
     return int(feedback)
 
 
 def _closed(plant: Any, compensator: Any, feedback: int | None) -> ClosedLoop:
-    """The loop of a plant whose compensator is one of ours, or the text of one with its sign."""
+    """Return the loop of a plant and a Compensator, or a text with its sign of feedback."""
     if not isinstance(compensator, Compensator):
         sign = _sign(feedback)
         if isinstance(compensator, exact.TransferFunction | exact.Realisation):
@@ -225,7 +225,7 @@ def _closed(plant: Any, compensator: Any, feedback: int | None) -> ClosedLoop:
 
 
 def _in_series(plant: Any, compensator: Any, sign: int, variable: str | None) -> StateSpace:
-    """The product of a plant and a compensator, the modes of both kept."""
+    """Return the series connection of plant and compensator with all modes."""
     if not (is_foreign(plant) or is_foreign(compensator)):
         plant, compensator = read_loop(plant, compensator, sign, variable=variable)
     elif isinstance(compensator, exact.TransferFunction | exact.Realisation):
@@ -239,7 +239,7 @@ def _in_series(plant: Any, compensator: Any, sign: int, variable: str | None) ->
 
 
 def is_continuous(system: Any, variable: str | None = None) -> bool:
-    """Whether it is a system of ours, or of another package, in continuous time."""
+    """Whether a system of this or another package is in continuous time."""
     if isinstance(system, str | exact.TransferFunction | exact.Realisation):
         with suppress(InputError):
             return bool(exact.transfer_function(system, variable).time == "continuous")
@@ -250,7 +250,7 @@ def is_continuous(system: Any, variable: str | None = None) -> bool:
 
 
 def _beside(compensator: Any) -> exact.TransferFunction:
-    """A compensator beside a system of another package; a constant has no variable of its own."""
+    """Convert a compensator to the time of a system of another package."""
     try:
         return exact.transfer_function(compensator)
     except InputError:
@@ -280,8 +280,8 @@ def _matrices(system: Any, variable: str | None = None) -> StateSpace:
         return _matrices(_in_discrete_time(exact.transfer_function(system, variable)))
     if system.dt is None:
         raise InputError(
-            f"the {kind} does not say its time; give dt=True where it is a function of q, or ask "
-            "compensator_theory.stability_margins, which has the margins of a loop in s."
+            f"the {kind} has no time domain; give dt=True for a function of q. "
+            f"compensator_theory.stability_margins has the margins of a loop in s."
         )
     if (system.ninputs, system.noutputs) != (1, 1):
         raise InputError(
@@ -307,7 +307,7 @@ def _matrices(system: Any, variable: str | None = None) -> StateSpace:
         n = len(denominator) - 1
         direct = numerator[0] / denominator[0] if len(numerator) else 0.0
         A = np.zeros((n, n))
-        if n:  # L = 0: what is left is the modes of the denominator
+        if n:  # L = 0: the modes of the denominator remain
             A[0], A[1:, :-1] = -denominator[1:] / denominator[0], np.eye(n - 1)
         return A, np.zeros((n, 1)), np.zeros((1, n)), np.array([[direct]])
     A, B, C, D = tf2ss(numerator, denominator)
@@ -319,7 +319,7 @@ def _parts(system: Any) -> Sequence[Any]:
 
 
 def _in_discrete_time(G: exact.TransferFunction) -> Any:
-    """The system of python-control of a loop in q or z; one in s has its margins elsewhere."""
+    """Return the python-control system of a loop in q or z; a loop in s is refused."""
     if G.time != "discrete":
         raise InputError(
             f"the loop is in the variable {G.variable}, and these margins are those of a loop in "
@@ -347,7 +347,7 @@ def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
     # s = C_2 x_2 + D_2 (C_1 x_1 + D_1 (stays s + enters v)) is the whole signal, v the opened one.
     if not closes(D_2, D_1 @ stays):
         raise ImproperError(
-            f"with {at}[{i}] opened, the other channels depend on each other in a circle."
+            f"with {at}[{i}] opened, the algebraic loop of the other channels is not well posed."
         )
     closing = np.eye(width) - D_2 @ D_1 @ stays
     s_x = np.asarray(np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2])), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""How much of an exact pole placement a float64 Sylvester solve would have kept."""
+"""Accuracy of pole placement by a float64 Sylvester solve."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rcac_numeric.arrays._values import Result
 
 @dataclass(frozen=True, eq=False)
 class PlacementConditioning(Result):
-    """An exact pole placement beside the float64 solution of the same linear equations.
+    """An exact pole placement and the float64 solution of the same linear equations.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class PlacementConditioning(Result):
     poles : tuple of Root
         Certified closed-loop poles of the exact plant with that compensator.
     target_is_stable, float64_is_stable : bool
-        Whether all poles asked for, and all poles that the float64 solve reaches, are in the open
+        Whether all requested poles, and all poles that the float64 solve reaches, are in the open
         left half plane (s) or unit disk (z, q).
 
     Examples
@@ -125,7 +125,7 @@ def placement_conditioning(
     solves = compared_solves(place_poles(plant, target, n_c, feedback=feedback))
     if (solves.target_is_stable and not solves.float64_is_stable) or solves.digits < 3:
         warnings.warn(
-            f"{solves}. Use the exact answer, which to_control() rounds once",
+            f"{solves}. Use the exact solution, which to_control() rounds once",
             RoundingWarning,
             stacklevel=2,
         )
@@ -133,7 +133,7 @@ def placement_conditioning(
 
 
 def compared_solves(exact: PolePlacement) -> PlacementConditioning:
-    """As `placement_conditioning`, of a problem that is solved, and without the warning."""
+    """Return `placement_conditioning` for a solved problem, without the warning."""
     G, order = exact.plant, int(exact.denominator.degree())
     m_hat = min(G.order - 1, order)
     M = sylvester_m(
@@ -142,7 +142,7 @@ def compared_solves(exact: PolePlacement) -> PlacementConditioning:
     if M.rows != M.cols:
         raise InputError(
             f"with n_c = {order} below n - 1 = {G.order - 1} the equations are {M.rows} x {M.cols} "
-            "and have no condition number; ask for a higher order"
+            "and have no condition number; use a higher order"
         )
     entries = [_float(entry) for entry in M]
     matrix = np.array(entries, dtype=np.float64).reshape(M.shape)
@@ -172,7 +172,7 @@ def compared_solves(exact: PolePlacement) -> PlacementConditioning:
 def _solve(matrix: Array, right: Array) -> Array:
     try:
         return np.asarray(np.linalg.solve(matrix, right))
-    except np.linalg.LinAlgError:  # singular in float64 only: the exact matrix is not
+    except np.linalg.LinAlgError:  # singular in float64 only: the exact matrix is regular
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
 

@@ -1,4 +1,4 @@
-"""The pure delay of a scalar system in state space, taken out of its states."""
+"""Extraction of the pure delay of a scalar state-space system."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Matrices = tuple[Array, Array, Array, Array]
 
 
 def without_delay(A: Array, B: Array, C: Array, D: Array) -> tuple[int, Matrices]:
-    """The steps k >= 0 and a system with C (zI - A)^{-1} B + D = z^{-k} times its response.
+    """Return k >= 0 and a system with C (zI - A)^{-1} B + D = z^{-k} times its response.
 
     A state is a step of delay where it is another one a step ago, by entries that are 1. Steps are
     taken away where the output reads nothing else, where the input enters nothing else, and where
@@ -31,7 +31,7 @@ def without_delay(A: Array, B: Array, C: Array, D: Array) -> tuple[int, Matrices
 
 
 def _without_last(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array] | None:
-    """A step less before the output, and without a state that nothing reads; None if there is none.
+    """Remove an output delay step and an unread state; None if there is no such step.
 
     y = C x = z^{-1} C A x where no state that is read takes anything of the input.
     """
@@ -47,7 +47,7 @@ def _without_last(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array] | 
 
 
 def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array, Array]]:
-    """The same with every chain of steps that no path goes round contracted to its first state."""
+    """Contract every delay chain that all paths pass to its first state."""
     is_shift = (np.count_nonzero(A, axis=1) == 1) & (A.max(axis=1) == 1) & ~B.any(axis=1)
     readers = np.count_nonzero(A, axis=0) + np.count_nonzero(C, axis=0)
     # follows[j] = i: x_j is x_i a step ago, and nothing else reads x_i
@@ -74,7 +74,7 @@ def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array
 
 
 def _is_passed_once(A: Array, B: Array, C: Array, state: int) -> bool:
-    """Whether every path from the input to the output goes through a state, and none comes back."""
+    """Whether every path from input to output passes a state exactly once."""
     links = A != 0
     onward = np.zeros(len(A), dtype=bool)
     onward[state] = True
@@ -85,7 +85,7 @@ def _is_passed_once(A: Array, B: Array, C: Array, state: int) -> bool:
 
 
 def _reached(links: Array, start: Array) -> Array:
-    """All states that are reached from some, by links[to, from]."""
+    """Return the states reachable from `start`, by links[to, from]."""
     reached = start.copy()
     while True:
         more = np.logical_or(reached, links[:, reached].any(axis=1))

@@ -1,4 +1,4 @@
-"""Solutions with zI - A at many points z at once, in the Hessenberg form of A."""
+"""Resolvents (zI - A)^{-1} at many points z, in the Hessenberg form of A."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from scipy.linalg import hessenberg
 
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 
-# From so many states on LAPACK's threads wait for each other longer than they work, once for each
-# point; below it is the quicker way.
+# From this order on LAPACK is slower, since its threads synchronise at each point; below this
+# order LAPACK is faster.
 MANY_STATES = 48
 POINTS_AT_ONCE = 64
 
@@ -70,13 +70,13 @@ class ShiftedHessenberg:
 
 
 def in_parts(H: Array, z: ComplexArray) -> Iterator[ShiftedHessenberg]:
-    """The factors for a few points at a time, which then stay in the processor's cache."""
+    """Yield the factors for a few points at a time, so that they fit the processor's cache."""
     for start in range(0, len(z), POINTS_AT_ONCE):
         yield ShiftedHessenberg(H, z[start : start + POINTS_AT_ONCE])
 
 
 def hessenberg_form(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """The same system with a Hessenberg matrix, by an orthogonal change of the states."""
+    """Return an equivalent system with a Hessenberg matrix."""
     if not np.tril(A, -2).any():
         return A, B, C
     H, Q = hessenberg(A, calc_q=True)
@@ -84,7 +84,7 @@ def hessenberg_form(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
 
 
 def inverse_norms(H: Array, z: ComplexArray) -> Array:
-    """The 1-norms of (zI - H)^{-1}, as LAPACK's condition numbers are estimated: from below.
+    """Return lower estimates of the 1-norms of (zI - H)^{-1}, by LAPACK's method.
 
     Source: N. J. Higham, ACM Transactions on Mathematical Software 14 (1988) 381-396.
     """
@@ -96,7 +96,7 @@ def inverse_norms(H: Array, z: ComplexArray) -> Array:
         for _ in range(3):
             y = part.solve(x)
             sizes = np.abs(y)
-            best = np.maximum(best, sizes.sum(axis=0))  # at a pole not finite, and stays so
+            best = np.maximum(best, sizes.sum(axis=0))  # infinite at a pole
             signs = np.where(sizes > 0, y / np.where(sizes > 0, sizes, 1.0), 1.0)
             largest = np.abs(part.solve_adjoint(signs)).argmax(axis=0)
             x = np.zeros((n, part.points), dtype=np.complex128)
@@ -110,7 +110,7 @@ def inverse_norms(H: Array, z: ComplexArray) -> Array:
 def responses(
     H: Array, B: Array, C: Array, z: ComplexArray, *, slopes: bool = False
 ) -> ComplexArray:
-    """C (zI - H)^{-1} B, or its slopes over z, shape (points, outputs, inputs); inf at a pole."""
+    """Return C (zI - H)^{-1} B or its derivative, (points, outputs, inputs); inf at a pole."""
     values = [np.zeros((0, len(C), B.shape[1]), np.complex128)]
     with np.errstate(all="ignore"):  # a pole among the points
         for part in in_parts(H, z):
@@ -118,7 +118,7 @@ def responses(
             for column in B.T:
                 states = part.solve(np.repeat(column[:, None], part.points, axis=1))
                 states = -part.solve(states) if slopes else states
-                # no product of BLAS, whose threads would be waited for at each of many small ones
+                # einsum instead of BLAS: its threads are slow for many small products
                 columns.append([(row[:, None] * states).sum(axis=0) for row in C])
             values.append(np.array(columns).T)
     result = np.concatenate(values)

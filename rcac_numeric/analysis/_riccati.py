@@ -1,4 +1,4 @@
-"""The algebraic Riccati equation of a regulator in float64, in both times."""
+"""Riccati equations of a regulator in float64, discrete and continuous time."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _weights(
     n: int, m: int, Q: ArrayLike | None, R: ArrayLike | None, N: ArrayLike | None,
     E_1: ArrayLike | None, E_2: ArrayLike | None,
 ) -> tuple[Weights, Factor | None]:  # fmt: skip
-    """(Q, N, R), and (E_1, E_2) where the full weight has a factor."""
+    """Return (Q, N, R), and (E_1, E_2) if the full weight has a factor."""
     if (E_1 is None) == (Q is None) or (E_1 is not None and not (R is None is N)):
         raise InputError(
             "give the weights either as Q, R and N, or as E_1 and E_2, with z = E_1 x + E_2 u"
@@ -147,8 +147,8 @@ def _weights(
     shape: tuple[int, ...] = np.shape(Q)
     if len(shape) == 2 and shape[1] == n != shape[0]:
         raise InputError(
-            f"Q has shape {shape}, and a weight of x is {n} x {n}. Factors have names of their "
-            "own: solve_riccati(A, B, E_1=E_1, E_2=E_2, time=time)."
+            f"Q has shape {shape}, and a weight of x is {n} x {n}. Pass factors as E_1 and E_2: "
+            f"solve_riccati(A, B, E_1=E_1, E_2=E_2, time=time)."
         )
     weights = (
         symmetric(matrix(Q, "Q", (n, n)), "Q"),

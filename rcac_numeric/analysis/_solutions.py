@@ -1,4 +1,4 @@
-"""The stabilising solution of a Riccati equation and how well it is known."""
+"""The stabilising solution of a discrete-time Riccati equation, with accuracy measures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rcac_numeric.arrays._values import Result
 
 @dataclass(frozen=True, eq=False)
 class StabilisingSolution(Result):
-    """The stabilising solution of a discrete-time Riccati equation, and how good it is.
+    """The stabilising solution of a discrete-time Riccati equation.
 
     Attributes
     ----------
@@ -28,9 +28,9 @@ class StabilisingSolution(Result):
     innovation : array, shape (m, m)
         R + B'PB.
     residual : float
-        Norm of what is left of the equation over the sum of the norms of its terms.
+        Norm of the residual of the equation over the sum of the norms of its terms.
     P_root : array, shape (n, n), or None
-        S with P = S'S, where the solution was found in square roots.
+        S with P = S'S, for a solution by the square-root method.
     """
 
     A: Array

@@ -1,4 +1,4 @@
-"""Riccati equations in square roots: no weight is squared, no P is formed from what cancels.
+"""Square-root method for Riccati equations: weights are not squared, P has no cancellation.
 
 With weights [E_1 E_2]'[E_1 E_2] and P = S'S the recursion of the discrete-time regulator is one
 least-squares problem,
@@ -20,13 +20,13 @@ from scipy import linalg
 
 from rcac_numeric.arrays._array_types import Array
 
-STEPS = 60  # of Kleinman's iteration: twenty from far away, five from near
+STEPS = 60  # largest number of Kleinman iterations: twenty from far away, five from near
 SETTLED = 1e-15  # relative change of the gain, as z sees it
-DOUBLINGS = 60  # 2^60 steps: more than any spectral radius in float64 asks for
+DOUBLINGS = 60  # 2^60 steps: enough for every spectral radius in float64
 
 
 def triangle(rows: Array) -> Array:
-    """An upper triangular S with S'S = rows'rows, as wide as they are."""
+    """Return an upper triangular S with S'S = rows'rows, of the same width."""
     n = rows.shape[1]
     if not len(rows):
         return np.zeros((n, n))
@@ -39,7 +39,7 @@ def triangle(rows: Array) -> Array:
 
 
 def stein_factor(A: Array, E: Array) -> Array:
-    """S with S'S = sum over i of A'^i E'E A^i, for a spectral radius below 1."""
+    """Return S with S'S = sum over i of A'^i E'E A^i, for a spectral radius below 1."""
     with np.errstate(over="ignore", invalid="ignore"):
         return _doubled(triangle(E), A)
 
@@ -48,18 +48,18 @@ def _doubled(S: Array, power: Array) -> Array:
     for _ in range(DOUBLINGS):
         added = S @ power
         if not np.isfinite(added).all():
-            raise np.linalg.LinAlgError("the sum leaves float64")
+            raise np.linalg.LinAlgError("the sum overflows float64")
         S = triangle(np.vstack([S, added]))
-        # Column by column, since a state may be seen far less than another.
+        # Column by column, since the scales of the states may differ.
         is_small = np.abs(added).max(axis=0) <= 1e-18 * np.linalg.norm(S, axis=0)
         if is_small.all() and np.abs(power).max(initial=0.0) < 1e-9:
             return S
         power = power @ power
-    raise np.linalg.LinAlgError("the sum does not end")
+    raise np.linalg.LinAlgError("the sum does not converge")
 
 
 def least_squares(X: Array, Y: Array) -> Array:
-    """The K that minimises the norm of X K + Y, X of full column rank, rows of any sizes.
+    """Return the K that minimises norm(X K + Y), X of full column rank, rows of any scale.
 
     Householder's QR with rows and columns interchanged: in each pivot column the largest row leads
     (M. J. D. Powell and J. K. Reid, IFIP Congress 1968), so that no row loses its own accuracy to a
@@ -92,19 +92,19 @@ def least_squares(X: Array, Y: Array) -> Array:
 
 
 def best_gain(A: Array, B: Array, E_1: Array, E_2: Array, S: Array) -> Array:
-    """The gain that is best for one step, with S'S as the cost of all later ones."""
+    """Return the gain that minimises the cost of one step plus the cost S'S of later steps."""
     return least_squares(np.vstack([E_2, S @ B]), np.vstack([E_1, S @ A]))
 
 
 def kleinman(A: Array, B: Array, E_1: Array, E_2: Array, K: Array) -> tuple[Array, Array]:
-    """(K, S) of the stabilising solution, from a stabilising K."""
+    """Return (K, S) of the stabilising solution, from a stabilising K."""
     best: tuple[float, Array, Array] | None = None
     for _ in range(STEPS):
         if not is_stable(A + B @ K):
             break
         S = stein_factor(A + B @ K, E_1 + E_2 @ K)
         new = best_gain(A, B, E_1, E_2, S)
-        # The gain changes by something of which z sees so much, relative to what it sees at all.
+        # Change of the gain, measured by its effect on z.
         change = np.vstack([E_2, S @ B]) @ (new - K)
         whole = np.vstack([E_1 + E_2 @ K, S @ (A + B @ K)])
         relative_change = np.linalg.norm(change, axis=0) / np.maximum(
@@ -112,7 +112,7 @@ def kleinman(A: Array, B: Array, E_1: Array, E_2: Array, K: Array) -> tuple[Arra
         )
         moved = float(relative_change.max(initial=0.0))
         if best is not None and moved >= 0.5 * best[0] and best[0] < 1e-8:
-            break  # rounding is all that is left
+            break  # converged to rounding
         if best is None or moved < best[0]:
             best = moved, new, S
         if moved <= SETTLED:
@@ -124,7 +124,7 @@ def kleinman(A: Array, B: Array, E_1: Array, E_2: Array, K: Array) -> tuple[Arra
 
 
 def starting_gains(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array]:
-    """Gains that may be stabilising: of the structured pencil, and of larger weights of u."""
+    """Yield candidates of stabilising gains: structured pencil, larger weights of u."""
     yield from _attempt(A, B, E_1, E_2)
     size = max(np.abs(E_1).max(initial=0.0), np.abs(E_2).max(initial=0.0)) or 1.0
     for share in (1e-6, 1e-3, 1.0):
@@ -145,7 +145,7 @@ def _attempt(A: Array, B: Array, E_1: Array, E_2: Array) -> Iterator[Array]:
 
 
 def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -> Array:
-    """K from the stable deflating subspace of the pencil in (x, lambda, u, z), nothing squared.
+    """Return K from the stable deflating subspace of the pencil in (x, lambda, u, z).
 
     x+ = A x + B u,  lambda = A' lambda+ + E_1' z,  0 = B' lambda+ + E_2' z,  z = E_1 x + E_2 u.
     """
@@ -166,7 +166,7 @@ def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -
     columns = np.ones(len(left))
     if balanced:
         left, right, columns = _balanced(left, right)
-    # What multiplies u and z without a step is eliminated by an orthogonal transformation.
+    # The algebraic variables u and z are eliminated by an orthogonal transformation.
     Q = linalg.qr(left[:, 2 * n :], check_finite=False)[0][:, m + p :].T
     H, J = Q @ left[:, : 2 * n], Q @ right[:, : 2 * n]
     vectors = linalg.ordqz(H, J, sort="iuc", output="real", check_finite=False)[5]
@@ -185,7 +185,7 @@ def pencil_gain(A: Array, B: Array, E_1: Array, E_2: Array, *, balanced: bool) -
 
 
 def _balanced(left: Array, right: Array) -> tuple[Array, Array, Array]:
-    """Rows and columns of like size, by powers of two."""
+    """Balance rows and columns by powers of two."""
     columns = np.ones(left.shape[1])
     for _ in range(3):
         both = np.abs(left) + np.abs(right)

@@ -1,4 +1,4 @@
-"""Whether a float64 matrix has all its eigenvalues inside the unit circle, with a proof."""
+"""Rigorous Schur stability test of float64 matrices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rcac_numeric.analysis._gramians import rational
 from rcac_numeric.arrays._array_types import Array
 
 EPS = float(np.finfo(float).eps)
-# Squarings that are tried: 2^64 steps, more than float64 entries ask for.
+# Largest number of squarings: 2^64 steps, enough for float64 entries.
 SQUARINGS = 64
 # Largest order for which eigenvalues are counted over the rationals.
 LARGEST = 150
@@ -31,7 +31,7 @@ def is_schur_stable(A: Array, uncertainty: Array | None = None) -> bool:
     - the count of roots of det(qI - A) inside the circle, over the rationals.
     """
     if not np.isfinite(A).all():
-        raise InputError("the matrix has entries that are not finite; it has no stability.")
+        raise InputError("the matrix has entries that are not finite; stability is undefined.")
     found = _decided(A, np.zeros_like(A) if uncertainty is None else uncertainty)
     if found is not None:
         return found
@@ -44,10 +44,10 @@ def is_schur_stable(A: Array, uncertainty: Array | None = None) -> bool:
 
 
 def _decided(A: Array, uncertainty: Array) -> bool | None:
-    """By floating point alone, for every matrix within the uncertainty; None where it cannot."""
+    """Decide in floating point for every matrix within the uncertainty; None if undecided."""
     if not A.size:
         return True
-    with np.errstate(all="ignore"):  # what overflows decides nothing
+    with np.errstate(all="ignore"):  # an overflow leaves the test undecided
         scaled, (scale, _) = matrix_balance(A, permute=False, separate=True)
         off = float(np.linalg.norm(uncertainty * scale / scale[:, None]))
         verdict = _by_powers(scaled, off)
@@ -65,7 +65,7 @@ def _by_powers(A: Array, off: float) -> bool | None:
             return False
         # (F + E)^2 - F^2 in the Frobenius norm, and the rounding of F^2 itself
         error = 2 * size * error + error**2 + (n + 2) * EPS * size**2
-        if not error < size**2 * 1e3 + 1:  # nothing is known of the entries any more
+        if not error < size**2 * 1e3 + 1:  # the error bound exceeds the entries
             return None
         power = power @ power
         if not np.isfinite(power).all():
@@ -94,7 +94,7 @@ def _by_eigenvalues(A: Array, off: float) -> bool | None:
 
 
 def counted_stable(A: fmpq_mat) -> bool:
-    """Whether all roots of det(qI - A) are inside the unit circle, over the rationals."""
+    """Whether all roots of det(qI - A) are inside the unit circle, decided exactly."""
     if not A.nrows():
         return True
     coefficients = [Rational(int(c.p), int(c.q)) for c in reversed(A.charpoly().coeffs())]

@@ -1,4 +1,4 @@
-"""Compensators given in state space, read from several forms."""
+"""Readers of compensators in state space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ StateSpace = tuple[Array, Array, Array, Array]
 
 
 def state_space_of(compensator: Any, l_u: int, l_y: int) -> StateSpace:
-    """(A_c, B_c, C_c, D_c) of a Compensator, a python-control system or four arrays."""
+    """Return (A_c, B_c, C_c, D_c) of a Compensator, a python-control system or four arrays."""
     if isinstance(compensator, str | exact.TransferFunction):
         compensator = compensator_of(compensator)
     if isinstance(compensator, Compensator):
@@ -46,7 +46,7 @@ def _of_control(system: Any) -> StateSpace:
             f"{system!r} is no compensator; give a Compensator, a python-control system or "
             "(A_c, B_c, C_c, D_c)."
         )
-    import control  # it is there: the system is of it
+    import control  # installed: the system comes from it
 
     if system.isctime(strict=True):
         raise InputError(
@@ -58,7 +58,7 @@ def _of_control(system: Any) -> StateSpace:
 
 
 def state_space_latex(state_space: StateSpace) -> str:
-    r"""The four matrices of a compensator in LaTeX."""
+    r"""Return the four matrices of a compensator in LaTeX."""
     names = ("A_c", "B_c", "C_c", "D_c")
     parts = (f"{n} = {matrix_latex(m)}" for n, m in zip(names, state_space, strict=True))
     return r", \quad ".join(parts)

@@ -16,9 +16,8 @@ def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -
     """Return a symmetric positive (semi)definite weight; a number means a multiple of I."""
     array = real_array(value, name)
     multiple = float(array) if array.ndim == 0 else -1.0
-    if multiple > 1 / LARGEST or (
-        multiple == 0 and not definite
-    ):  # a nonnegative scalar needs no further check
+    # A nonnegative scalar needs no further check.
+    if multiple > 1 / LARGEST or (multiple == 0 and not definite):
         return real_array(multiple * np.eye(size), name)
     array = float(array) * np.eye(size) if array.ndim == 0 else matrix(array, name, (size, size))
     if not np.array_equal(array, array.T):

@@ -111,9 +111,8 @@ def _locked(target: Path, mode: int) -> tuple[int | None, str]:
             return None, name
         try:
             _lock(handle)
-        except (
-            BlockingIOError
-        ):  # another process removed the file as abandoned before the lock was taken
+        # Another process removed the file as abandoned before the lock was taken.
+        except BlockingIOError:
             os.close(handle)
             continue
         if os.path.exists(name):

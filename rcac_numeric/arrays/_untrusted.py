@@ -29,10 +29,8 @@ MOST_PARTS = 2**16  # entries of lists and tables in JSON
 DEEPEST = 60  # of JSON
 LONGEST_NUMBER = 30  # digits of an integer in JSON
 
-_PACKED = (
-    zipfile.ZIP_STORED,
-    zipfile.ZIP_DEFLATED,
-)  # other compression methods allow a file to request any amount of memory
+# Other compression methods allow a file to request any amount of memory.
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _JSON = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"?|[\[{]|[\]}]|,|[0-9]+', re.DOTALL)
 
 

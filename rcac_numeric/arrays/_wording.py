@@ -23,14 +23,8 @@ __all__ = [
 SEPARATOR = re.compile(r"([;|\t])")
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 FORMULA = "=+-@\N{MINUS SIGN}"
-UNSEEN = (
-    "Cc",
-    "Cf",
-    "Mn",
-    "Zl",
-    "Zp",
-    "Zs",
-)  # Unicode categories that a spreadsheet skips
+# Unicode categories that a spreadsheet skips.
+UNSEEN = ("Cc", "Cf", "Mn", "Zl", "Zp", "Zs")
 
 
 def shortened(text: str, at_most: int = 400) -> str:

@@ -116,10 +116,8 @@ class BallRecursion:
 
     def __init__(self, update: RecursiveLeastSquares, l_theta: int) -> None:
         rule, reset = update.lambda_, update.reset
-        known = type(rule) in (
-            float,
-            ScheduledForgetting,
-        )  # exact type: a subclass may change the rule
+        # Exact type: a subclass may change the rule.
+        known = type(rule) in (float, ScheduledForgetting)
         if not isinstance(rule, float | ScheduledForgetting) or not known:
             raise InputError(
                 f"the reference does not know the forgetting {type(rule).__name__}; leave it out."

@@ -386,7 +386,7 @@ class Controller:
 
     @property
     def changes(self) -> tuple[AppliedChange, ...]:
-        """The last 1000 changes since the start or the last restore, those of `DataDriven` included."""
+        """The last 1000 changes since the start or a restore, those of `DataDriven` included."""
         return tuple(self._changes)
 
     def _see_targets(self) -> None:

@@ -62,9 +62,8 @@ class DeviceLearner:
     def after(self, u: Array, y: Array, z: Array, r: Array | None) -> None:
         """Buffer step k; u_applied of this step may follow with the next."""
         row = np.concatenate([u, z, y, *([] if r is None else [r])])
-        missed = ~np.isfinite(
-            row
-        )  # a missed sample: the model takes the value that the kernel used
+        # A missed sample: the model takes the value that the kernel used.
+        missed = ~np.isfinite(row)
         row[missed] = self._last[missed]
         self._waiting.append(row)
         self._last = row.copy()

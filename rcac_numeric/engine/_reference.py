@@ -191,9 +191,8 @@ class BallController:
     def _weight(self, R: Weight, z: arb_mat) -> arb_mat:
         if isinstance(R, np.ndarray):
             return balls(R)
-        assert isinstance(
-            R, SignalWeight
-        )  # constant or SignalWeight: `require_supported` refuses functions
+        # Constant or SignalWeight: `require_supported` refuses functions.
+        assert isinstance(R, SignalWeight)
         square = (z.transpose() * z)[0, 0]
         power = square * arb(R.z_squared) + arb(R.constant)
         if R.nu:

@@ -28,9 +28,8 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
             for _ in range(skipped):
                 stream.readline()
             table = _table(stream, delimiter)
-        if table is None or table.shape[1] != len(
-            row
-        ):  # slower, but reports the line and the column of an error
+        # Slower, but reports the line and the column of an error.
+        if table is None or table.shape[1] != len(row):
             labels = names or [str(i) for i in range(1, len(row) + 1)]
             with _opened(file) as stream:
                 table = _checked_table(file, stream, skipped, labels, delimiter)

@@ -130,7 +130,7 @@ def test_it_takes_the_loop_from_step_0_on():
             InputError,
             "fixed has 2 inputs and 1 outputs; beside this structure it reads",
         ),
-        (lambda: Decentralized([settings_of(fixed=GAIN)]), InputError, "alone"),
+        (lambda: Decentralized([settings_of(fixed=GAIN)]), InputError, "only a single controller"),
         (
             lambda: simulate(
                 Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[1.0]], E_1=[[1.0]]),

@@ -150,7 +150,7 @@ def test_an_update_needs_its_own_settings(make):
         (lambda: rn.CovarianceReset(at=5), "at = 5 must be a list"),
         (lambda: rn.CovarianceReset(at=[1.5]), "the step of a covariance reset must be an integer"),
         (lambda: rn.CovarianceReset(every=-1), "every = -1"),
-        (lambda: rn.CovarianceReset(trace_below=1.0), "would reset at every step"),
+        (lambda: rn.CovarianceReset(trace_below=1.0), "reset at every step"),
         (lambda: rn.CovarianceReset(trace_below=NAN), "trace_below has the entry nan"),
         (lambda: rn.CovarianceReset(growth=0.5), "growth = 0.5 must exceed 1"),
         (lambda: rn.CovarianceReset(short=5, long=5), "short = 5 must be less than long = 5"),
@@ -273,7 +273,7 @@ def functions(advance=abs, output=abs, n=1, blocks=None):
         (lambda: rn.PlantSchedule([at(0.0)]), "start must be an integer, not 0.0"),
         (lambda: rn.PlantSchedule([at(0, 5)]), "the plant of a change = 5 is not a Plant"),
         (lambda: rn.PlantSchedule([at(0), at(0)]), "the change at 0 does not follow that at 0"),
-        (lambda: rn.PlantSchedule([at(0, ramp=True)]), "nothing to ramp to"),
+        (lambda: rn.PlantSchedule([at(0, ramp=True)]), "no plant follows"),
         (lambda: rn.PlantSchedule([at(0), at(3, TWO)]), "has 2 states after 1; give state_map"),
         (lambda: rn.PlantSchedule([at(0), at(3, TWO, state_map=np.eye(2))]), "state_map has shape"),
         (

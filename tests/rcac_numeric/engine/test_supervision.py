@@ -281,7 +281,7 @@ def test_the_cap_holds_where_nothing_is_excited():
 
 
 def test_what_is_no_supervision_is_refused():
-    with pytest.raises(InputError, match="there is no fallback"):
+    with pytest.raises(InputError, match="needs a compensator"):
         Supervision("fallback")
     with pytest.raises(InputError, match="below 1"):
         Supervision(growth=0.5)

@@ -34,7 +34,7 @@ def test_a_record_ends_where_it_ends():
     assert combined.samples(3).tolist() == [3, 6, 9]
     assert record.samples(2).tolist() == [1, 2]
     for signal in (record, combined):
-        with pytest.raises(InputError, match=r"flight.* known for 3 steps, but 4 are asked for"):
+        with pytest.raises(InputError, match=r"flight.* known for 3 steps, but 4 are requested"):
             signal.samples(4)
         with pytest.raises(InputError, match="known for 3 steps"):
             rn.exogenous([signal], 4)
