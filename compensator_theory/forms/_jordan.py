@@ -200,6 +200,8 @@ def _generators(a: ImmutableMatrix, part: PrimaryComponent) -> list[tuple[Matrix
         span = joined(a.rows, [part.kernels[k - 1], value * above])
         size = rank(span)
         for column in range(part.kernels[k].cols):
+            if size == part.kernels[k].cols:  # all of the kernel: no further chain begins here
+                break
             vector = part.kernels[k][:, column]
             longer = joined(a.rows, [span, krylov(a, vector, part.degree)])
             if rank(longer) == size + part.degree:

@@ -115,12 +115,17 @@ class Loop(ExactValue):
         certificate = proven(Certificate(name, residual), "loop")
         return adjugate, determinant, certificate
 
-    @property
+    @cached_property
     def _D(self) -> sympy.Expr:
         return self.problem.denominator.as_expr()
 
+    @cached_property
+    def _channels(self) -> dict[str, ImmutableMatrix]:
+        found = {c: self.problem.transfer_matrix(c) for c in ("zw", "zu", "yw", "yu")}
+        return {channel: matrix.numerator_matrix() for channel, matrix in found.items()}
+
     def _numerators(self, channel: str) -> ImmutableMatrix:
-        return self.problem.transfer_matrix(channel).numerator_matrix()
+        return self._channels[channel]
 
     def _in_ring(self, *matrices: ImmutableMatrix) -> list[DomainMatrix]:
         domain = self._domain

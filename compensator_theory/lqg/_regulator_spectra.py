@@ -14,6 +14,13 @@ from compensator_theory.matrices._flint_matrices import (
     zero_matrix,
 )
 from compensator_theory.matrices._flint_polynomials import interpolated
+from compensator_theory.matrices._linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    multiplied,
+    rank,
+    solve,
+)
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._variables import Time, variable_in
@@ -81,6 +88,8 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
     """Return the same polynomial for weights that are read."""
     a, b, q, r, cross = weights
     n, l_u = b.shape
+    if time == "continuous" and rank(r) == l_u:
+        return _of_hamiltonian(weights, symbol)
     zero, eye = zero_matrix, identity_matrix
     discrete = time == "discrete"
     constant = _of_blocks(
@@ -94,6 +103,18 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
         [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)],
     )
     return _determinant(constant, slope, n, symbol)
+
+
+def _of_hamiltonian(weights: Weights, symbol: Symbol) -> Poly:
+    """Return (-1)^n det R det(sI - H) by the Hamiltonian matrix, where R is not singular."""
+    a, b, q, r, cross = weights
+    by_state, by_costate = solve(r, cross.T), solve(r, b.T)
+    H = _of_blocks(
+        [a - multiplied(b, by_state), -multiplied(b, by_costate)],
+        [multiplied(cross, by_state) - q, multiplied(cross, by_costate) - a.T],
+    )
+    sign = -1 if a.rows % 2 else 1
+    return canonical(characteristic_polynomial(H, symbol) * (sign * determinant(r)))
 
 
 def _of_blocks(*rows: list[Matrix]) -> ImmutableMatrix:

@@ -5,10 +5,15 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Symbol
 
-from compensator_theory.matrices._flint_matrices import identity_matrix
+from compensator_theory.matrices._flint_matrices import (
+    from_flint,
+    identity_matrix,
+    rational_in_flint,
+)
 from compensator_theory.matrices._invariant_subspaces import PrimaryComponent, joined, kernel
 from compensator_theory.matrices._linear_algebra import rank
 
@@ -66,6 +71,13 @@ def sample_subspaces(
 
 def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
     """Return the columns v, Av, ..., A^(size-1) v."""
+    raw, column = rational_in_flint(matrix), rational_in_flint(vector)
+    if raw is not None and column is not None:
+        kept = [column]
+        for _ in range(size - 1):
+            kept.append(raw * kept[-1])
+        entries = [x for one in kept for x in one.transpose().entries()]
+        return from_flint(flint.fmpq_mat(len(kept), matrix.rows, entries).transpose())
     columns = [vector]
     for _ in range(size - 1):
         columns.append((matrix * columns[-1]).applyfunc(sympy.expand))

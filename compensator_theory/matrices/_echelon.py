@@ -13,10 +13,13 @@ from compensator_theory.matrices._flint_matrices import (
     from_flint,
     identity_matrix,
     is_rational_matrix,
+    rational_in_flint,
     to_flint,
     zero_matrix,
 )
 from compensator_theory.matrices._fraction_free import SymbolicRows
+
+PRIME = 2**61 - 1
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,10 @@ def echelon(matrix: Matrix) -> Echelon:
     if 0 in matrix.shape:
         return Echelon(zero_matrix(0, columns), (), sympy.Integer(1))
     if is_rational_matrix(matrix):
-        reduced, rank = to_flint(matrix).rref()
+        raw = to_flint(matrix)
+        if matrix.rows >= columns and has_full_rank(raw.numer_denom()[0]):
+            return Echelon(identity_matrix(columns), tuple(range(columns)), sympy.Integer(1))
+        reduced, rank = raw.rref()
         rows = reduced.tolist()[: int(rank)]
         pivots = tuple(next(c for c in range(columns) if row[c]) for row in rows)
         form = flint.fmpq_mat(len(rows), columns, [entry for row in rows for entry in row])
@@ -75,10 +81,29 @@ def echelon(matrix: Matrix) -> Echelon:
     return Echelon(ImmutableMatrix(form), tuple(pivots), numerator.domain.to_sympy(minor))
 
 
+def pivot_columns(matrix: Matrix) -> tuple[tuple[int, ...], Expr]:
+    """Return the first columns that span the column space, and the minor that proves it."""
+    size = min(matrix.shape)
+    raw = rational_in_flint(matrix[:, :size]) if size else None
+    if raw is not None and has_full_rank(raw.numer_denom()[0]):
+        return tuple(range(size)), sympy.Integer(1)
+    reduced = echelon(matrix)
+    return reduced.pivots, reduced.divided_by
+
+
+def has_full_rank(matrix: flint.fmpz_mat) -> bool:
+    """Tell whether a rank modulo a prime shows that of an integer matrix to be full.
+
+    It is never larger than the rank of the matrix; False may be the fault of the prime.
+    """
+    size = min(int(matrix.nrows()), int(matrix.ncols()))
+    return int(flint.nmod_mat(matrix, PRIME).rank()) == size
+
+
 def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     """Return the first columns that span the column space, and the minor that proves it."""
-    reduced = echelon(matrix)
-    return ImmutableMatrix(matrix[:, list(reduced.pivots)]), reduced.divided_by
+    chosen, minor = pivot_columns(matrix)
+    return ImmutableMatrix(matrix[:, list(chosen)]), minor
 
 
 def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:

@@ -49,6 +49,11 @@ class SymbolicRows:
             return None
         return cls(*read)
 
+    def at_a_point(self) -> flint.fmpz_mat:
+        """Return the rows at some integers in the place of the symbols."""
+        point = [10**6 + 3 + 1009 * k**2 for k in range(len(self.work.symbols))]
+        return flint.fmpz_mat([[x(*point) for x in row] for row in self.rows])
+
     def reduce(self, columns: int, *, shortest: bool = True) -> list[int]:
         """Bring the first columns to reduced echelon form, times `last`; return the pivots.
 

@@ -14,7 +14,7 @@ from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._domain_matrices import divided_by, domain_matrices
-from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._echelon import echelon, has_full_rank
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
     rational,
@@ -70,8 +70,12 @@ def rank(matrix: Matrix) -> int:
     if 0 in matrix.shape:
         return 0
     if (raw := rational_in_flint(matrix)) is not None:
+        if has_full_rank(raw.numer_denom()[0]):
+            return int(min(matrix.shape))
         return int(raw.rref()[1])
     if (symbolic := SymbolicRows.of(matrix)) is not None:
+        if has_full_rank(symbolic.at_a_point()):  # the rank at a point is never larger
+            return int(min(matrix.shape))
         return len(symbolic.reduce(matrix.cols))
     return len(domain_matrices(matrix)[0].rref_den()[2])
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
 from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
-from compensator_theory.matrices._flint_matrices import identity_matrix
-from compensator_theory.matrices._linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.observers._gains import (
-    observer_gain,
-    read_target_polynomial,
-    regulator_gain,
+from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices._linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    in_lowest_terms,
+    multiplied,
 )
+from compensator_theory.observers._gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
@@ -64,8 +64,9 @@ class ObserverBasedCompensator(ExactValue):
     def compensator(self) -> Realisation:
         r"""The realisation (7.13), :math:`(A + BK - FC - F D_0 K,\ F,\ K)`, positive feedback."""
         plant, K, F = self.plant, self.K, self.F
-        A_c = plant.A + plant.B * K - F * plant.C - F * plant.D * K
-        A_c, period = A_c.applyfunc(sympy.expand), plant.sample_time
+        A, B, C, D = plant.matrices
+        fed_back, injected = multiplied(B, K), multiplied(F, C + multiplied(D, K))
+        A_c, period = in_lowest_terms(A + fed_back - injected), plant.sample_time
         return Realisation(A_c, F, K, None, plant.variable, sample_time=period)
 
     @property
@@ -89,16 +90,19 @@ class ObserverBasedCompensator(ExactValue):
         compensator, and the residuals of both polynomials.
         """
         A, B, C, n = self.plant.A, self.plant.B, self.plant.C, self.plant.n
-        identity, zero = identity_matrix(n), sympy.zeros(n)
-        S = sympy.Matrix.vstack(identity.row_join(zero), identity.row_join(-identity))
-        inner, outer = A + B * self.K, A - self.F * C
-        separated = sympy.Matrix.vstack(inner.row_join(-B * self.K), zero.row_join(outer))
-        joined = closed_loop_matrix(self.plant, self.compensator)
+        identity, zero = identity_matrix(n), zero_matrix(n, n)
+        S = identity.row_join(zero).col_join(identity.row_join(-identity))
+        moved = multiplied(B, self.K)
+        inner, outer = (in_lowest_terms(M) for M in (A + moved, A - multiplied(self.F, C)))
+        separated = in_lowest_terms(inner.row_join(-moved).col_join(zero.row_join(outer)))
+        joined = in_lowest_terms(closed_loop_matrix(self.plant, self.compensator))
         left = [
             (characteristic_polynomial(matrix, self.plant.variable) - goal).all_coeffs()
             for matrix, goal in ((inner, self.regulator), (outer, self.observer))
         ]
-        return certificate_of(SIMILARITY, [S * joined - separated * S, *left], "compensator")
+        return certificate_of(
+            SIMILARITY, [multiplied(S, joined) - multiplied(separated, S), *left], "compensator"
+        )
 
     def __str__(self) -> str:
         return (

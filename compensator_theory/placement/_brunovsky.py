@@ -11,7 +11,7 @@ from sympy import Expr, ImmutableMatrix
 from compensator_theory._latex import displayed, latex, unless
 from compensator_theory.errors import NotControllableError
 from compensator_theory.matrices._certificates import Certified, Residuals, proven
-from compensator_theory.matrices._echelon import echelon
+from compensator_theory.matrices._echelon import pivot_columns
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices._exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices._flint_matrices import (
@@ -137,15 +137,15 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
     """
     a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
     kalman = controllability_matrix(a, b)
-    first = echelon(kalman)
+    pivots, minor = pivot_columns(kalman)
     n, m = a.rows, b.cols
-    if len(first.pivots) < n:
+    if len(pivots) < n:
         fixed = format_polynomial(uncontrollable_polynomial(a, b, variable=_variable(a, b)))
         raise NotControllableError(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"
         )
-    indices = tuple(sum(pivot % m == i for pivot in first.pivots) for i in range(m))
+    indices = tuple(sum(pivot % m == i for pivot in pivots) for i in range(m))
     columns = [k * m + i for i in range(m) for k in range(indices[i])]
     ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     lasts = solve(kalman[:, columns].T, identity_matrix(n)[:, ends]).T  # of the inverse
@@ -176,7 +176,7 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
             chain.append(multiplied(both, chain[-1].col_join(pushed)))
         T_columns += reversed(chain)
     T = stacked([column.T for column in T_columns]).T
-    divisors = [first.divided_by, determinant(gain), *denominators_of((T, F, W))]
+    divisors = [minor, determinant(gain), *denominators_of((T, F, W))]
     result = BrunovskyForm(a, b, indices, T, F, W, exceptional_factors(divisors))
     proven(result.certificate, "form")
     return result

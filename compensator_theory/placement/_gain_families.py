@@ -117,7 +117,7 @@ class StateFeedbackFamily(Certified, ExactValue):
             ) from error
         inverse = solve(self.form.T, identity_matrix(self.shape[1]))
         K = in_lowest_terms(self.form.F + self.form.W * moved * inverse)
-        self._require(K)
+        self._require(K, multiplied(self.form.T, below))
         return K
 
     def parameters_of(self, K: MatrixLike) -> tuple[ImmutableMatrix, ...]:
@@ -182,10 +182,15 @@ class StateFeedbackFamily(Certified, ExactValue):
             )
         return phi
 
-    def _require(self, K: ImmutableMatrix) -> None:
-        """Refuse a gain whose characteristic polynomial is not the target."""
-        closed = in_lowest_terms(self.form.A + self.form.B * K)
-        if characteristic_polynomial(closed, self.polynomial.gen) != self.polynomial:
+    def _require(self, K: ImmutableMatrix, X: ImmutableMatrix) -> None:
+        """Refuse to hand out a gain that does not make A + B K similar to Lambda, by X.
+
+        That X is not singular is known from the solution for K. A characteristic polynomial of
+        A + B K would have to be computed from numbers as long as those of K, all n^2 of them.
+        """
+        closed = multiplied(self.form.A, X) + multiplied(self.form.B, multiplied(K, X))
+        spectrum = characteristic_polynomial(self.Lambda, self.polynomial.gen)
+        if spectrum != self.polynomial or closed != multiplied(X, self.Lambda):
             raise NoSolutionError(f"K = {K.tolist()} is wrong, please report it")
 
     def __str__(self) -> str:

@@ -27,11 +27,12 @@ def distinct_real_roots(poly: flint.fmpz_poly) -> int | None:
     if poly[0] == 0:
         at_origin, poly = 1, flint.fmpz_poly(poly.coeffs()[1:])
     mirrored = [-c if k % 2 else c for k, c in enumerate(poly.coeffs())]
-    right, left = _positive_roots(poly), _positive_roots(flint.fmpz_poly(mirrored))
+    right, left = distinct_positive_roots(poly), distinct_positive_roots(flint.fmpz_poly(mirrored))
     return None if right is None or left is None else at_origin + right + left
 
 
-def _positive_roots(poly: flint.fmpz_poly) -> int | None:
+def distinct_positive_roots(poly: flint.fmpz_poly) -> int | None:
+    """Count the positive roots of a square-free polynomial; None where bisection takes too long."""
     coefficients = poly.coeffs()
     variations = _variations(coefficients)
     if variations < 2:

@@ -6,6 +6,7 @@ import flint
 from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
+from compensator_theory.matrices._flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials._budget import quoted
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import (
@@ -17,6 +18,7 @@ from compensator_theory.polynomials._poly import (
 )
 from compensator_theory.polynomials._reading import PolynomialLike, polynomial
 from compensator_theory.roots._certified import decided_balls
+from compensator_theory.roots._descartes import distinct_positive_roots
 
 
 @refusing
@@ -53,8 +55,8 @@ def split_at_unit_circle(
     -----
     No tolerance is involved. An irreducible factor with a root on the circle is its own reciprocal
     up to sign; for such a factor :math:`\lambda + 1/\lambda` satisfies a polynomial of half the
-    degree, whose roots in :math:`[-2, 2]` are counted by Sturm's theorem. Roots of every other
-    factor are off the circle, so that balls of growing precision decide.
+    degree, whose roots in :math:`[-2, 2]` are counted by Descartes' rule of signs. Roots of every
+    other factor are off the circle, so that balls of growing precision decide.
 
     Source: the factors N_zu,s and N_zu,u of Section 2.3 and (4.39).
 
@@ -147,4 +149,11 @@ def _has_root_on_circle(factor: Poly) -> bool:
     """Decide it for a factor that equals its reciprocal up to sign and is irreducible."""
     if factor.degree() == 1:
         return True  # q - 1 or q + 1
-    return bool(fold_palindrome(factor).count_roots(-2, 2) > 0)
+    folded = fold_palindrome(factor)
+    # t = 2 (x - 1)/(x + 1) takes the positive x to those t between -2 and 2
+    image, power, step = (flint.fmpz_poly(c) for c in ([], [1], [1, 1]))
+    for coefficient in reversed(to_flint_polynomial(folded).numer().coeffs()):
+        image, power = image * flint.fmpz_poly([-2, 2]) + coefficient * power, power * step
+    if (roots := distinct_positive_roots(image)) is None:
+        roots = int(folded.count_roots(-2, 2))
+    return roots > 0

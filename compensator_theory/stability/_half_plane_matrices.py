@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Poly, Symbol
+from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials._budget import ask
@@ -74,3 +74,17 @@ def half_plane_matrix(
     missing = size - int(bottom.degree())
     poles = RootCount(count.stable, count.boundary + missing, count.unstable)
     return HalfPlaneMatrix(tuple(map(tuple, tops)), bottom, poles, discrete)
+
+
+def gram_of(G: HalfPlaneMatrix) -> list[list[Poly]]:
+    """Return N(-s)' N(s), or N(s) N(-s)' where that is the smaller one."""
+    N = G.numerators
+    columns = list(zip(*N, strict=True)) if len(N[0]) <= len(N) else list(N)
+    mirror = Poly(-G.variable, G.variable, domain=QQ)
+    mirrored = [[entry.compose(mirror) for entry in column] for column in columns]
+    zero = mirror.zero
+    if len(N[0]) <= len(N):
+        left, right = mirrored, columns
+    else:
+        left, right = columns, mirrored
+    return [[sum((x * y for x, y in zip(a, b, strict=True)), zero) for b in right] for a in left]

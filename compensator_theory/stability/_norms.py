@@ -20,6 +20,7 @@ from compensator_theory.matrices._flint_polynomials import (
 )
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials._ball_precision import at_growing_precision, ball_precision
+from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import number_of_real_roots
@@ -29,7 +30,11 @@ from compensator_theory.stability._critical_values import (
     number_between,
     real_root,
 )
-from compensator_theory.stability._half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
+from compensator_theory.stability._half_plane_matrices import (
+    HalfPlaneMatrix,
+    gram_of,
+    half_plane_matrix,
+)
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike
 
 LEVEL = Symbol("g")
@@ -131,15 +136,12 @@ def _square_root(square: Expr) -> Expr:
 def _factors(G: HalfPlaneMatrix) -> list[Bivariate]:
     """Return the irreducible factors that contain g, of P in (w, g)."""
     s = G.variable
-    rows, columns = len(G.numerators), len(G.numerators[0])
-    N = sympy.Matrix([[e.as_expr() for e in row] for row in G.numerators])
-    mirrored = N.subs(s, -s).T
-    gram = mirrored * N if columns <= rows else N * mirrored
+    gram = sympy.Matrix([[e.as_expr() for e in row] for row in gram_of(G)])
     bottom = to_flint_polynomial(G.denominator)
     bottom *= flint.fmpq_poly([c * (-1) ** k for k, c in enumerate(bottom.coeffs())])
     x = sympy.Symbol("x_level")
     # det(x I - gram) with x = g D(s) D(-s): one charpoly of a polynomial matrix
-    spread = characteristic_polynomial(gram.applyfunc(sympy.expand), x)
+    spread = characteristic_polynomial(gram, x)
     by_level = [
         to_flint_polynomial(Poly(c, s, domain=QQ)) * bottom**k
         for k, c in enumerate(reversed(spread.all_coeffs()))
@@ -172,6 +174,7 @@ def _supremum(factors: list[Bivariate]) -> tuple[CriticalValue, Poly]:
         if len(factor) == 1:
             constant += _irreducible(factor[0])
         else:
+            _ask(factor)
             for part in (factor[-1], factor[0], _discriminant(factor)):
                 candidates += _irreducible(part)
     distinct = [*constant, *(f for f in candidates if f not in constant)]
@@ -212,6 +215,17 @@ def _irreducible(poly: flint.fmpz_poly) -> list[flint.fmpz_poly]:
     if not poly:
         return []
     return [f if f.leading_coefficient() > 0 else -f for f, _ in poly.factor()[1]]
+
+
+MEASURE = "the polynomial of the norm, ten digits as an entry,"
+
+
+def _ask(factor: Bivariate) -> None:
+    """Ask for the digits of a discriminant: of so many levels, each a number with as many."""
+    size = 2 * len(factor) - 2
+    bits = max(int(c).bit_length() for poly in factor for c in poly.coeffs())
+    levels = size * max(int(c.degree()) for c in factor)
+    ask("entries", levels * (decimal_digits(size * bits) // 10), MEASURE)
 
 
 def _discriminant(factor: Bivariate) -> flint.fmpz_poly:

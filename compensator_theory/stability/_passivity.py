@@ -19,7 +19,11 @@ from compensator_theory.polynomials._poly import is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.roots._counts import RootCount
 from compensator_theory.stability._critical_values import number_between, real_roots
-from compensator_theory.stability._half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
+from compensator_theory.stability._half_plane_matrices import (
+    HalfPlaneMatrix,
+    gram_of,
+    half_plane_matrix,
+)
 from compensator_theory.systems._matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems._transfer_matrices import TransferMatrix
 
@@ -180,13 +184,16 @@ def _decision(
     question: Literal["positive real", "bounded real"], G: HalfPlaneMatrix
 ) -> RealnessDecision:
     s = G.variable
-    N = sympy.Matrix([[e.as_expr() for e in row] for row in G.numerators])
-    mirrored = N.subs(s, -s).T
-    gram = mirrored * N if N.cols <= N.rows else N * mirrored
-    bottom = G.denominator.as_expr()
-    whole = identity_matrix(gram.rows) * bottom * bottom.subs(s, -s) - gram
+    gram = gram_of(G)
+    below = G.denominator * G.denominator.compose(Poly(-s, s, domain=QQ))
+    whole = sympy.Matrix(
+        [
+            [(below - entry if i == j else -entry).as_expr() for j, entry in enumerate(row)]
+            for i, row in enumerate(gram)
+        ]
+    )
     x = sympy.Symbol("x_level")
-    spread = characteristic_polynomial(whole.applyfunc(sympy.expand), x).all_coeffs()
+    spread = characteristic_polynomial(whole, x).all_coeffs()
     spectrum = tuple(_in_square(c * (-1) ** k, s) for k, c in enumerate(spread) if k)
     violated = next((at for p in spectrum if (at := _negative(p)) is not None), None)
     return RealnessDecision(question, G.is_stable and violated is None, G.poles, spectrum, violated)

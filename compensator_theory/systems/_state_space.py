@@ -14,10 +14,12 @@ from compensator_theory.matrices._flint_matrices import (
     from_flint,
     of_rows,
     rational_in_flint,
+    symbols_in,
     zero_matrix,
 )
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
-from compensator_theory.matrices._linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._linear_algebra import characteristic_polynomial, multiplied
+from compensator_theory.matrices._symbolic_matrices import symbolic_matrix
 from compensator_theory.polynomials._poly import canonical, from_coefficients, scaled
 from compensator_theory.systems._transfer_functions import (
     TransferFunction,
@@ -48,7 +50,11 @@ def transfer_matrix_of_realisation(
     :math:`(qI - A)\,\mathrm{adj}(qI-A)B = \det(qI-A)B` for all q. That is the certificate of the
     result. Source: (2.6), (2.7).
     """
-    fraction = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
+    fraction = (
+        _in_flint(A, B, C, D, variable)
+        or _with_symbols(A, B, C, D, variable)
+        or _in_sympy(A, B, C, D, variable)
+    )
     entries, denominator, residual = fraction
     certificate = proven(Certificate(IDENTITY.format(variable.name), residual), "conversion")
     return TransferMatrix._of_canonical(
@@ -97,7 +103,33 @@ def _spread(ascending: list[flint.fmpz], below: flint.fmpz, power: int) -> flint
     return flint.fmpq_poly(ascending) / below**power
 
 
-def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified:
+def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
+    """Rational functions of symbols: each step is kept in lowest terms by python-flint."""
+    if not (A.rows and B.cols and C.rows) or variable in set().union(
+        *(symbols_in(matrix) for matrix in (A, B, C, D))
+    ):
+        return None
+    kept = [symbolic_matrix(matrix) for matrix in (A, B, C, D)]
+    if any(matrix is None for matrix in kept):
+        return None
+    a, b, c, d = kept
+    denominator = characteristic_polynomial(a, variable)
+    descending = denominator.all_coeffs()
+    coefficients, v = [d], b
+    for coefficient in descending[1:]:
+        coefficients.append(multiplied(c, v) + d * coefficient)
+        v = multiplied(a, v) + b * coefficient
+    rows = tuple(
+        tuple(
+            from_coefficients([matrix[row, column] for matrix in coefficients], variable)
+            for column in range(D.cols)
+        )
+        for row in range(D.rows)
+    )
+    return rows, denominator, v
+
+
+def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]

@@ -180,6 +180,8 @@ class TransferFunction(System):
             return False
         if self.numerator.domain.is_QQ and self.denominator.domain.is_QQ:
             return True
+        if _resultant_varies(self.numerator, self.denominator):
+            return None
         top, bottom = over_one_field(self.numerator, self.denominator)
         resultant = sympy.sympify(top.resultant(bottom))
         known: bool | None = resultant.is_nonzero
@@ -467,3 +469,21 @@ def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Side
 
 def _expanded(expression: Expr) -> Expr:
     return quotient_of(sympy.expand(expression)).value()
+
+
+def _resultant_varies(top: Poly, bottom: Poly) -> bool:
+    """Tell whether the resultant is seen to depend on symbols of which nothing is known."""
+    symbols = sorted(top.free_symbols_in_domain | bottom.free_symbols_in_domain, key=str)
+    if any(x != Symbol(x.name) for x in symbols):  # a positive one decides signs
+        return False
+    values = []
+    for first in (3, 14):
+        point = {x: Rational(first + 7 * k**2, 5) for k, x in enumerate(symbols)}
+        here = [Poly([c.xreplace(point) for c in p.all_coeffs()], p.gen) for p in (top, bottom)]
+        degrees = [p.degree() for p in (top, bottom)]
+        if [p.degree() for p in here] != degrees or not all(
+            p.domain.is_QQ or p.domain.is_ZZ for p in here
+        ):
+            return False
+        values.append(here[0].resultant(here[1]))
+    return bool(values[0] != values[1])
