@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import comb, prod
 from typing import TypeAlias
 
 import flint
@@ -19,7 +20,8 @@ from compensator_theory.matrices._flint_matrices import (
 )
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial, multiplied
-from compensator_theory.matrices._symbolic_matrices import symbolic_matrix
+from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._poly import canonical, from_coefficients, scaled
 from compensator_theory.systems._transfer_functions import (
     TransferFunction,
@@ -109,10 +111,10 @@ def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) 
         *(symbols_in(matrix) for matrix in (A, B, C, D))
     ):
         return None
-    kept = [symbolic_matrix(matrix) for matrix in (A, B, C, D)]
-    if any(matrix is None for matrix in kept):
+    a, b, c, d = map(symbolic_matrix, (A, B, C, D))
+    if a is None or b is None or c is None or d is None:
         return None
-    a, b, c, d = kept
+    _ask(a)
     denominator = characteristic_polynomial(a, variable)
     descending = denominator.all_coeffs()
     coefficients, v = [d], b
@@ -127,6 +129,20 @@ def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) 
         for row in range(D.rows)
     )
     return rows, denominator, v
+
+
+def _ask(A: ImmutableMatrix) -> None:
+    """Ask for the terms of adj(sI - A) over the powers of a denominator with symbols."""
+    if not isinstance(A, SymbolicMatrix) or A.kept.below.is_constant():
+        return
+    polynomials = [A.kept.below, *(x for x in A.kept.flat if not x.is_zero())]
+    symbols, n = len(A.work.symbols), A.rows
+    degree = n * max(int(x.total_degree()) for x in polynomials)
+    separate = [max(degrees) for degrees in zip(*(x.degrees() for x in polynomials), strict=True)]
+    longest = max(map(len, polynomials))  # whose n-th power has no more terms than a sum's
+    dense = min(comb(degree + symbols, symbols), prod(n * int(d) + 1 for d in separate))
+    terms = min(dense, comb(longest + n - 1, n))
+    ask("entries", n**3 * terms, "a transfer matrix with denominators of symbols, term by term,")
 
 
 def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
