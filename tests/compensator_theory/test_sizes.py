@@ -1,0 +1,120 @@
+"""Requests of the sizes that people bring are answered, and what is larger is refused at once."""
+
+import random
+
+import flint
+import pytest
+import sympy
+
+from compensator_theory import (
+    budget,
+    h_infinity_norm,
+    kalman_decomposition,
+    observer_based_compensator,
+    regulator_spectrum,
+    state_feedback_family,
+    transfer_function,
+)
+from compensator_theory.errors import BudgetError
+from compensator_theory.forms import jordan_form
+from compensator_theory.matrices._echelon import echelon, pivot_columns
+from compensator_theory.matrices._linear_algebra import rank
+from compensator_theory.roots._unit_circle import _has_root_on_circle
+from tests.support.work import at_most
+
+
+def _matrix(rows, columns, seed=1):
+    draw = random.Random(seed)
+    return sympy.ImmutableMatrix(rows, columns, lambda *_: draw.randint(-9, 9))
+
+
+def test_a_jordan_form_looks_for_no_chain_where_the_kernel_is_spanned():
+    with at_most(500_000):  # a chain from each of n unit vectors took 2 000 000
+        found = jordan_form(_matrix(20, 20).tolist())
+    assert found.certificate.holds
+    assert [length for _, length in found.blocks] == [1]
+
+
+def test_pivots_are_those_of_the_echelon_form():
+    wide = _matrix(4, 9)
+    deficient = sympy.ImmutableMatrix.hstack(wide[:, :1], wide[:, :1] * 2, wide)
+    for matrix in (wide, wide.T, wide[:, :4], deficient, deficient.T, sympy.zeros(3, 2)):
+        assert pivot_columns(matrix)[0] == matrix.rref()[1] == echelon(matrix).pivots
+        assert rank(matrix) == matrix.rank()
+
+
+def test_a_rank_with_symbols_is_the_generic_one():
+    a, b = sympy.symbols("a b")
+    assert rank(sympy.Matrix([[a, 1], [1, b]])) == 2
+    assert rank(sympy.Matrix([[a, a * b], [1, b]])) == 1
+    assert rank(sympy.Matrix([[1 / a, 1, 0], [b, a * b, 1 / b]])) == 2
+
+
+@pytest.mark.parametrize("half", range(1, 6))
+def test_roots_on_the_circle_are_those_of_the_folded_polynomial(half):
+    draw, z = random.Random(half), sympy.Symbol("z")
+    seen = set()
+    for _ in range(40):
+        side = [draw.randint(-9, 9) or 1 for _ in range(half)]
+        poly = sympy.Poly([*side, draw.randint(-30, 30), *side[::-1]], z, domain=sympy.QQ)
+        if poly.is_irreducible:
+            balls = flint.fmpz_poly(list(map(int, poly.all_coeffs()))).complex_roots()
+            near = any(abs(float(abs(root)) - 1) < 1e-9 for root, _ in balls)
+            assert _has_root_on_circle(poly) == near
+            seen.add(near)
+    assert seen
+
+
+def test_a_regulator_spectrum_is_that_of_the_pencil():
+    A, B, N, s = _matrix(3, 3), _matrix(3, 2, 2), _matrix(3, 2, 3), sympy.Symbol("s")
+    Q, R = A + A.T, sympy.Matrix([[3, 1], [1, 2]])
+    one, zero = sympy.eye(3), sympy.zeros
+    pencil = sympy.Matrix(
+        sympy.BlockMatrix([[A - s * one, zero(3, 3), B], [-Q, -A.T - s * one, -N], [N.T, B.T, R]])
+    )
+    found = regulator_spectrum(A, B, Q, R, N, time="continuous")
+    assert sympy.expand(found.as_expr() + pencil.det()) == 0
+
+
+def test_a_gain_is_proven_without_a_long_characteristic_polynomial():
+    A, B = _matrix(8, 8), _matrix(8, 2, 2)
+    poles = [-1 - sympy.Rational(k, 3) for k in range(8)]
+    K = state_feedback_family(A, B, poles).gain()
+    s = sympy.Symbol("s")
+    goal = sympy.Poly(sympy.prod(s - pole for pole in poles), s)
+    assert (A + B * K).charpoly(s).as_expr() == goal.as_expr()
+
+
+def test_forty_states_are_decomposed():
+    with at_most(2_000_000):
+        found = kalman_decomposition((_matrix(40, 40), _matrix(40, 1), _matrix(1, 40)), "s")
+    assert found.dimensions == (0, 40, 0, 0)
+
+
+def test_coprimeness_with_symbols_is_not_decided_by_a_written_resultant():
+    names = ("(s+a)/(s+b)", "(s+a)/(s+a+1)", "(s+a)/(s**2-a**2)", "(s-a)/(s**2+a*s+1)")
+    answers = [transfer_function(text, "s").is_coprime for text in names]
+    assert answers == [None, True, False, None]
+
+
+def test_the_norm_of_many_states_is_refused_before_its_polynomial_is_made():
+    s, below = sympy.Symbol("s"), sympy.Poly(1, sympy.Symbol("s"))
+    for k in range(50):
+        below *= sympy.Poly(s + 1 + sympy.Rational(k, 7), s)
+    above = sympy.Poly(_matrix(1, 50).tolist()[0], s)
+    with (
+        at_most(500_000),
+        budget(entries=1000),
+        pytest.raises(BudgetError, match="the polynomial of the norm"),
+    ):
+        h_infinity_norm((above, below))
+
+
+def test_a_compensator_with_symbols_is_refused_before_its_adjugate():
+    names = sympy.symbols("a b c")
+    A = _matrix(4, 4) + sympy.diag(*names, 0)
+    plant = (A, _matrix(4, 1, 2), _matrix(1, 4, 3))
+    found = observer_based_compensator(plant, [-1, -2, -3, -4], [-5, -6, -7, -8], variable="s")
+    assert found.certificate.holds
+    with at_most(2_000_000), pytest.raises(BudgetError, match="denominators of symbols"):
+        str(found)
