@@ -160,6 +160,13 @@ def insert_file_tables(app, name, source):
         source[0] = page_with_tables(source[0])
 
 
+def insert_constructions(app, name, source):
+    """Write the table of named constructions where its page asks for it."""
+    if name == "constructions":
+        app.env.note_dependency(str(CONSTRUCTIONS))
+        source[0] = source[0].replace("<!-- the constructions -->", constructions_table())
+
+
 def insert_exercises(app, name, source):
     """Write the tables of exercises where their page asks for them."""
     if name == "exercises":
