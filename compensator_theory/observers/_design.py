@@ -18,7 +18,11 @@ from compensator_theory.matrices._linear_algebra import (
     in_lowest_terms,
     multiplied,
 )
-from compensator_theory.observers._gains import observer_gain, regulator_gain, wanted_spectrum
+from compensator_theory.observers._gains import (
+    observer_gain,
+    read_target_polynomial,
+    regulator_gain,
+)
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike

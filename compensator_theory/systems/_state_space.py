@@ -105,7 +105,7 @@ def _spread(ascending: list[flint.fmpz], below: flint.fmpz, power: int) -> flint
     return flint.fmpq_poly(ascending) / below**power
 
 
-def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
+def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified | None:
     """Rational functions of symbols: each step is kept in lowest terms by python-flint."""
     if not (A.rows and B.cols and C.rows) or variable in set().union(
         *(symbols_in(matrix) for matrix in (A, B, C, D))
@@ -145,7 +145,7 @@ def _ask(A: ImmutableMatrix) -> None:
     ask("entries", n**3 * terms, "a transfer matrix with denominators of symbols, term by term,")
 
 
-def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
+def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Verified:
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]

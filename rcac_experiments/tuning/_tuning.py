@@ -228,7 +228,9 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
-    knobs = {RULE: TuningParameters()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
+    knobs = {RULE: TuningParameters()} | {
+        str(i + 1): one for i, one in enumerate(_points(budget, seed))
+    }
     if design.reference.structure is not None:  # its order is fixed by the user
         knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
     settings_by_name: dict[str, AnyController] = {FIXED: design.fixed}

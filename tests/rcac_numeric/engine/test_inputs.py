@@ -222,7 +222,9 @@ def test_a_weight_whose_definiteness_is_decided_by_rounding(name, weight):
     change = {"structure": rn.iir(6)}
     if name == "R_z":
         change |= {"R_z": weight, "target": rn.TargetModel(np.ones((2, 12, 1)))}
-    with pytest.raises(InputError, match=f"{name} (is singular to working precision|has the eigenv)"):
+    with pytest.raises(
+        InputError, match=f"{name} (is singular to working precision|has the eigenv)"
+    ):
         if name == "R_theta":
             change["update"] = rn.UD(weight)
         rn.ControllerSettings(**{**GOOD, **change})
