@@ -79,12 +79,9 @@ def half_plane_matrix(
 def gram_of(G: HalfPlaneMatrix) -> list[list[Poly]]:
     """Return N(-s)' N(s), or N(s) N(-s)' where that is the smaller one."""
     N = G.numerators
-    columns = list(zip(*N, strict=True)) if len(N[0]) <= len(N) else list(N)
+    columns = [list(c) for c in zip(*N, strict=True)] if len(N[0]) <= len(N) else list(map(list, N))
     mirror = Poly(-G.variable, G.variable, domain=QQ)
     mirrored = [[entry.compose(mirror) for entry in column] for column in columns]
     zero = mirror.zero
-    if len(N[0]) <= len(N):
-        left, right = mirrored, columns
-    else:
-        left, right = columns, mirrored
+    left, right = (mirrored, columns) if len(N[0]) <= len(N) else (columns, mirrored)
     return [[sum((x * y for x, y in zip(a, b, strict=True)), zero) for b in right] for a in left]
