@@ -30,7 +30,7 @@ def main() -> int:
     for number in options.examples or example_ids():
         begun = time.perf_counter()
         table = read_example(number)[0]
-        claims = [claim for claim in load_example(number).claims if claim.whose != OURS]
+        claims = [claim for claim in load_example(number).claims if claim.owner != OURS]
         with np.errstate(all="ignore"):
             holding = {i for i, o in enumerate(outcomes(table, number)) if o == HOLDS}
             found: set[int] = set()

@@ -32,7 +32,7 @@ def main() -> int:
         runs = [*example.runs.values(), *example.studies.values()]
         if not options.examples and max((run.seeds for run in runs), default=1) == 1:
             continue  # nothing of it is drawn, or each draw is a run that can be asked for by name
-        claims = [replace(c, control="") for c in example.claims if c.whose != OURS]
+        claims = [replace(c, control="") for c in example.claims if c.owner != OURS]
         for group in range(options.first, options.first + options.groups):
             with np.errstate(all="ignore"):
                 verdicts = verify(example.only(claims).held_out(group)).verdicts

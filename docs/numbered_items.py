@@ -92,7 +92,7 @@ def counts() -> str:
     claims = [claim for number in example_ids() for claim in quoted_claims(number)]
     lines = [f"| | {' | '.join(ORDER)} |", "|---" * (len(ORDER) + 1) + "|"]
     for owner in (TEXT, READING):
-        verdicts = [claim.recorded for claim in claims if claim.whose == owner]
+        verdicts = [claim.recorded for claim in claims if claim.owner == owner]
         lines.append(
             f"| {owner} | {' | '.join(str(verdicts.count(verdict)) for verdict in ORDER)} |"
         )
@@ -141,7 +141,7 @@ def _named_by_errata() -> dict[str, tuple[str, ...]]:
 @cache
 def quoted_claims(number: str) -> tuple[Claim, ...]:
     """The claims of an example that quote the text."""
-    return tuple(claim for claim in load_example(number).claims if claim.whose != OURS)
+    return tuple(claim for claim in load_example(number).claims if claim.owner != OURS)
 
 
 @cache

@@ -133,9 +133,9 @@ def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) 
 
 def _ask(A: ImmutableMatrix) -> None:
     """Ask for the terms of adj(sI - A) over the powers of a denominator with symbols."""
-    if not isinstance(A, SymbolicMatrix) or A.kept.below.is_constant():
+    if not isinstance(A, SymbolicMatrix) or A.flint_form.below.is_constant():
         return
-    polynomials = [A.kept.below, *(x for x in A.kept.flat if not x.is_zero())]
+    polynomials = [A.flint_form.below, *(x for x in A.flint_form.flat if not x.is_zero())]
     symbols, n = len(A.work.symbols), A.rows
     degree = n * max(int(x.total_degree()) for x in polynomials)
     separate = [max(degrees) for degrees in zip(*(x.degrees() for x in polynomials), strict=True)]

@@ -105,7 +105,7 @@ class Reference(Value):
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class LoopEvaluation:
     """The evaluation of a controller on the plants of a weight grid.
 
     Attributes
@@ -176,19 +176,19 @@ class WeightGrid:
         self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
         self.others, self.instead = others, [_in_units(plant, self.units, one) for one in others]
 
-    def judged(self, parts: StateSpace) -> Evaluation:
+    def judged(self, parts: StateSpace) -> LoopEvaluation:
         """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid."""
         try:
             peak = _peak(self.scaled, parts)
             lost = sum(not _radius(other, parts) < 1 for other in self.instead)
             lost += not _radius(self.scaled, parts) < SLOWEST
             if not np.isfinite(peak):
-                return Evaluation(lost, np.inf)
+                return LoopEvaluation(lost, np.inf)
             noise = {**self.noise, "v": self.noise_variance}
             e, u = _powers(self.scaled, self.models, parts, noise)
         except CompensatorError:
-            return Evaluation(len(self.instead) + 1, np.inf)
-        return Evaluation(lost, peak, e, u, self.most_u**2)
+            return LoopEvaluation(len(self.instead) + 1, np.inf)
+        return LoopEvaluation(lost, peak, e, u, self.most_u**2)
 
     def candidates(self) -> Iterator[tuple[float, float, StateSpace]]:
         """Yield R_2, V_2 and the LQG controller of every candidate that exists."""
@@ -291,9 +291,9 @@ class WeightGrid:
         ) from obstacle
 
     def _by_runs(
-        self, judged: list[tuple[Evaluation, float, float]],
+        self, judged: list[tuple[LoopEvaluation, float, float]],
         candidates: Mapping[tuple[float, float], StateSpace],
-    ) -> list[tuple[Evaluation, float, float]]:  # fmt: skip
+    ) -> list[tuple[LoopEvaluation, float, float]]:  # fmt: skip
         """Sort the most robust candidates by runs; then the others."""
         first = [one for one in judged if one[0].safe == min(other[0].safe for other in judged)]
         compensators, remaining = [], []
@@ -326,8 +326,8 @@ class WeightGrid:
 
 
 def _calmest_first(
-    judged: list[tuple[Evaluation, float, float]],
-) -> list[tuple[Evaluation, float, float]]:
+    judged: list[tuple[LoopEvaluation, float, float]],
+) -> list[tuple[LoopEvaluation, float, float]]:
     """Put the candidate with the least u first, of the robust ones with nearly the least error.
 
     The last tenth of the error is bought with a u that answers to every step of the noise.

@@ -117,7 +117,7 @@ def test_an_answer_has_the_truth_value_that_it_says(name):
 
 @pytest.mark.parametrize("name", sorted(RESULTS.keys() - ANSWERS.keys()))
 def test_what_answers_no_question_has_no_truth_value(name):
-    with pytest.raises(InputError, match=r"ask .*is not None"):
+    with pytest.raises(InputError, match="is not None"):
         bool(object.__new__(RESULTS[name]))
 
 

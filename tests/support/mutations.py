@@ -33,7 +33,7 @@ def mutations(table: Table) -> Iterator[tuple[str, Table]]:
 def outcomes(table: Table, number: str) -> list[str]:
     """What comes of each claim that quotes on its own run, with few repetitions."""
     experiment: Experiment = build(table, number)
-    claims = [replace(c, over={}, control="") for c in experiment.claims if c.whose != OURS]
+    claims = [replace(c, over={}, control="") for c in experiment.claims if c.owner != OURS]
     return [verdict.outcome for verdict in verify(experiment.only(claims).reduced(2)).verdicts]
 
 

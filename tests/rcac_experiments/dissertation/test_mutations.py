@@ -36,7 +36,7 @@ def turned(number):
     """The quoted claims that hold, and those of them that some mutation turns."""
     table = read_example(number)[0]
     ours = outcomes(table, number)
-    claims = [claim for claim in load_example(number).claims if claim.whose != OURS]
+    claims = [claim for claim in load_example(number).claims if claim.owner != OURS]
     stored = {i for i, outcome in enumerate(ours) if outcome == HOLDS}
     names = set()
     for _, changed in mutations(table):

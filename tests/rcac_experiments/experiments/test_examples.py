@@ -53,7 +53,7 @@ def test_every_verdict_of_record_holds(number, verifications):
     assert verification.exit_status == 0
     assert verification.verdicts, "an example without claims verifies nothing"
     for verdict in verification.verdicts:
-        assert verdict.claim.recorded in (OUTCOMES if verdict.claim.whose == OURS else VERDICTS)
+        assert verdict.claim.recorded in (OUTCOMES if verdict.claim.owner == OURS else VERDICTS)
         if not verdict.is_reduced:  # fewer draws than those of record change no verdict
             assert verdict.verdict == verdict.claim.recorded, verdict.measured
             assert not verdict.changed_completions
@@ -78,7 +78,7 @@ def test_claims_of_the_text_are_judged_fairly(number):
     corrected = {name for name, run in experiment.runs.items() if run.correction}
     corrected |= {name for name, study in experiment.studies.items() if study.correction}
     for claim in experiment.claims:
-        if claim.whose == OURS:
+        if claim.owner == OURS:
             continue
         assert claim.place.split()[0] in PLACES or claim.place[0].isdigit() or claim.place[0] == "("
         assert all(claim.over.values()), f"an outcome of the map is missing: {claim.text}"
@@ -89,7 +89,7 @@ def test_claims_of_the_text_are_judged_fairly(number):
         if claim.recorded == "depends":
             assert claim.open, claim.text
         if any(c.share < 1 or c.statistic == "median" for c in interval_checks(claim)):
-            assert claim.whose == READING or any(c.quoted for c in interval_checks(claim))
+            assert claim.owner == READING or any(c.quoted for c in interval_checks(claim))
 
 
 def interval_checks(claim):
