@@ -77,7 +77,7 @@ class LoopAnalysis(Value):
     >>> analysis.comparison.worst_distance, analysis.match.worst < 1e-12
     (0.0, True)
     >>> attempted(lambda: LoopAnalysis((plant, compensator)).match)
-    (None, 'the target model is not known; give it as target=')
+    (None, 'the target model is missing; give it as target=')
     """
 
     of: Run | tuple[AnyPlant | str, Compensator | str]

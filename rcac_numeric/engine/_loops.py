@@ -219,7 +219,7 @@ def _compiled_controllers(
     name = type(settings).__name__
     if saturation is not None:
         raise InputError(
-            f"a {name} does not support saturation: it would not receive the applied u. Leave "
+            f"{name} does not support saturation: it would not receive the applied u. Leave "
             f"saturation out."
         )
     if supervision is not None:

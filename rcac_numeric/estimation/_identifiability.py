@@ -111,7 +111,7 @@ def noise_information(
     1
     >>> told = noise_information(track, 1000, diagonal=True)
     >>> print(told)
-    every entry of Q and R that is learned shows in the measurements.
+    the measurements identify every learned entry of Q and R.
     """
     instance_of(settings, "settings", EKF)
     if not isinstance(settings.model, LinearModel):

@@ -126,7 +126,7 @@ def test_a_child_that_ends_names_its_chunk(whole, monkeypatch):
         expected.append([number for number, _, _ in some])
         return {number: "" for number, _, _ in some[:2]}
 
-    monkeypatch.setattr(reader, "_tried", ends_at_the_third)
+    monkeypatch.setattr(reader, "_faults_by_child", ends_at_the_third)
     report = check_store(whole[0])
     assert [numbers[0] for numbers in expected] == [1, 4] and report.total == STUDY.runs
     words = ["" if "memory or time" in fault else "not read" for fault in report.faults]

@@ -128,7 +128,7 @@ def test_what_is_undecided_has_no_truth_value():
 
 
 def test_what_to_ask_instead():
-    with pytest.raises(InputError, match=r"ask .*\.is_stable"):
+    with pytest.raises(InputError, match=r"test .*\.is_stable"):
         bool(exact.stability_margins("9/(s*(s + 1)*(s + 2))", feedback=-1))
 
 

@@ -104,7 +104,7 @@ def test_poles_that_are_missed_are_said_first(tmp_path):
     """With 60 steps and a large R_theta RCAC cannot have placed anything."""
     changed = ["--set", "controller.R_theta=1e3"]
     missed = CliRunner().invoke(main, ["verify", "4.7", *changed])
-    assert "NOT reached: 4 of 4 poles" in missed.output.splitlines()[1]
+    assert "NOT reached: 4 of 4 target poles" in missed.output.splitlines()[1]
     assert "NOT reached" not in CliRunner().invoke(main, ["verify", "4.7"]).output
 
 
@@ -135,6 +135,6 @@ def test_poles_that_bounds_keep_from_their_places_are_no_failure(tmp_path):
         " ".join(CliRunner().invoke(main, ["verify", str(tmp_path / name)]).output.split())
         for name in ("free.toml", "held.toml")
     )
-    words = "they decide where the poles are"
+    words = "the bounds decide the poles"
     assert "NOT reached" in free and words not in free
     assert "NOT reached" not in stored and words in stored

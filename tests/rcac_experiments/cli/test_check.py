@@ -291,7 +291,10 @@ def test_bad_options(options, words):
         ("controller = 3", "must be a table"),
         ("[controller]\nn_cc = 4", "Did you mean 'n_c'"),
         ('[controller]\nn_c = 4\n[target]\nmodel = "fire"', "model"),
-        ("[controller]\nn_c = 4\n[[plant.changes]]\nstart = 9\ngain = 2", "the one plant"),
+        (
+            "[controller]\nn_c = 4\n[[plant.changes]]\nstart = 9\ngain = 2",
+            "the plant changes during the run",
+        ),
     ],
 )
 def test_bad_experiment_files(tmp_path, table, words):

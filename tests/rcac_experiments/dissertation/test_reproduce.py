@@ -23,7 +23,7 @@ from rcac_experiments.dissertation._reproduction import (
     CompletedCases,
     case_workers,
     digest_of,
-    made,
+    verified_case,
     reduced,
 )
 from rcac_experiments.judging._claim import Check
@@ -97,7 +97,7 @@ def test_a_damaged_file_is_made_anew(experiments, undisturbed, tmp_path, damage)
 
 def test_a_kept_case_of_other_fields_is_made_anew(experiments, tmp_path):
     remaining = CompletedCases(tmp_path)
-    remaining.keep(experiments[0], made(experiments[0]))
+    remaining.keep(experiments[0], verified_case(experiments[0]))
     record = json.loads((tmp_path / "7.1.json").read_text())
     del record["case"]["body"]
     (tmp_path / "7.1.json").write_text(json.dumps(record))

@@ -173,7 +173,7 @@ def test_a_refused_measure_spoils_its_own_claim_and_no_other():
     claims = [{"standard": "residual split"}, {"text": "z is small.", "checks": [CHECK]}]
     first, second = verify(build({**copy.deepcopy(CASE), "claims": claims}, "case")).verdicts
     assert (first.verdict, second.verdict) == (NO_ANSWER, HOLDS)
-    assert "theta(1000) was not kept" in first.measured
+    assert "theta(1000) was not stored" in first.measured
 
 
 @pytest.mark.parametrize(

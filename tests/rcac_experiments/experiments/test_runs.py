@@ -70,7 +70,7 @@ def test_repetitions_change_the_initial_state_too():
 @pytest.mark.parametrize(
     ("run", "message"),
     [
-        ({"seeds": 2, "repetitions": 2}, "give one of them"),
+        ({"seeds": 2, "repetitions": 2}, "give one"),
         ({"x_0": [1.0]}, "x_0 has 1 entries; the plant has 2 states"),
         ({"x_0": [1.0, 2.0], "arithmetic": "reference"}, "starts from rest"),
         ({"x_0_deviation": 1, "arithmetic": "reference"}, "starts from rest"),

@@ -80,7 +80,7 @@ FIR = 'model = "fir"'
         ('model = "high authority"\npoles = []', "", 'which model = "high authority"'),
         ('model = "filter"\nG_f = "1/(q - 2)"', "", "1 pole outside the unit circle"),
         (FIR, 'w = { recorded = "no.csv" }', "no.csv cannot be read"),
-        (FIR, "w = { recorded = [1, 2] }", "known for 2 steps, but 20 are asked for"),
+        (FIR, "w = { recorded = [1, 2] }", "known for 2 steps, but 20 are requested"),
         (FIR, "w = { recorded = [1, 2], column = 1 }", "column is for a file"),
         (FIR, "w = { recorded = [1, 2], hold = 1 }", r"unknown key 'hold' in .signals.w."),
         (FIR, "w = { recorded = 3 }", "a record needs shape"),

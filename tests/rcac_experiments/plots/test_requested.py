@@ -113,7 +113,7 @@ def test_bad_requests_are_refused(steps):
         FigureRequest("pie", "")
     with pytest.raises(InputError, match="names its measure"):
         FigureRequest("distribution", "")
-    with pytest.raises(InputError, match="leave measure out"):
+    with pytest.raises(InputError, match="remove measure"):
         FigureRequest("poles", "", measure="rms")
     with pytest.raises(InputError, match="at least 11"):
         FigureRequest("responses", "", first=10, last=10)

@@ -140,7 +140,7 @@ def test_things_of_others_are_left_alone(tmp_path):
     for name, words in (
         ("full", "contains other files"), ("text", "it is a file"),
         ("case", "contains other files"),
-        ("old", "rcac store convert"), ("nowhere/else", "is there such a folder"),
+        ("old", "rcac store convert"), ("nowhere/else", "check that the folder exists"),
     ):  # fmt: skip
         with pytest.raises(StoreError, match=words) as caught:
             run_study(studies.study(1), tmp_path / name, workers=0)

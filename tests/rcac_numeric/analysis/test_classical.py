@@ -401,7 +401,7 @@ def test_table_5_2_calls_seconds_steps():
 @pytest.mark.parametrize(
     ("loop", "options", "error", "words"),
     [
-        (tf([1.0], [1, -0.5]), {}, InputError, "does not say how it is closed"),
+        (tf([1.0], [1, -0.5]), {}, InputError, "needs the sign of feedback"),
         (control.tf([1.0], [1, 1]), {"feedback": -1}, InputError, "is in continuous time"),
         (tf([1.0, 0, 0], [1, -0.5]), {"feedback": -1}, ImproperError, "future"),
         (3.0, {"feedback": -1}, InputError, "not a loop"),

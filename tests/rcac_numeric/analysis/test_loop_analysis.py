@@ -70,7 +70,7 @@ def test_without_a_target_there_is_a_loop_and_nothing_to_compare_it_with(run):
     alone = LoopAnalysis((run.plant, run.compensator))
     assert alone.loop.is_stable and alone.zeros.keys() == {"w"} and not alone.obstacle
     for ask in (lambda: alone.match, lambda: alone.comparison):
-        assert attempted(ask) == (None, "the target model is not known; give it as target=")
+        assert attempted(ask) == (None, "the target model is missing; give it as target=")
     with pytest.raises(InputError, match="not known"):
         alone.split_of(u=run.u, y=run.y, z=run.z, w=run.w)
     for ask in (lambda: alone.run, lambda: alone.split, lambda: alone.until(50)):
@@ -121,14 +121,14 @@ def test_a_plant_may_be_a_text_or_a_transfer_function(run):
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda run: compare_exactly(run.plant), "a plant alone is no loop"),
-        (lambda run: compare_exactly(run, run.compensator), "a run has its own controller"),
+        (lambda run: compare_exactly(run.plant), "a loop needs a controller"),
+        (lambda run: compare_exactly(run, run.compensator), "a run contains its controller"),
         (lambda run: compare_exactly(run.plant, run.compensator), "give it as target="),
         (lambda run: compare_exactly(run.plant, 3), "compensator = 3 is not a Compensator"),
-        (lambda run: h2_cost(run.plant), "a plant alone is no loop"),
-        (lambda run: h2_cost(run, run.compensator), "a run has its own controller"),
+        (lambda run: h2_cost(run.plant), "a loop needs a controller"),
+        (lambda run: h2_cost(run, run.compensator), "a run contains its controller"),
         (lambda run: stability_margins(run.plant), "a Plant is not a loop; give a Run"),
-        (lambda run: observer_forms(run.plant), "a plant alone is no loop"),
+        (lambda run: observer_forms(run.plant), "a loop needs a controller"),
         (lambda run: LoopAnalysis(5), "a int is not a loop; give a Run, or a pair"),
         (lambda run: LoopAnalysis((run.plant,)), "a tuple is not a loop; give a Run, or a pair"),
         (lambda run: LoopAnalysis((run.plant, 3)), "compensator = 3 is not a Compensator"),

@@ -220,9 +220,9 @@ def test_a_plant_and_a_compensator_of_the_numeric_half(arguments, options):
     ("arguments", "options", "words"),
     [
         ((PLANT, ONE), {"feedback": -1}, r"feedback = \+1"),
-        ((PLANT, "5/(2*(q + 1))"), {}, "how it is closed"),
+        ((PLANT, "5/(2*(q + 1))"), {}, "needs the sign of feedback"),
         ((PLANT, LOOP.compensator), {"feedback": -1}, r"designed for feedback = \+1"),
-        ((rcac.ClosedLoop(PLANT, ONE), ONE), {}, "own compensator"),
+        ((rcac.ClosedLoop(PLANT, ONE), ONE), {}, "contains its compensator"),
         ((rcac.ClosedLoop(PLANT, ONE),), {"feedback": 1}, "leave feedback out"),
         ((PLANT,), {"feedback": -1}, "is not a loop"),
     ],

@@ -88,7 +88,7 @@ def test_bounds_that_are_never_met_change_nothing(method):
     assert np.array_equal(run.u, plain.u) and run.bounded == 0
     assert "bounds" not in rn.loop_health(run).report()
     tight = rn.simulate(PLANT, settings_of(bounds=rn.CoefficientBounds(-0.01, 0.01)), w)
-    words = f"theta was moved to its bounds in {tight.bounded} of 200 steps"
+    words = f"theta was limited in {tight.bounded} of 200 steps"
     assert words in rn.loop_health(tight).report()
 
 
@@ -105,7 +105,7 @@ def test_where_bounds_hold_theta_they_and_no_failure_say_where_the_poles_are():
     assert stored.is_held and not free.is_held and min(stored.missed_by, free.missed_by) > 0.01
     codes = [{one.code for one in health.warnings} for health in (stored, free)]
     assert "missed poles" not in codes[0] and "missed poles" in codes[1]
-    assert "they decide where the poles are" in stored.report()
+    assert "the bounds decide the poles" in stored.report()
     assert "they decide" not in free.report()
 
 

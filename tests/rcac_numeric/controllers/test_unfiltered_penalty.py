@@ -165,7 +165,7 @@ def test_a_semidefinite_weight_of_two_inputs_penalises_its_direction_alone():
         (lambda: Controller(settings_of()).set_weights(R_u_unfiltered=np.eye(2)), "unfiltered"),
         (
             lambda: Controller(settings_of()).set_weights(R_u_unfiltered=SignalWeight(1.0)),
-            "does not follow signals",
+            "must be constant",
         ),
     ],
 )

@@ -115,14 +115,14 @@ def test_a_target_from_outside_is_refused():
     settings = settings_of()
     controller = rn.Controller(settings)
     before = controller.state
-    with pytest.raises(InputError, match="is learnt"):
+    with pytest.raises(InputError, match="learns the target model"):
         controller.set_target(rn.TargetModel([0, 1]))
-    with pytest.raises(InputError, match="is learnt"):
+    with pytest.raises(InputError, match="learns the target model"):
         controller.change(rn.ControllerChange(rn.TargetModel([0, 1]), R_u=0.1))
     assert controller.state == before
     controller.set_weights(R_u=0.1)  # what is not learnt may change
     assert controller.changes[-1].change == rn.ControllerChange(R_u=0.1)
-    with pytest.raises(FunctionFailedError, match="is learnt"):
+    with pytest.raises(FunctionFailedError, match="learns the target model"):
         rn.simulate(
             PLANT, settings, np.zeros((20, 1)), every=5,
             on_step=lambda run: rn.ControllerChange(rn.TargetModel([0, 1])),

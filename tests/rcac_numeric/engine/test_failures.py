@@ -38,14 +38,14 @@ def with_r(**change):
         (lambda: rn.simulate(PLANT, with_r(), ONES), "reads a command with l_r = 1"),
         (
             lambda: rn.simulate(PLANT, BOTH, ONES, saturation=rn.Saturation(low=0)),
-            "cannot know which part of it was applied",
+            "do not receive their applied parts",
         ),
         (lambda: rn.frozen_twin(5, 1), "run = 5 is not a Run"),
         (lambda: rn.frozen_twin(rn.simulate(PLANT, SETTINGS, ONES), -1), "k = -1"),
         (lambda: rn.Controller(5), "settings = 5: ControllerSettings are needed"),
         (lambda: rn.Controller(SETTINGS).step(1.0, 1.0, 1.0), "l_r = 0 commands; r = 1.0"),
         (lambda: rn.Controller(with_r()).step(1.0, 1.0), "l_r = 1 commands; r = None"),
-        (lambda: rn.Controller(SETTINGS).step(1.0, 1.0, u_applied=1.0), "at step 0 there is none"),
+        (lambda: rn.Controller(SETTINGS).step(1.0, 1.0, u_applied=1.0), "leave it out at step 0"),
         (
             lambda: rn.Controller(SETTINGS).step(1.0, 1.0, u_applied=[1, 2]),
             "u_applied has 2 entries",
@@ -93,7 +93,7 @@ def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
         else:
             with np.errstate(all="ignore"), pytest.raises(FunctionFailedError):
                 controller.step(1.0, 1.0)
-    with pytest.raises(CompensatorError, match="start a new one"):
+    with pytest.raises(CompensatorError, match="create a new controller"):
         controller.step(1.0, 1.0)
 
 

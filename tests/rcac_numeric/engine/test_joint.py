@@ -107,7 +107,7 @@ def test_the_report_says_d_f():
     assert section.record["D_f"] == [1.0, -0.7, 0.1]
     assert abs(section.record["D_f_spectral_radius"] - 0.5) < 1e-12
     (fact,) = section.blocks
-    assert fact.value == "1 -0.7 q^-1 +0.1 q^-2, largest root 0.5 in modulus"
+    assert fact.value == "1 -0.7 q^-1 +0.1 q^-2; spectral radius 0.5"
     assert not fitted_section(None).blocks
 
 

@@ -46,7 +46,7 @@ def test_runs_of_capped_forgetting_and_of_a_gain_schedule_are_loaded(tmp_path, s
             structure=r.iir(1), target=r.TargetModel([0, 1.0]),
             update=r.UD(1.0, lambda_=r.CappedForgetting(0.99)),
         ),
-        r.GainSchedule([0, 1 + seed], [r.Compensator([], [[[0.1]]])] * 2),
+        r.GainSchedule([0, 1 + seed], [r.Compensator(np.zeros((0, 1, 1)), [[[0.1]]])] * 2),
     ):  # fmt: skip
         run = simulate(plant, controller, w)
         run.save(tmp_path / "run.npz")

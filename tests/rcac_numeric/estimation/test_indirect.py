@@ -187,7 +187,7 @@ def test_a_loop_that_diverges_ends_there():
         (lambda p, s, r: simulate_many([SimulationCase(p, s, r)]), "case 0: .*IndirectSettings"),
         (
             lambda p, s, r: simulate(p, s, r, saturation=Saturation(low=-1, high=1)),
-            "without saturation",
+            "does not support saturation",
         ),
         (lambda p, s, r: simulate(aircraft(True), s, r), "the plant has l_y = 1"),
         (lambda p, s, r: frozen_twin(simulate(p, s, r), 3), "has no freeze"),
@@ -197,7 +197,7 @@ def test_a_loop_that_diverges_ends_there():
                 late(p.first), s, r,
                 start=simulate(p, s, r).state,
             ),
-            "state_map or delay is not continued",
+            "state_map or delay cannot be continued",
         ),
         (
             lambda p, s, r: simulate(p, s, r, start=simulate(aircraft(False, 9), s, r).state),

@@ -95,7 +95,7 @@ def test_a_noise_of_one_step_is_of_that_step_alone():
 @pytest.mark.parametrize(
     ("noises", "says"),
     [
-        ({"Q": [1.0, 2.0]}, "Q has 2 entries where 3 steps are"),
+        ({"Q": [1.0, 2.0]}, "Q has 2 entries for 3 steps"),
         ({"R": [1, -1, 1]}, "at step 1: R has the eigenvalue -1"),
         ({"R": np.ones((3, 2, 2))}, "at step 0: R has shape"),
         ({"Q": [1, np.nan, 1]}, "Q has the entry nan"),
