@@ -9,6 +9,7 @@ from functools import cache
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+import attrs
 import numpy as np
 
 import compensator_theory as exact
@@ -110,7 +111,7 @@ class Records:
             return _exact()[name](**parts)
         if name not in self._classes:
             raise ValueError(f"a {name[:60]!r} is not an allowed class")
-        record = self._classes[name](**parts)
+        record = self._classes[name](**_by_argument(self._classes[name], parts))
         require_declared(record)
         return record
 
@@ -203,3 +204,11 @@ def _matrix(rows: list[Any], height: int, width: int) -> Any:
     if len(rows) != height or any(len(row) != width for row in rows):
         raise ValueError(f"a matrix is not of its size {height} x {width}")
     return [[_fraction(entry) for entry in row] for row in rows]
+
+
+def _by_argument(cls: type[Any], parts: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a class under the names of the constructor's arguments."""
+    if not attrs.has(cls):
+        return parts
+    names = {field.name: field.alias or field.name for field in attrs.fields(cls)}
+    return {names.get(name, name): value for name, value in parts.items()}

@@ -131,7 +131,7 @@ def test_a_child_that_ends_names_its_chunk(whole, monkeypatch):
     assert [numbers[0] for numbers in expected] == [1, 4] and report.total == STUDY.runs
     words = ["" if "memory or time" in fault else "not read" for fault in report.faults]
     assert words == ["", "", *["not read"] * (len(expected[0]) - 6)] and report.done == 4 * 3
-    with pytest.raises(StoreError, match=r"the runs 6 to 8 .*computes again what is damaged"):
+    with pytest.raises(StoreError, match=r"the runs 6 to 8 .*Repeat the damaged runs"):
         read_table(whole[0])
 
 

@@ -135,7 +135,7 @@ def test_tune_writes_what_it_found(tmp_path):
          "--budget", "2", "--held-out", "1", "-o", str(path)],
     )  # fmt: skip
     assert result.exit_code == 0, result.output
-    assert result.output.startswith("A tuned controller") and "What was tried" in result.output
+    assert result.output.startswith("A tuned controller") and "Candidates" in result.output
     assert set(load_experiment(path).runs) == {"RCAC", "fixed"}
 
 

@@ -23,8 +23,8 @@ from rcac_experiments.dissertation._reproduction import (
     CompletedCases,
     case_workers,
     digest_of,
-    verified_case,
     reduced,
+    verified_case,
 )
 from rcac_experiments.judging._claim import Check
 from rcac_numeric.arrays._values import replaced as replace

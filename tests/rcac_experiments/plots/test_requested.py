@@ -117,7 +117,7 @@ def test_bad_requests_are_refused(steps):
         FigureRequest("poles", "", measure="rms")
     with pytest.raises(InputError, match="at least 11"):
         FigureRequest("responses", "", first=10, last=10)
-    with pytest.raises(InputError, match="asks for the run 'no'"):
+    with pytest.raises(InputError, match="the run 'no'"):
         plot_request(steps, FigureRequest("responses", "", runs=["no"]))
     with pytest.raises(InputError, match="asks for the measure"):
         plot_request(steps, FigureRequest("distribution", "", measure="no"))

@@ -65,7 +65,7 @@ def test_the_boost_converter_says_its_gain_margin():
     oracle = stability_margins(verification.main.first.loop).gain_up.value
     assert oracle < 1.5 and health.margins["u"].gain_up.value == oracle
     assert "small margins" in codes(health)
-    assert f"{oracle:.3g} times the gain is unstable" in str(verification).split("The problem")[0]
+    assert f"unstable with {oracle:.3g} times the gain" in str(verification).split("The problem")[0]
     assert health.is_stable and "NOT reached" not in str(verification), (
         "an example shows what works"
     )

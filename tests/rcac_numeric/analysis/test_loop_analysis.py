@@ -71,7 +71,7 @@ def test_without_a_target_there_is_a_loop_and_nothing_to_compare_it_with(run):
     assert alone.loop.is_stable and alone.zeros.keys() == {"w"} and not alone.obstacle
     for ask in (lambda: alone.match, lambda: alone.comparison):
         assert attempted(ask) == (None, "the target model is missing; give it as target=")
-    with pytest.raises(InputError, match="not known"):
+    with pytest.raises(InputError, match="is missing"):
         alone.split_of(u=run.u, y=run.y, z=run.z, w=run.w)
     for ask in (lambda: alone.run, lambda: alone.split, lambda: alone.until(50)):
         with pytest.raises(InputError, match="no run is known"):
