@@ -119,7 +119,7 @@ def test_bad_requests_are_refused(steps):
         FigureRequest("responses", "", first=10, last=10)
     with pytest.raises(InputError, match="the run 'no'"):
         plot_request(steps, FigureRequest("responses", "", runs=["no"]))
-    with pytest.raises(InputError, match="asks for the measure"):
+    with pytest.raises(InputError, match="the measure 'no'"):
         plot_request(steps, FigureRequest("distribution", "", measure="no"))
 
 

@@ -74,7 +74,7 @@ def test_without_a_target_there_is_a_loop_and_nothing_to_compare_it_with(run):
     with pytest.raises(InputError, match="is missing"):
         alone.split_of(u=run.u, y=run.y, z=run.z, w=run.w)
     for ask in (lambda: alone.run, lambda: alone.split, lambda: alone.until(50)):
-        with pytest.raises(InputError, match="no run is known"):
+        with pytest.raises(InputError, match="but no run"):
             ask()
 
 
