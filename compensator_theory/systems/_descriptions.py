@@ -1,6 +1,6 @@
 """Reading of systems in any form, for every function that takes one.
 
-It comes down to a :data:`Description`, which `_conversions` makes a transfer function of,
+It comes down to a `Description`, which `_conversions` makes a transfer function of,
 `_matrix_conversions` a transfer matrix, and `_canonical_forms` a realisation.
 """
 
