@@ -300,7 +300,7 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ),
         (
             {"saturation": {"low": -1}, "run": {"arithmetic": "reference"}},
-            "the reference runs does not support saturation",
+            "the reference runs without saturation",
         ),
         ({"run": {"expected": "unstable"}}, "expected = 'unstable' must be one of"),
         ({"saturation": {}}, "a saturation needs low, high or rate"),
