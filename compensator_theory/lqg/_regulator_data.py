@@ -111,8 +111,8 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
         raise InputError(
             f"{repr_of(plant)} is not a StandardProblem: a plant alone defines neither "
             "disturbance nor cost. Give lqg_problem(plant, Q, R, W, V), or standard_problem(G), "
-            "where the measurement is weighed and the disturbance is matched, or the problem of a "
-            "rcac_numeric.Plant"
+            "where the measurement is weighed and the disturbance is matched. In float64, "
+            "rcac_numeric.lqg_controller takes a plant"
         )
     return (
         (plant.A, plant.B, plant.E_1, plant.E_2),

@@ -121,14 +121,21 @@ def _with_symbols(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) 
     for coefficient in descending[1:]:
         coefficients.append(multiplied(c, v) + d * coefficient)
         v = multiplied(a, v) + b * coefficient
-    rows = tuple(
+    rows = _polynomials(coefficients, D, variable)
+    return rows, denominator, v
+
+
+def _polynomials(
+    coefficients: list[ImmutableMatrix], D: Matrix, variable: Symbol
+) -> tuple[tuple[Poly, ...], ...]:
+    """Return the polynomial matrix with these coefficients, of the shape of D."""
+    return tuple(
         tuple(
             from_coefficients([matrix[row, column] for matrix in coefficients], variable)
             for column in range(D.cols)
         )
         for row in range(D.rows)
     )
-    return rows, denominator, v
 
 
 def _ask(A: ImmutableMatrix) -> None:
@@ -155,13 +162,7 @@ def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> V
         coefficients[power] += (c * v).to_Matrix()
         v = a * v + b * scalars[0, power].element
     residual = ImmutableMatrix(v.to_Matrix()) if A.rows else zero_matrix(0, B.cols)
-    rows = tuple(
-        tuple(
-            from_coefficients([matrix[row, column] for matrix in coefficients], variable)
-            for column in range(D.cols)
-        )
-        for row in range(D.rows)
-    )
+    rows = _polynomials(coefficients, D, variable)
     return rows, denominator, residual
 
 

@@ -268,8 +268,8 @@ def _matrices(system: Any, variable: str | None = None) -> StateSpace:
         is_control = hasattr(system, "isctime")
         of_control = "system" if is_control else "transfer_function(loop).to_control()"
         raise InputError(
-            f"the {kind} is in continuous time, whose margins compensator_theory.stability_margins "
-            f"finds exactly; or discretise it with control.c2d({of_control}, sample_time)."
+            "the loop is in continuous time: compensator_theory.stability_margins answers it "
+            f"exactly; or discretise it with control.c2d({of_control}, sample_time)."
         )
     if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
         if not is_description(system) or any(isinstance(p, Compensator) for p in _parts(system)):
