@@ -50,16 +50,16 @@ def asked_of(variable: str, batch: int, loops: int, worst: dict, found: Counter)
 def main(loops: int = 10_000, batch: int = 0) -> int:
     """Ask, print, and return the exit status."""
     worst: dict[str, tuple[float, str]] = {}
-    found: Counter[str] = Counter()
+    failures: Counter[str] = Counter()
     counts: Counter[str] = Counter()
     while sum(counts.values()) < loops:
         for variable in ("s", "z"):
-            counts[variable] += asked_of(variable, batch, min(BATCH, loops), worst, found)
+            counts[variable] += asked_of(variable, batch, min(BATCH, loops), worst, failures)
         batch += 1
-        print(f"{dict(counts)} loops, {sum(found.values())} contradictions", flush=True)
+        print(f"{dict(counts)} loops, {sum(failures.values())} contradictions", flush=True)
     for name, (took, loop) in sorted(worst.items()):
         print(f"{name}: slowest {took:.2f} s for {loop}")
-    return int(bool(found) or max(took for took, _ in worst.values()) > LONGEST)
+    return int(bool(failures) or max(took for took, _ in worst.values()) > LONGEST)
 
 
 if __name__ == "__main__":

@@ -113,17 +113,19 @@ def main() -> None:
     print("l_theta  " + "  ".join(f"{name:>15}" for name in names) + "   checks  worst theta")
     for n_c in ORDERS:
         rng = np.random.default_rng(n_c)
-        found = contestants(n_c)
+        contestants_by_name = contestants(n_c)
         times: dict[str, list[float]] = {name: [] for name in names}
         for _ in range(ROUNDS):
             data = rng.standard_normal((steps, 2))
             for name in names:
-                times[name].append(microseconds(found[name], data, name == "kernel alone"))
+                times[name].append(
+                    microseconds(contestants_by_name[name], data, name == "kernel alone")
+                )
         medians = {name: statistics.median(values) for name, values in times.items()}
         checks = statistics.median(
             a - b for a, b in zip(times[names[0]], times[names[1]], strict=True)
         )
-        thetas = [np.ravel(one.theta) for one in found.values()]
+        thetas = [np.ravel(one.theta) for one in contestants_by_name.values()]
         worst = max(np.abs(theta - thetas[0]).max() for theta in thetas) / np.abs(thetas[0]).max()
         print(f"{2 * n_c:7d}  " + "  ".join(f"{medians[name]:15.2f}" for name in names)
               + f"  {checks:7.2f}  {worst:.1e}")  # fmt: skip

@@ -313,10 +313,10 @@ def table(results, title, ways=WAYS, plants=TRUE):
 
 def failures(results, names, way):
     counts, examples = Counter(), {}
-    for name, (scaled, kind, made, outcomes) in zip(names, results, strict=True):
+    for name, (scaled, kind, controllers_by_name, outcomes) in zip(names, results, strict=True):
         measures = scaled.get((way, "nominal"))
         if measures is None or not is_good(measures):
-            why = made[way] if isinstance(made[way], str) else ""
+            why = controllers_by_name[way] if isinstance(controllers_by_name[way], str) else ""
             word = failure(measures, outcomes.get((way, "nominal"), ""), why)
             word = f"{word}, {kind}"
             counts[word] += 1

@@ -114,30 +114,30 @@ class Inputs:
 
     def grown(self, value):
         """Return an argument of a kind that grows at this size, another as it is."""
-        for kind, made in self._kinds():
+        for kind, maker in self._kinds():
             if value is kind or (isinstance(kind, str) and value == kind):
-                return made()
+                return maker()
         return value
 
     def _kinds(self):
-        n, given = self.n, bad_inputs
+        n = self.n
         return [
-            (given._P, lambda: self.poly(n)), (given._Q, lambda: self.poly(n - 1)),
-            (given._G, self._plant), (given._POLY, lambda: self.poly(n)),
-            (given._A, lambda: self._A), (given._B, lambda: self._matrix(n, 1)),
-            (given._C, lambda: self._matrix(1, n)), (given._R, lambda: self._realisation),
-            (given._MATRIX, lambda: self._transfers),
-            (given._STANDARD, lambda: self._standard("z")),
-            (given._CONTINUOUS, lambda: self._standard("s")),
-            (given._SERVO, lambda: exact.servo_problem(self._plant("q"))),
+            (bad_inputs._P, lambda: self.poly(n)), (bad_inputs._Q, lambda: self.poly(n - 1)),
+            (bad_inputs._G, self._plant), (bad_inputs._POLY, lambda: self.poly(n)),
+            (bad_inputs._A, lambda: self._A), (bad_inputs._B, lambda: self._matrix(n, 1)),
+            (bad_inputs._C, lambda: self._matrix(1, n)), (bad_inputs._R, lambda: self._realisation),
+            (bad_inputs._MATRIX, lambda: self._transfers),
+            (bad_inputs._STANDARD, lambda: self._standard("z")),
+            (bad_inputs._CONTINUOUS, lambda: self._standard("s")),
+            (bad_inputs._SERVO, lambda: exact.servo_problem(self._plant("q"))),
         ]  # fmt: skip
 
     def arguments(self, name):
         """Return the call of a function at this size, and whether its inputs have grown."""
-        made = self._own(name)
+        built = self._own(name)
         positional, named = bad_inputs.GOOD[name]
-        if made is not None:
-            return made, named, True
+        if built is not None:
+            return built, named, True
         grown = [self.grown(value) for value in positional]
         return grown, named, any(a is not b for a, b in zip(grown, positional, strict=True))
 
@@ -232,8 +232,10 @@ def asked(result, name):
     ours = [
         base for base in type(result).__mro__ if base.__module__.startswith("compensator_theory")
     ]
-    own = {attribute: held for base in reversed(ours) for attribute, held in vars(base).items()}
-    for attribute, held in sorted(own.items()):
+    attributes = {
+        attribute: held for base in reversed(ours) for attribute, held in vars(base).items()
+    }
+    for attribute, held in sorted(attributes.items()):
         if attribute[0] != "_" and isinstance(held, property | cached_property):
             yield f"{name}.{attribute}", lambda attribute=attribute: getattr(result, attribute)
 
@@ -307,16 +309,16 @@ class Kept:
         self.path, self.found = path, {}
         if path is not None and path.exists():
             for line in path.read_text().splitlines():
-                name, kind, size, found = json.loads(line)
-                self.found[name, kind, size] = found
+                name, kind, size, value = json.loads(line)
+                self.found[name, kind, size] = value
 
     def measured(self, name, kind, size, call):
         """Return what stands in the file, else what the call measures."""
         if (name, kind, size) not in self.found:
-            self.found[name, kind, size] = found = call()
+            self.found[name, kind, size] = value = call()
             if self.path is not None:
                 with self.path.open("a") as file:
-                    file.write(json.dumps([name, kind, size, found]) + "\n")
+                    file.write(json.dumps([name, kind, size, value]) + "\n")
         return self.found[name, kind, size]
 
 
@@ -376,7 +378,7 @@ def main():
     parser.add_argument("--cap", type=float, default=15.0)
     parser.add_argument("--kept", type=Path, help="a file of JSON lines")
     options = parser.parse_args()
-    cliffs, fixed, kept = [], [], Kept(options.kept)
+    cliffs, fixed, cached = [], [], Kept(options.kept)
     for name in options.names:
         if not grows(name):
             fixed.append(name)
@@ -384,7 +386,7 @@ def main():
         numbers = [(n, Inputs(n)) for n in options.sizes]
         symbols = [(m, Inputs(ORDER, m)) for m in range(1, len(NAMES) + 1)]
         for kind, points in (("n", numbers), ("symbols", symbols)):
-            for label, row in rows(name, kind, points, options.cap, kept).items():
+            for label, row in rows(name, kind, points, options.cap, cached).items():
                 line = f"{label:40} {kind:8} {written(row)}"
                 if label == name or max(t for _, t, _ in row) > 0.1:
                     print(line, flush=True)

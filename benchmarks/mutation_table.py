@@ -33,7 +33,7 @@ def main() -> int:
         claims = [claim for claim in load_example(number).claims if claim.owner != OURS]
         with np.errstate(all="ignore"):
             holding = {i for i, o in enumerate(outcomes(table, number)) if o == HOLDS}
-            found: set[int] = set()
+            claims_holding: set[int] = set()
             for name, changed in mutations(table):
                 try:
                     after = outcomes(changed, number)
@@ -43,10 +43,10 @@ def main() -> int:
                 lost = {i for i in holding if after[i] != HOLDS}
                 turned[name] += len(lost)
                 could[name] += len(holding)
-                found |= lost
+                claims_holding |= lost
                 print(f"{number}, {name}: {len(lost)} of {len(holding)}", flush=True)
-        total, some = total + len(holding), some + len(found)
-        for i in sorted(holding - found):
+        total, some = total + len(holding), some + len(claims_holding)
+        for i in sorted(holding - claims_holding):
             print(f"{number}: nothing turns {claims[i].text!r}")
         print(f"{number}: {time.perf_counter() - begun:.0f} s", flush=True)
     for name, count in could.items():

@@ -55,7 +55,7 @@ def tried(name, runs):
         base = {**BASE, "controller": {**BASE["controller"], "n_c": int(name)}}
         value = None
     study = Study(base, [axis], [Metric("rms")], seed=1)
-    stored, print_, kept = pickle.dumps(study), study.fingerprint, hashlib.sha256()
+    stored, print_, digest_of_records = pickle.dumps(study), study.fingerprint, hashlib.sha256()
 
     def chunk(first, count):
         if value is None:
@@ -72,8 +72,8 @@ def tried(name, runs):
     start = time.process_time()
     for first in range(16, 16 + runs, CHUNK):
         for record in chunk(first, min(CHUNK, 16 + runs - first)).records:
-            kept.update(f"{record.run} {record.outcome} {record.values}".encode())
-    return 1e6 * (time.process_time() - start) / runs, kept.hexdigest()
+            digest_of_records.update(f"{record.run} {record.outcome} {record.values}".encode())
+    return 1e6 * (time.process_time() - start) / runs, digest_of_records.hexdigest()
 
 
 def main():
@@ -84,24 +84,26 @@ def main():
     parser.add_argument("--cells", type=int, default=2000)
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--one", nargs=2, metavar=("NAME", "RUNS"), help="in this process")
-    asked = parser.parse_args()
-    if asked.one:
-        print(json.dumps(tried(asked.one[0], int(asked.one[1]))))
+    options = parser.parse_args()
+    if options.one:
+        print(json.dumps(tried(options.one[0], int(options.one[1]))))
         return
-    pythons = [python for python in (asked.before, sys.executable) if python]
-    print(f"us a run, medians of {asked.repetitions}; {asked.runs} runs, maps of {asked.cells}")
+    pythons = [python for python in (options.before, sys.executable) if python]
+    print(
+        f"us a run, medians of {options.repetitions}; {options.runs} runs, maps of {options.cells}"
+    )
     for name in ("4", "10", "25", *MAPS):
         spent, digests = {python: [] for python in pythons}, set()
-        runs = asked.cells if name in MAPS else asked.runs
-        for _ in range(asked.repetitions):
+        runs = options.cells if name in MAPS else options.runs
+        for _ in range(options.repetitions):
             for python in pythons:
                 command = [python, __file__, "--one", name, str(runs)]
-                found = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
-                spent[python].append(found[0])
-                digests.add(found[1])
+                times = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+                spent[python].append(times[0])
+                digests.add(times[1])
         medians = [statistics.median(spent[python]) for python in pythons]
         words = f"map of {name}" if name in MAPS else f"l_theta = {2 * int(name)}"
-        ratio = f"   {medians[0] / medians[-1]:5.1f} times" if asked.before else ""
+        ratio = f"   {medians[0] / medians[-1]:5.1f} times" if options.before else ""
         same = "the same bits" if len(digests) == 1 else "OTHER BITS"
         print(
             f"  {words:30}" + "".join(f"{m:9.0f}" for m in medians) + f"{ratio}   {same}",

@@ -342,10 +342,10 @@ def hold(name: str, wanted: int, rng: random.Random) -> Counter[str]:
             if case.status == "open" or case.is_generic:
                 counts["open"] += 1
                 continue
-            given, also = template(*(f"({sympy.sympify(part, locals=numbers)})" for part in parts))
+            filled, also = template(*(f"({sympy.sympify(part, locals=numbers)})" for part in parts))
             kind = "beside" if not case.values and case is cases.generic else "on"
             try:
-                expected = function(*given, **also)
+                expected = function(*filled, **also)
             except CompensatorError as error:
                 right = case.status == "refused" and isinstance(error, case.error)
                 counts[f"{kind}, refused" if right else "CONTRADICTS"] += 1

@@ -83,8 +83,8 @@ MEASURES = {"rms": slow, "greedy": greedy, "hanging": hanging}
 
 def study(kind="rms", values=(0.01, 1.0, 100.0), repetitions=100):
     axis = Axis("R_theta", list(values), sets="controller.R_theta")
-    kept = [Metric("rms", "of_z"), Metric(MEASURES[kind])]
-    return Study(BASE, [axis], kept, repetitions=repetitions, seed=5, keep_signals=["z"])
+    metrics = [Metric("rms", "of_z"), Metric(MEASURES[kind])]
+    return Study(BASE, [axis], metrics, repetitions=repetitions, seed=5, keep_signals=["z"])
 
 
 def small_chunks():
@@ -238,8 +238,8 @@ def slow_disks(folder, reference):
             started[0].communicate()
             started[0] = coordinate(store, 1, "rms", "slow")
             killed += 1
-    said = [process.communicate()[1] for process in started]
-    assert all(process.returncode == 0 for process in started), said
+    messages = [process.communicate()[1] for process in started]
+    assert all(process.returncode == 0 for process in started), messages
     words = f"two coordinators on a slow disk, one killed {killed} times, {since(start)}"
     verdict(words, store, reference)
 

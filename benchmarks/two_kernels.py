@@ -120,15 +120,15 @@ def main() -> None:
     for kind in KINDS:
         cells = []
         for l_theta in SIZES:
-            found: list[list[float]] = [[], []]
+            medians: list[list[float]] = [[], []]
             for _ in range(arguments.rounds):
-                for process, times in zip(processes, found, strict=True):
+                for process, times in zip(processes, medians, strict=True):
                     assert process.stdin is not None
                     assert process.stdout is not None
                     print(kind, l_theta, file=process.stdin, flush=True)
                     times.append(float(process.stdout.readline()))
-            before, after = map(statistics.median, found)
-            ratio = statistics.median(a / b for a, b in zip(*found, strict=True))
+            before, after = map(statistics.median, medians)
+            ratio = statistics.median(a / b for a, b in zip(*medians, strict=True))
             cells.append(f"{before:7.0f}{after:6.0f}{ratio:6.2f}x")
         print(f"{kind:<10}" + "".join(cells), flush=True)
     for process in processes:

@@ -210,8 +210,8 @@ class Judge:
                     reach[file, line] |= set(tests)
             return dict(reach), took
 
-        found: tuple[dict[Any, set[str]], dict[str, float]] | None = self._forked(run, 3600)
-        return found or sys.exit("the tests did not come to an end unchanged")
+        traced: tuple[dict[Any, set[str]], dict[str, float]] | None = self._forked(run, 3600)
+        return traced or sys.exit("the tests did not come to an end unchanged")
 
     def _survives(self, mutant: Mutant, items: list[Any]) -> bool:
         mutant.put()

@@ -205,12 +205,12 @@ def print_ways() -> None:
     """Print files and returns, by reader and by what is read."""
     print("\n" + f"{'files entered + returns':24}" + "".join(f"{n:>18}" for n in READERS))
     for name, plant in plants().items():
-        found = []
+        ways = []
         for reader in READERS.values():
             reader(plant)  # what is kept for the next time is no part of the way
             files, returns, _ = way(reader, plant)
-            found.append(f"{files} + {returns}")
-        print(f"{name:24}" + "".join(f"{one:>18}" for one in found))
+            ways.append(f"{files} + {returns}")
+        print(f"{name:24}" + "".join(f"{one:>18}" for one in ways))
 
 
 def modules_of_a_controller() -> str:

@@ -121,8 +121,8 @@ class Loop(ExactValue):
 
     @cached_property
     def _channels(self) -> dict[str, ImmutableMatrix]:
-        found = {c: self.problem.transfer_matrix(c) for c in ("zw", "zu", "yw", "yu")}
-        return {channel: matrix.numerator_matrix() for channel, matrix in found.items()}
+        channels = {c: self.problem.transfer_matrix(c) for c in ("zw", "zu", "yw", "yu")}
+        return {channel: matrix.numerator_matrix() for channel, matrix in channels.items()}
 
     def _numerators(self, channel: str) -> ImmutableMatrix:
         return self._channels[channel]

@@ -73,11 +73,11 @@ def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
     """Return the columns v, Av, ..., A^(size-1) v."""
     raw, column = rational_in_flint(matrix), rational_in_flint(vector)
     if raw is not None and column is not None:
-        kept = [column]
+        basis = [column]
         for _ in range(size - 1):
-            kept.append(raw * kept[-1])
-        entries = [x for one in kept for x in one.transpose().entries()]
-        return from_flint(flint.fmpq_mat(len(kept), matrix.rows, entries).transpose())
+            basis.append(raw * basis[-1])
+        entries = [x for one in basis for x in one.transpose().entries()]
+        return from_flint(flint.fmpq_mat(len(basis), matrix.rows, entries).transpose())
     columns = [vector]
     for _ in range(size - 1):
         columns.append((matrix * columns[-1]).applyfunc(sympy.expand))

@@ -143,8 +143,8 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
     form = [execute(f"PRAGMA {it}").fetchone()[0] for it in ("application_id", "user_version")]
     if form != [APPLICATION, OLD_FORMAT]:
         raise ValueError("it is a database of another program, or in another format")
-    found = dict(execute("SELECT name, sql FROM sqlite_master").fetchmany(9))
-    if found.get("study") != f"CREATE TABLE study ({TABLES['study']}":
+    tables = dict(execute("SELECT name, sql FROM sqlite_master").fetchmany(9))
+    if tables.get("study") != f"CREATE TABLE study ({TABLES['study']}":
         raise ValueError("its tables are not those of a store")
     rows = execute("SELECT * FROM study").fetchmany(2)
     if len(rows) != 1 or rows[0][-1] != _digest(list(rows[0][:-1])):
@@ -167,7 +167,7 @@ def _study(connection: sqlite3.Connection) -> tuple[StoredStudy, str]:
         "axes": "".join(f', "{name}"' for name in about.axes),
         "measures": "".join(f', "{name}" REAL' for name in about.measures),
     }
-    if found != {
+    if tables != {
         name: f"CREATE TABLE {name} ({words.format(**columns)}" for name, words in TABLES.items()
     }:
         raise ValueError("its tables are not those of a store")
@@ -180,10 +180,10 @@ def _records(
     """Read the runs of a completed chunk; raise `Damaged` or other errors."""
 
     def rows_of(statement: str, values: Row, most: int) -> list[Row]:
-        found = connection.execute(f"SELECT {statement}", values).fetchmany(most + 1)
-        if len(found) > most:
+        rows = connection.execute(f"SELECT {statement}", values).fetchmany(most + 1)
+        if len(rows) > most:
             raise Damaged("there are more rows than runs")
-        return found
+        return rows
 
     def signals_of(run: int, bound: str | None) -> dict[str, Any]:
         stored = rows_of("name, shape, float64 FROM trajectory WHERE run = ? ORDER BY name",
@@ -231,9 +231,9 @@ def _digest(value: Any) -> str:
 
 
 def _digest_of_signals(signals: list[Row]) -> str | None:
-    found = blake2b(digest_size=16)
+    digest = blake2b(digest_size=16)
     for name, shape, data in signals:
         head = json.dumps([name, shape, len(data)]).encode()
-        found.update(len(head).to_bytes(8, "little") + head)
-        found.update(data)
-    return found.hexdigest() if signals else None
+        digest.update(len(head).to_bytes(8, "little") + head)
+        digest.update(data)
+    return digest.hexdigest() if signals else None

@@ -214,9 +214,9 @@ class Folder:
                 for r in records
             ]
         for name in about.resolved["keep_signals"]:
-            kept = [record.signals.get(name) for record in records]
-            columns[f"{name}.values"] = [None if a is None else np.ravel(a) for a in kept]
-            columns[f"{name}.shape"] = [None if a is None else a.shape for a in kept]
+            samples = [record.signals.get(name) for record in records]
+            columns[f"{name}.values"] = [None if a is None else np.ravel(a) for a in samples]
+            columns[f"{name}.shape"] = [None if a is None else a.shape for a in samples]
         try:
             data = encode(layout, number, columns)
         except Damaged as fault:
@@ -239,8 +239,8 @@ class Folder:
         if self.chunks is None or not chunks:
             return
         jobs = [(n, last - first + 1, self.layout(n)) for n, (first, last) in chunks.items()]
-        for number, found in (read_guarded if guarded else read_in_process)(self.chunks, jobs):
-            columns, fault = ({}, found) if isinstance(found, str) else (found, "")
+        for number, content in (read_guarded if guarded else read_in_process)(self.chunks, jobs):
+            columns, fault = ({}, content) if isinstance(content, str) else (content, "")
             if columns:
                 fault = _fault(about, number, self.layout(number), columns)
             yield Chunk(number, *chunks[number], columns, fault)

@@ -144,10 +144,10 @@ def replay_run(
         plan = about.plan
         if run >= plan.runs:
             raise StoreError(f"{store} has no run {run}; its runs are 0 to {plan.runs - 1}.")
-        found = list(opened.results([plan.chunk_of(run)]))
-    if not found:
+        results = list(opened.results([plan.chunk_of(run)]))
+    if not results:
         raise StoreError(f"run {run} of {store} is not stored yet; run `run_study` first.")
-    row = {name: values[run - found[0].first] for name, values in found[0].columns.items()}
+    row = {name: values[run - results[0].first] for name, values in results[0].columns.items()}
     cell, repetition = plan.place(run)
     (coordinates,) = plan.coordinates([cell])
     study = _study(about, str(store), functions, data)
@@ -224,8 +224,8 @@ def _study(
             base,
             [Axis(axis["name"], axis["values"], axis["sets"]) for axis in resolved["axes"]],
             [
-                Metric(restored(kept["measure"]), kept["name"], kept["arguments"])
-                for kept in resolved["keep"]
+                Metric(restored(metric["measure"]), metric["name"], metric["arguments"])
+                for metric in resolved["keep"]
             ],
             repetitions=resolved["repetitions"],
             seed=resolved["seed"],

@@ -121,7 +121,7 @@ class Study(Value):
         set_(self, "keep", items(keep, "keep", Metric))
         for kind, names in (
             ("axes", [axis.name for axis in drawn]),
-            ("columns", [*(axis.name for axis in drawn), *(kept.name for kept in self.keep)]),
+            ("columns", [*(axis.name for axis in drawn), *(metric.name for metric in self.keep)]),
             ("axes' paths", [axis.sets for axis in drawn]),
         ):
             lower = [name.lower() for name in names]  # SQL does not tell k_W from k_w

@@ -270,7 +270,7 @@ def channel_margins(
     The default sample time is that of the plant.
     """
     sample_time = agreed_times([loop.plant, loop.compensator], sample_time)
-    found, reasons = {}, {}
+    margins_of, reasons = {}, {}
     for i in range(loop.plant.l_u):
         name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
         margins, reason = attempted(
@@ -279,5 +279,5 @@ def channel_margins(
         if margins is None:
             reasons[f"margins at {name}"] = reason
         else:
-            found[name] = margins
-    return found, reasons
+            margins_of[name] = margins
+    return margins_of, reasons

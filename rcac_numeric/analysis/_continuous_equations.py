@@ -95,12 +95,12 @@ def continuous_solution(
         _require_stabilisable(A, B)
         if factor is not None:
             _require_no_zero_on_axis(A, B, *factor)
-        found = min(
+        solution = min(
             _until_good(_candidates(A, B, weights, factor)),
             key=lambda s: (not s.margin > 0, s.residual), default=None,
         )  # fmt: skip
-    if found is None or not found.margin > 0 or not found.residual < LARGEST_RESIDUAL:
-        best = "none" if found is None else repr(found)
+    if solution is None or not solution.margin > 0 or not solution.residual < LARGEST_RESIDUAL:
+        best = "none" if solution is None else repr(solution)
         advice = (
             "The full weight is not positive semidefinite, so a solution may not exist."
             if factor is None
@@ -112,8 +112,8 @@ def continuous_solution(
             f"(the best: {best}). {advice}"
         )
     if factor is None:
-        _require_no_pole_on_axis(found, weights)
-    return found
+        _require_no_pole_on_axis(solution, weights)
+    return solution
 
 
 def _require_regular(R: Array, factor: tuple[Array, Array] | None) -> None:

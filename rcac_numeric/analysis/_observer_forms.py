@@ -299,20 +299,22 @@ def observer_forms(
     regulator, observer = selections(choices, n, n_c)
     V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
     V_1, V_2 = V[:, :n, :], V[:, n:, :]
-    kept = np.flatnonzero((least_sines(V_1) > singular) & (least_sines(V_2) > singular))
+    admissible = np.flatnonzero((least_sines(V_1) > singular) & (least_sines(V_2) > singular))
     # T of the balanced loop, and from it T itself: powers of two, so that nothing is rounded.
-    T = solved(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1)).transpose(0, 2, 1)
-    own, other = scale[0][:n], scale[0][n:]
+    T = solved(V_1[admissible].transpose(0, 2, 1), V_2[admissible].transpose(0, 2, 1)).transpose(
+        0, 2, 1
+    )
+    plant_scale, other = scale[0][:n], scale[0][n:]
     B_c, C_c = _rounded(controller.B), _rounded(controller.C)
     F = None
     if n == n_c:
         inputs = np.broadcast_to(B_c / other[:, None], (len(T), *B_c.shape))
-        F = own[:, None] * solved(T, inputs)
+        F = plant_scale[:, None] * solved(T, inputs)
     left = loop[n:, :n] + loop[n:, n:] @ T
     drift, fed_back = T @ loop[:n, :n], T @ loop[:n, n:] @ T  # both are large where A + BK = 0
     right = drift + fed_back
     terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(drift) + norms(fed_back)
-    T = other[:, None] * T / own
+    T = other[:, None] * T / plant_scale
     residual = norms(left - right) / np.where(terms > 0, terms, 1.0)
     with np.errstate(all="ignore"):
         good = (residual <= RESOLVED) & np.isfinite(T).all(axis=(1, 2))
@@ -320,12 +322,12 @@ def observer_forms(
             size = np.linalg.norm(B_c) + norms(T) * norms(F)
             off = norms(T @ F - B_c) / np.where(size > 0, size, 1.0)
             good &= np.isfinite(F).all(axis=(1, 2)) & (off <= RESOLVED)
-    which = kept[good]
+    which = admissible[good]
     return NumericObserverForms(
         system, controller, T[good], C_c @ T[good], None if F is None else F[good],
         roots[regulator[which]], roots[observer[which]],
         residual[good], np.linalg.cond(T[good]) if len(which) else np.zeros(0),
-        len(V) - len(kept), roots[regulator[kept[~good]]],
+        len(V) - len(admissible), roots[regulator[admissible[~good]]],
     )  # fmt: skip
 
 

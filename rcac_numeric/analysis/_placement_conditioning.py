@@ -148,8 +148,8 @@ def compared_solves(exact: PolePlacement) -> PlacementConditioning:
     matrix = np.array(entries, dtype=np.float64).reshape(M.shape)
     right = np.array([_float(c) for c in exact.target.all_coeffs()])
     solution = _solve(matrix, right)
-    wanted = _descending(exact.denominator, order) + _descending(exact.numerator, m_hat)
-    scale = np.array([_float(c) for c in wanted])
+    exact_solution = _descending(exact.denominator, order) + _descending(exact.numerator, m_hat)
+    scale = np.array([_float(c) for c in exact_solution])
     error = float(np.linalg.norm(solution - scale) / np.linalg.norm(scale))
     denominator, numerator = (
         canonical(Poly([exact_number(float(c), binary=True) for c in part], G.variable))
@@ -177,8 +177,8 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _descending(poly: Poly, degree: int) -> list[Any]:
-    own = 0 if poly.is_zero else int(poly.degree())
-    return [0] * (degree - own) + poly.all_coeffs() if degree >= 0 else []
+    degree_of = 0 if poly.is_zero else int(poly.degree())
+    return [0] * (degree - degree_of) + poly.all_coeffs() if degree >= 0 else []
 
 
 def _float(value: Any) -> float:

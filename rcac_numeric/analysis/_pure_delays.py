@@ -40,10 +40,10 @@ def _without_last(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array] | 
     if not len(read) or not is_shift.all() or B[read].any() or A[read, read].any():
         return None
     C = C @ A
-    kept = A.any(axis=0) | C.any(axis=0)
-    if kept.all() or not C.any():
+    retained = A.any(axis=0) | C.any(axis=0)
+    if retained.all() or not C.any():
         return None
-    return A[np.ix_(kept, kept)], B[kept], C[:, kept]
+    return A[np.ix_(retained, retained)], B[retained], C[:, retained]
 
 
 def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array, Array]]:
@@ -69,8 +69,8 @@ def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array
         A[:, first], C[:, first] = A[:, last], C[:, last]
         gone[chain[1:]] = True
         steps += len(chain) - 1
-    kept = ~gone
-    return steps, (A[np.ix_(kept, kept)], B[kept], C[:, kept])
+    retained = ~gone
+    return steps, (A[np.ix_(retained, retained)], B[retained], C[:, retained])
 
 
 def _is_passed_once(A: Array, B: Array, C: Array, state: int) -> bool:

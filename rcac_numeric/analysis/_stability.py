@@ -32,9 +32,9 @@ def is_schur_stable(A: Array, uncertainty: Array | None = None) -> bool:
     """
     if not np.isfinite(A).all():
         raise InputError("the matrix has entries that are not finite; stability is undefined.")
-    found = _decided(A, np.zeros_like(A) if uncertainty is None else uncertainty)
-    if found is not None:
-        return found
+    decision = _decided(A, np.zeros_like(A) if uncertainty is None else uncertainty)
+    if decision is not None:
+        return decision
     if uncertainty is not None or len(A) > LARGEST:
         raise IllConditionedError(
             f"whether the eigenvalues of a {len(A)} x {len(A)} matrix are inside the unit circle "

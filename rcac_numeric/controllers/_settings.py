@@ -201,10 +201,10 @@ class ControllerSettings(Value):
         set_("R_u_unfiltered", penalty)
         penalises = not isinstance(self.R_u, np.ndarray) or bool(self.R_u.any() or penalty.any())
         update.require_problem(self.targets, structure.n_c, penalises)
-        given: int | None = self.k_w
-        if given is None and self.learning is not None:
-            given = self.learning.start
-        self._read_start(given, self.k_update, self.k_filter)
+        first_step: int | None = self.k_w
+        if first_step is None and self.learning is not None:
+            first_step = self.learning.start
+        self._read_start(first_step, self.k_update, self.k_filter)
         start = np.zeros(structure.l_theta) if self.theta_0 is None else self.theta_0
         set_("theta_0", real_array(start, "theta_0").reshape(-1))
         if self.theta_0.size != structure.l_theta:
@@ -314,14 +314,18 @@ def settings_with_numbers(
             changed[name] = weight(value, name, l_z, definite=name == "R_z")
         else:
             return None
-    made = object.__new__(ControllerSettings)
-    made.__dict__.update(settings.__dict__, **changed)
+    settings_copy = object.__new__(ControllerSettings)
+    settings_copy.__dict__.update(settings.__dict__, **changed)
     if "k_w" in of_settings:
-        made._read_start(of_settings["k_w"], of_settings["k_update"], made.k_filter)
+        settings_copy._read_start(
+            of_settings["k_w"], of_settings["k_update"], settings_copy.k_filter
+        )
     if "R_u" in changed:
-        penalises = bool(made.R_u.any() or made.R_u_unfiltered.any())  # type: ignore[union-attr]
-        made.update.require_problem(made.targets, made.structure.n_c, penalises)
-    return made
+        penalises = bool(settings_copy.R_u.any() or settings_copy.R_u_unfiltered.any())  # type: ignore[union-attr]
+        settings_copy.update.require_problem(
+            settings_copy.targets, settings_copy.structure.n_c, penalises
+        )
+    return settings_copy
 
 
 def _is_number(value: object) -> bool:

@@ -216,13 +216,13 @@ class SupervisionRecord(Truth):
         if not counts:
             return cls({}, (), growth, frozen, fallback)
         names = (*TROUBLES, *ACTIONS)
-        found = {
+        counts_of = {
             name: TroubleCount(*count)
             for name, count in zip(names, counts, strict=True)
             if count[0]
         }
         events = tuple(SupervisionEvent(k, names[kind], value) for k, kind, value in entries)
-        return cls(found, events, growth, frozen, fallback)
+        return cls(counts_of, events, growth, frozen, fallback)
 
     def __str__(self) -> str:
         if not self.troubles:

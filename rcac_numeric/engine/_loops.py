@@ -192,14 +192,14 @@ class PreparedLoops:
         structure = getattr(settings, "structure", None)
         alike = id(plant), id(structure), id(saturation), id(supervision)
         base = self._bases.get(alike)
-        made = None
+        prepared = None
         if base is not None:
-            made = base.with_numbers_of(settings)
-        if made is None:
-            made = PreparedLoop(plant, settings, saturation, supervision)
-            _keep(self._bases, alike, made)
-        _keep(self._loops, key, made)
-        return made
+            prepared = base.with_numbers_of(settings)
+        if prepared is None:
+            prepared = PreparedLoop(plant, settings, saturation, supervision)
+            _keep(self._bases, alike, prepared)
+        _keep(self._loops, key, prepared)
+        return prepared
 
 
 def _keep(

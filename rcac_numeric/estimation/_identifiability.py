@@ -134,9 +134,9 @@ def noise_information(
     for part in shapes:
         spread = np.einsum("im,mjk->ijk", inverse, part)
         lost = np.abs(np.einsum("im,mjk->ijk", null, part)).max(axis=0, initial=0.0)
-        found = np.sqrt((spread**2).sum(axis=0) / steps)
-        found[lost > ROUNDING * np.abs(part).max(initial=np.finfo(float).tiny)] = np.inf
-        deviations.append(found)
+        deviations_of = np.sqrt((spread**2).sum(axis=0) / steps)
+        deviations_of[lost > ROUNDING * np.abs(part).max(initial=np.finfo(float).tiny)] = np.inf
+        deviations.append(deviations_of)
     pairs = []
     for one in null:
         dQ, dR = (np.tensordot(one, part, axes=1) for part in shapes)

@@ -189,8 +189,8 @@ def _fitted(record: ScalarRecord, candidates: list[Shape], free: Found) -> Found
     for shape in candidates:
         starts = [_iterated(record, shape)]
         starts += [_without_slowest(of) for one, (_, of) in free.items() if one[:2] == shape[:2]]
-        made = [(_criterion(_residual(record, shape, one), shape), one) for one in starts]
-        fits[shape] = min(made, key=lambda one: one[0])
+        refinements = [(_criterion(_residual(record, shape, one), shape), one) for one in starts]
+        fits[shape] = min(refinements, key=lambda one: one[0])
     refined: set[Shape] = set()
     # Noise that is not white leads the iteration astray, and not at every delay alike.
     for count in REFINED:

@@ -159,9 +159,9 @@ def identify_in_closed_loop(
         )
     best = None
     for sums in sorted({sums for *_, sums in candidates}):
-        found = _best(_Differenced(record, sums), [one for one in candidates if one[-1] == sums])
-        if best is None or (found.value < best.value and found.share > SHARE):
-            best = found
+        fit = _best(_Differenced(record, sums), [one for one in candidates if one[-1] == sums])
+        if best is None or (fit.value < best.value and fit.share > SHARE):
+            best = fit
     assert best is not None
     if not best.value < _least(_Differenced(record, best.shape[-1]), best.shape):
         raise InputError(

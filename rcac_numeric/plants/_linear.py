@@ -82,8 +82,8 @@ class Plant(Value):
 
     def __attrs_post_init__(self) -> None:
         def read(name: str, rows: int | None, columns: int | None, default: Array) -> None:
-            given = getattr(self, name)
-            value = matrix(default if given is None else given, name, (rows, columns))
+            field_value = getattr(self, name)
+            value = matrix(default if field_value is None else field_value, name, (rows, columns))
             object.__setattr__(self, name, value)
 
         none = np.zeros((0, 0))

@@ -99,21 +99,26 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
         matrices, G = {**matrices, **realised_row(G[0])}, None
     if isinstance(G, Plant):
         p, G = G.problem, None
-        own = {"A": p.A, "B": p.B, "D_1": p.B, "C": p.C, "D_0": p.D_0}
-        matrices = {**own, "variable": p.variable, "sample_time": p.sample_time, **matrices}
+        plant_matrices = {"A": p.A, "B": p.B, "D_1": p.B, "C": p.C, "D_0": p.D_0}
+        matrices = {
+            **plant_matrices,
+            "variable": p.variable,
+            "sample_time": p.sample_time,
+            **matrices,
+        }
     variable = matrices.get("variable")
     if G is not None and shape_of(G, variable) != (1, 1):
         # Inputs and disturbances are matched, in the basis of the system or a minimal one.
         realisation = exact_realisation(G, variable)
-        own = {
+        plant_matrices = {
             "A": realisation.A,
             "B": realisation.B,
             "D_1": realisation.B,
             "C": realisation.C,
             "D_0": realisation.D,
         }
-        own |= {"variable": realisation.variable, "sample_time": realisation.sample_time}
-        matrices, G = {**own, **matrices}, None
+        plant_matrices |= {"variable": realisation.variable, "sample_time": realisation.sample_time}
+        matrices, G = {**plant_matrices, **matrices}, None
     problem = _discrete(exact.servo_problem(G, **matrices), "servo_plant({})")
     l_y = problem.C.shape[0]
     blocks = {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y}
@@ -164,8 +169,8 @@ def sample_time_of(system: Any) -> float | None:
     if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:
-        own = getattr(system, "sample_time", None)
-        period = exact_sample_time(system) if is_foreign(system) else own
+        own_period = getattr(system, "sample_time", None)
+        period = exact_sample_time(system) if is_foreign(system) else own_period
     return None if period is None else float(period)
 
 

@@ -33,8 +33,8 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
         worth.semilogy(number, forms.condition, "o" if len(forms) <= MANY else ".",
                        color=line_style(1)["color"])  # fmt: skip
         best = int(np.argmin(forms.condition))
-        own = forms.regulator_roots[best]
-        roots.plot(own.real, own.imag, "o", ms=15, mfc="none", mec=INK)
+        regulator_roots = forms.regulator_roots[best]
+        roots.plot(regulator_roots.real, regulator_roots.imag, "o", ms=15, mfc="none", mec=INK)
         circled = f"closed-loop roots, circled: the regulator of form {best + 1}"
         roots.set_title(circled, fontsize=10)
         worth.plot(best + 1, forms.condition[best], "o", ms=11, mfc="none", mec=INK)

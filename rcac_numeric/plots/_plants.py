@@ -41,8 +41,8 @@ def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> F
     plane.margins(0.15)
     plane.locator_params(nbins=6)
     _step_response(response, plant, poles)
-    found = sampling_zeros(plant, periods)
-    draw_moduli(sampled, np.asarray(periods), found, "sampling period, s")
+    zeros_of_sampling = sampling_zeros(plant, periods)
+    draw_moduli(sampled, np.asarray(periods), zeros_of_sampling, "sampling period, s")
     sampled.set_title("zeros of the sampled plant", fontsize=10)
     for axis in (plane, response):
         axis.grid(alpha=0.25)

@@ -78,11 +78,11 @@ class SpacedDecades(SymmetricalLogLocator):
         places = np.column_stack([np.zeros(len(ticks)), ticks])
         heights = self._axes.transData.transform(places)[:, 1]
         room = TICK_ROOM * self._axes.figure.dpi / 72
-        kept: list[int] = []
+        shown_ticks: list[int] = []
         for i in sorted(range(len(ticks)), key=lambda i: (ticks[i] != 0, -abs(ticks[i]))):
-            if all(abs(heights[i] - heights[j]) >= room for j in kept):
-                kept.append(i)
-        return sorted(ticks[i] for i in kept)
+            if all(abs(heights[i] - heights[j]) >= room for j in shown_ticks):
+                shown_ticks.append(i)
+        return sorted(ticks[i] for i in shown_ticks)
 
 
 def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:

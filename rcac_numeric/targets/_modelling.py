@@ -157,14 +157,14 @@ def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
 
 def factor_not_inside(polynomial: Poly) -> Poly | None:
     """Return the monic factor with the roots on or outside the circle; None if irrational."""
-    found = polynomial.one
+    product = polynomial.one
     for factor, multiplicity in polynomial.factor_list()[1]:
         count = _count_not_inside(factor)
         if 0 < count < factor.degree():
             return None
         if count:
-            found *= factor**multiplicity
-    return found.monic()
+            product *= factor**multiplicity
+    return product.monic()
 
 
 def _count_not_inside(factor: Poly) -> int:
