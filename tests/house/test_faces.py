@@ -200,7 +200,7 @@ CANNOT = {
     "LQG of a Plant": (
         lambda: exact.lqg_controller(rcac.standard_plant("1/(q - 2)")),
         lambda: rcac.lqg_controller(rcac.standard_plant("1/(q - 2)")),
-        "rcac_numeric.Plant",
+        "rcac_numeric.lqg_controller",
     ),
     "a continuum of forms": (
         lambda: rcac.observer_forms(

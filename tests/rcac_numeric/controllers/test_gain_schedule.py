@@ -131,7 +131,7 @@ def test_a_run_is_resumed_shown_and_healthy(tmp_path):
     assert rn.loop_health(whole).is_stable
     assert "stable" in rn.loop_health(whole).report()
     assert whole.plot().axes
-    with pytest.raises(InputError, match="without saturation"):
+    with pytest.raises(InputError, match="does not support saturation"):
         rn.simulate(PLANT, scheduled(), w, saturation=rn.Saturation(low=-1, high=1))
     with pytest.raises(InputError, match="has no freeze"):
         rn.frozen_twin(whole, 10)
