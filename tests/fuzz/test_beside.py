@@ -161,7 +161,7 @@ def test_the_store_itself(store, places, command):
             continue  # a store is made there
         status, message = invoke(*COMMANDS[command])
         if kind == "folder" and command == "check":
-            assert status == 0 and "No study was stored in it yet" in message
+            assert status == 0 and "The store contains no study yet" in message
         else:
             assert status == 2 and "s" in message, (kind, status, message)
         assert outside(ours) == before, f"{kind}: touched"

@@ -110,7 +110,7 @@ EXACT = ("parts", "plant", "is", "fields", "exact", "fields")
         (put("parts", "failure", {"is": nested(100)}), "nested more than 60 deep"),
         (lambda t, a: '{"a": ' * 5000 + "0" + "}" * 5000, "nested more than 60 deep"),
         (put("parts", "failure", {"is": {"tuple": [1] * 70_000}}), "more than 65536 parts"),
-        (put(*SETTINGS, "structure", {"class": "Popen", "fields": {}}), "nothing that belongs"),
+        (put(*SETTINGS, "structure", {"class": "Popen", "fields": {}}), "is not an allowed class"),
         (put(*SETTINGS, "structure", "fields", "taps", "tuple", 0, "fields", "delay", 10**15),
          "must be at most"),
         (put(*SETTINGS, "structure", "fields", "n_c", 10**9), "k_w"),

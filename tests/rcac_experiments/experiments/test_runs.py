@@ -89,7 +89,7 @@ def test_a_run_cut_off_is_the_shorter_run(k, stride):
     """Steps do not know how many follow: what is left is the run of k steps and its controller."""
     whole = case(stride=stride).main_run.execute().first
     if k % stride:
-        with pytest.raises(InputError, match="was not kept"):
+        with pytest.raises(InputError, match="was not stored"):
             whole.until(k)
         return
     cut, short = whole.until(k), case(stride=stride, steps=k).main_run.execute().first
