@@ -206,10 +206,10 @@ def of_the_review(root: Path) -> Iterator[Tampering]:
         "proofs/symbolic/separation.py",
         "S * closed_loop(A + B * K - F * C) - triangular() * S", "S * triangular() - S * triangular()"))  # fmt: skip
     yield Tampering("assume(False)", "draws", replaced(
-        "proofs/properties/forms.py", "    found = observer_forms(*loop)\n    return bool(",
-        "    assume(False)\n    found = observer_forms(*loop)\n    return bool("))  # fmt: skip
+        "proofs/properties/forms.py", "    forms = observer_forms(*loop)\n    return bool(",
+        "    assume(False)\n    forms = observer_forms(*loop)\n    return bool("))  # fmt: skip
     yield Tampering("a broken predicate", "check", replaced(
-        LEAST_SQUARES, "return bool(found == batch(", "return bool(1 / 0 == batch("))  # fmt: skip
+        LEAST_SQUARES, "return bool(theta == batch(", "return bool(1 / 0 == batch("))  # fmt: skip
     yield Tampering("all but constants assumed away", "draws", replaced(
         "proofs/properties/polynomials.py", "    a, b = a * shared, b * shared\n",
         "    assume(a.degree() == 0)\n    a, b = a * shared, b * shared\n"))  # fmt: skip

@@ -181,7 +181,7 @@ def test_a_store_of_another_design_is_refused(found, tmp_path):
         tune(found, **{**arguments, "store": tmp_path / "file"})
     with pytest.raises(InputError, match="needs a store"):
         tune(found, 1, workers=2)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="in their place"):
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="exclude each other"):
         tune(found, **arguments, executor=pool)
 
 
