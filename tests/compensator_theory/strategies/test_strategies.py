@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 import sympy
-from hypothesis import HealthCheck, Phase, find, given, settings
+from hypothesis import HealthCheck, Phase, find, given, seed, settings
 from hypothesis import strategies as st
 from hypothesis.statistics import collector
 from sympy import ImmutableMatrix
@@ -155,17 +155,23 @@ def test_bad_input():
             occurs(ours.compensators(order, hidden), lambda c: True)
 
 
-def share(strategy, condition, examples=150):
-    """The share of draws, always the same ones, of which a condition holds."""
+def share(strategy, condition, examples=100):
+    """The share of draws of which a condition holds, from seeds of its own.
+
+    Draws of one seed hang together (shares of 0.53 to 0.79 where the mean is 0.64), and those of
+    `derandomize` hang on the words of this function: so there are four seeds, always the same.
+    """
     observed = []
 
-    @settings(max_examples=examples, database=None, derandomize=True, deadline=None,
-              phases=[Phase.generate], suppress_health_check=list(HealthCheck))  # fmt: skip
-    @given(strategy)
     def run(drawn):
         observed.append(bool(condition(drawn)))
 
-    run()
+    for number in range(4):
+        batch = settings(
+            max_examples=examples, database=None, deadline=None, phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )  # fmt: skip
+        seed(number)(batch(given(strategy)(run)))()
     return sum(observed) / len(observed)
 
 
