@@ -109,13 +109,13 @@ class Margins(Result):
         assert self.delay is not None
         seconds = "" if self.delay_time is None else f" = {self.delay_time:.6g} s"
         lines = [
-            f"gain up     {self.gain_up.value:.6g}{_at(self.gain_up)}",
-            f"gain down   {self.gain_down.value:.6g}{_at(self.gain_down)}",
-            f"phase lag   {self.phase_lag.value:.6g} deg{_at(self.phase_lag)}",
-            f"phase lead  {self.phase_lead.value:.6g} deg{_at(self.phase_lead)}",
-            f"delay       {self.delay.value:.6g} steps{seconds}{_at(self.delay)}",
-            *([] if self.disk is None else [f"disk        {self.disk}"]),
-            f"at these margins a pole is on the unit circle to {self.worst_gap:.1e}",
+            f"gain   up {self.gain_up.value:.6g}{_at(self.gain_up)}, "
+            f"down {self.gain_down.value:.6g}{_at(self.gain_down)}",
+            f"phase  lag {self.phase_lag.value:.6g} deg{_at(self.phase_lag)}, "
+            f"lead {self.phase_lead.value:.6g} deg{_at(self.phase_lead)}",
+            f"delay  {self.delay.value:.6g} steps{seconds}{_at(self.delay)}",
+            *([] if self.disk is None else [f"disk   {self.disk}"]),
+            f"verified: at each margin a pole is on the unit circle within {self.worst_gap:.1e}",
         ]
         return "\n".join(lines)
 

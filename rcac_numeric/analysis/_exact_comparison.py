@@ -16,7 +16,7 @@ from compensator_theory.errors import Advice, CompensatorError, InputError
 from rcac_numeric.arrays._array_types import Array, ComplexArray
 from rcac_numeric.arrays._pairing import pairing
 from rcac_numeric.arrays._showing import notebook_of, report_of
-from rcac_numeric.arrays._values import Result
+from rcac_numeric.arrays._values import Result, shown_array
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._linear import Plant
@@ -71,7 +71,17 @@ class ExactComparison(Result):
         return report_of(self._sheet())
 
     def __str__(self) -> str:
-        return self.report()
+        """Return the verdict in five lines; `report` has polynomials, poles and zeros."""
+        verdict = "reached" if self.is_reached else "NOT reached"
+        lines = [
+            f"requested poles {verdict}: worst pole distance {self.worst_distance:.3g}, "
+            f"backward error {self.backward_error:.3g}",
+            f"requested poles     {shown_array(self.asked_poles)}",
+            f"closed-loop poles   {shown_array(self.poles)}",
+            *([f"no exact prediction: {self.obstacle}"] if self.obstacle else []),
+            "report() has the polynomials, the assigned poles and the zeros",
+        ]
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         distance, change = self.worst_distance, self.backward_error

@@ -258,7 +258,13 @@ class LoopAnalysis(Value):
         return report_of(self._sheet())
 
     def __str__(self) -> str:
-        return self.report()
+        """Return the state of the analysis in a few lines; `report` has the whole analysis."""
+        stable = "stable" if self.loop.is_stable else "unstable"
+        lines = [f"the closed loop is {stable}, spectral radius {self.loop.spectral_radius:.6g}"]
+        comparison, reason = attempted(lambda: self.comparison)
+        lines.append(reason if comparison is None else str(comparison).split("\n")[0])
+        lines.append("report() has poles, zeros, the intercalated match and the residual split")
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         return f"LoopAnalysis({self.of!r})"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from dataclasses import replace as dataclass_replace
 from html import escape
@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import attrs
 import numpy as np
 
+from compensator_theory._terminal import MOST_LINES
 from compensator_theory._truth import Truth
 from compensator_theory._wording import in_a_line
 from rcac_numeric.arrays._wording import shortened
@@ -19,6 +20,7 @@ from rcac_numeric.arrays._wording import shortened
 T = TypeVar("T")
 
 MOST = 9  # longest array that a repr writes out, in entries
+LINES, LINE = MOST_LINES, 120  # largest repr, in lines and in characters a line
 WIDTH = 90  # longest field in a repr, in characters
 
 
@@ -26,8 +28,14 @@ class Value:
     """Base class of data classes with arrays: equality by value.
 
     Arrays are equal if shape, type and every entry are; NaN equals NaN, as it
-    must for a result to equal its own copy.
+    must for a result to equal its own copy. A repr has at most five lines of 120 characters.
     """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        # Before attrs or dataclasses decorate the class: both keep a `__repr__` of its namespace.
+        if cls.__repr__ is Value.__repr__:
+            cls.__repr__ = Value.__repr__  # type: ignore[method-assign]
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -37,9 +45,23 @@ class Value:
     def __hash__(self) -> int:
         return hash((type(self).__qualname__, fingerprint(self)))
 
+    def __repr__(self) -> str:
+        if not is_record(self):
+            return object.__repr__(self)
+        pairs = ((name, getattr(self, name)) for name in _repr_fields(type(self)))
+        text = f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in pairs)})"
+        return text if _is_short(text) else _packed(self, _abbreviated)
+
     def __str__(self) -> str:
         text = repr(self)
-        return text if len(text) <= WIDTH and "\n" not in text else overview(self)
+        if len(text) <= WIDTH and "\n" not in text:
+            return text
+        rows = self.overview()
+        return rows if _is_short(rows) else _packed(self, lambda value: _shown(value, 0))
+
+    def overview(self) -> str:
+        """Return all fields as text, one a line, large arrays by size and range."""
+        return overview(self)
 
     def _latex(self, printer: object = None) -> str:
         """Return the notebook formula for SymPy's `latex`."""
@@ -131,6 +153,44 @@ def overview(value: Any, depth: int = 1) -> str:
         for name, text in rows
     ]
     return "\n".join([type(value).__name__, *lines])
+
+
+def _repr_fields(cls: type) -> list[str]:
+    if attrs.has(cls):
+        return [field.name for field in attrs.fields(cls) if field.repr]
+    return [field.name for field in fields(cls) if field.repr]
+
+
+def _is_short(text: str) -> bool:
+    return sum(1 + max(len(line) - 1, 0) // LINE for line in text.split("\n")) <= LINES
+
+
+def _packed(value: Any, text_of: Callable[[Any], str]) -> str:
+    """Return the fields of a record, filled into at most five lines."""
+    names = _repr_fields(type(value)) if is_record(value) else []
+    parts = ((name, text_of(getattr(value, name))) for name in names)
+    texts = [f"{name}={_words(text)}" for name, text in parts if text]
+    lines, rest = [f"{type(value).__name__}("], len(texts)
+    for text in texts:
+        mark = f"... {rest} more: overview())"
+        if len(lines[-1]) + len(text) + 2 <= LINE - len(mark) * (len(lines) == LINES):
+            lines[-1] += f"{text}, "
+        elif len(lines) < LINES:
+            lines.append(f"    {text}, ")
+        else:
+            return "\n".join(line.rstrip() for line in [*lines[:-1], lines[-1] + mark])
+        rest -= 1
+    return "\n".join(line.rstrip() for line in [*lines[:-1], lines[-1].rstrip(", ") + ")"])
+
+
+def _abbreviated(part: Any) -> str:
+    """Return a repr on one line, without the entries of large arrays and of nested records."""
+    if isinstance(part, np.ndarray):
+        return shown_array(part)
+    text = repr(part)
+    if len(text) <= WIDTH and "\n" not in text:
+        return text
+    return f"{type(part).__name__}(...)" if is_record(part) else " ".join(text.split())
 
 
 def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypedDict, TypeVar
+from typing import Any, ClassVar, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory import figures
+from compensator_theory._terminal import in_few_lines
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.analysis._classical import Margins, channel_margins
 from rcac_numeric.analysis._closed_loop import ClosedLoop
@@ -22,7 +23,7 @@ from rcac_numeric.analysis._loop_costs import LoopCosts, loop_costs
 from rcac_numeric.analysis._match import IntercalatedMatch, ResidualSplit
 from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._array_types import ComplexArray
-from rcac_numeric.arrays._showing import notebook_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._hypotheses import Decision
@@ -92,6 +93,8 @@ class ControllerCheck(Result):
     unanswered : mapping
         The reason for each result that was not evaluated.
     """
+
+    _REST: ClassVar[str] = "report() has all of it"
 
     log: ControllerLog
     structure: Structure | None
@@ -179,8 +182,9 @@ class ControllerCheck(Result):
         """The whole check in words and numbers."""
         return report_of(self._sheet())
 
+    @in_few_lines
     def __str__(self) -> str:
-        return self.report()
+        return summary_of(self._sheet())
 
     def __repr__(self) -> str:
         verdict = "consistent" if self.is_consistent else "u is not the controller's output"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
+from compensator_theory._terminal import in_few_lines
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of
@@ -333,6 +334,7 @@ class LoopHealth(Result):
     """
 
     _ANSWER = "is_healthy"
+    _REST: ClassVar[str] = "report() has all of it"
 
     is_stable: bool | None
     spectral_radius: float | None
@@ -376,6 +378,7 @@ class LoopHealth(Result):
         """The report as HTML for a notebook, the warnings in colour."""
         return notebook_of(self._sheet())
 
+    @in_few_lines
     def __str__(self) -> str:
         return self.report()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
+from compensator_theory._terminal import in_few_lines
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
-from rcac_numeric.arrays._showing import notebook_of, report_of
+from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of, integer, items, number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._diagnosis import loop_health
@@ -222,6 +223,8 @@ class Design(Result):
         What the log showed, where the plant came from one.
     """
 
+    _REST: ClassVar[str] = "report() has all of it"
+
     plant: Plant
     settings: ControllerSettings
     fixed: FixedController
@@ -284,8 +287,9 @@ class Design(Result):
         """The report and the picture as HTML for a notebook."""
         return notebook_of(self._sheet(), self.plot)
 
+    @in_few_lines
     def __str__(self) -> str:
-        return self.report()
+        return summary_of(self._sheet())
 
     def __repr__(self) -> str:
         k, n = self.verdict.rcac.stable

@@ -228,6 +228,9 @@ class ReferenceRun(Run, Truth):
 
     digits: float = float("nan")
 
+    def __repr__(self) -> str:
+        return f"ReferenceRun({self.outcome}, steps={self.steps}, digits={self.digits:.3g})"
+
 
 def simulate_reference(
     plant: Plant | PlantSchedule,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compensator_theory._terminal import in_few_lines
 from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._values import Result
@@ -73,6 +75,8 @@ class DataTarget(Result):
         Of confidence.
     """
 
+    _REST: ClassVar[str] = ".facts and .zeros have all"
+
     target: TargetModel
     information: ModellingInformation
     zeros: IdentifiedZeros
@@ -116,6 +120,7 @@ class DataTarget(Result):
                      f"of {len(gaps)} zeros, if the relative degree is right"),
         )  # fmt: skip
 
+    @in_few_lines
     def __str__(self) -> str:
         return "\n".join([str(self.information), *map(str, self.facts), str(self.zeros)])
 

@@ -352,7 +352,7 @@ def require_harmless_run(path, *, drawn=False):
             assert not CONTROL.search(str(change))
         with_errors(lambda: poles_of(run))
         health = with_errors(lambda: r.loop_health(run))
-        assert health is None or not CONTROL.search(str(health))
+        assert health is None or not CONTROL.search(health.report())
         result = with_errors(lambda: as_text(check_sheet(r.check_controller(run))))
         assert result is None or not CONTROL.search(result)
         if run.state is not None:

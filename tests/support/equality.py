@@ -19,7 +19,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rcac_numeric.arrays._values import WIDTH, Value, equal, field_names
+from rcac_numeric.arrays._values import LINES, WIDTH, Value, equal, field_names
 from tests.support.public import public_objects
 
 SEEDS = 100_000  # seeds are below
@@ -148,10 +148,10 @@ def printing_of(samples, cases):
     def test(cls, seed):
         value = plain[cls](seed)
         text = str(value)
-        if text == repr(value):
-            assert len(text) <= WIDTH and "\n" not in text
+        if text == repr(value) and len(text) <= WIDTH and "\n" not in text:
             return
-        first, *rest = text.splitlines()
+        assert len(text.splitlines()) <= LINES
+        first, *rest = value.overview().splitlines()
         assert first == cls.__name__
         shown = [line.split()[0] for line in rest if re.match(r"  \S", line)]
         stored = [name for name in field_names(cls) if getattr(value, name) is not None]

@@ -95,7 +95,7 @@ def test_the_report_says_what_is_allowed_and_the_option_decides():
     assert "u to 4 decimals, y to 4 decimals, theta to 4 decimals" in str(replayed)
     assert not replay(written, iir(n_c=2), tolerance=1e-12).agrees
     check = check_controller(written, structure=iir(n_c=2), tolerance=1e-12)
-    assert not check.is_consistent and "tolerance 1e-12" in str(check)
+    assert not check.is_consistent and "tolerance 1e-12" in check.report()
     with pytest.raises(InputError, match="tolerance"):
         replay(written, iir(n_c=2), tolerance=0.0)
 

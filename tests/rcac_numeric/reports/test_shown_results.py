@@ -21,8 +21,10 @@ from rcac_numeric import (
     plant_of,
     standard_plant,
 )
+from rcac_numeric.arrays._values import LINE, LINES
 from rcac_numeric.arrays._wording import polynomial_latex
 from rcac_numeric.reports._lqg import lqg_sheet
+from tests.rcac_numeric.samples import SAMPLES
 
 POINTS = np.exp(1j * np.array([0.3, 1.2, 2.7]))
 SYSTEM = control.ss([[0.5, 1], [0, 1.2]], np.eye(2), [[1, 1]], [[0, 0]], 0.01)
@@ -106,3 +108,10 @@ def test_no_public_class_shows_itself_by_its_address(package):
     assert shown == ["ProgressLine"] * (
         package == "rcac_experiments"
     )  # it is a line of the terminal
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda kind: kind.__name__)
+def test_a_result_prints_on_at_most_five_lines(sample):
+    result = SAMPLES[sample](0)
+    for text in (repr(result), str(result)):
+        assert 1 <= len(text.splitlines()) <= LINES and len(text) <= LINES * LINE, text
