@@ -49,7 +49,7 @@ def first_picture(
     open_loop = np.linalg.eigvals(run.plant.A)
     for values, marker, colour, size, label in (
         (open_loop, "x", faint, 8, "of the plant"),
-        (found.comparison.asked_poles, "s", predicted, 12, "predicted, exactly"),
+        (found.comparison.requested_poles, "s", predicted, 12, "predicted, exactly"),
         (found.comparison.poles, "x", reached, 7, "reached by RCAC"),
     ):
         plane.plot(

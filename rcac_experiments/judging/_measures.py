@@ -247,9 +247,9 @@ def backward_error(r: LoopAnalysis) -> float:
 def polynomial_distance(r: LoopAnalysis) -> float:
     """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
     c = r.comparison
-    if c.asked is None:
+    if c.requested is None:
         raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
-    return float(max(map(abs, (c.reached - c.asked).all_coeffs())))
+    return float(max(map(abs, (c.reached - c.requested).all_coeffs())))
 
 
 @measure

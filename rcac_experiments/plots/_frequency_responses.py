@@ -81,9 +81,9 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
             words.append(f"{name}: {label_words(shortened(str(error), 60))}")
             continue
         match = matches[0]
-        if not any(np.array_equal(match.wanted, other.wanted) for other in requested):
+        if not any(np.array_equal(match.target, other.target) for other in requested):
             label = "$G_f$" if not requested else f"$G_f$ of {shortened(name, 40)}"
-            above.semilogy(match.omega, _norm(match.wanted), color=WANTED, linewidth=4,
+            above.semilogy(match.omega, _norm(match.target), color=WANTED, linewidth=4,
                            alpha=0.4, label=label,
                            linestyle=DASHES[len(requested) % len(DASHES)])  # fmt: skip
             requested.append(match)

@@ -147,7 +147,7 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     omega = np.unique(points[(points > 0) & (points < np.pi)])
     with np.errstate(all="ignore"):
         value = value_of(loop.at(np.exp(1j * omega)))
-        decided = _told_from_rounding(omega, value, lambda points: _rounding(loop, points))
+        decided = _above_rounding(omega, value, lambda points: _rounding(loop, points))
         omega, value = omega[decided], value[decided]
         changes = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
         low, high, below = omega[changes], omega[changes + 1], np.sign(value[changes])
@@ -158,7 +158,7 @@ def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     return np.asarray((low + high) / 2)
 
 
-def _told_from_rounding(omega: Array, value: Array, rounding: Callable[[Array], Array]) -> Array:
+def _above_rounding(omega: Array, value: Array, rounding: Callable[[Array], Array]) -> Array:
     """Return the first and the last value above rounding of each run of one sign.
 
     The rounding error is computed from the ends of a run inwards, until a value exceeds it.

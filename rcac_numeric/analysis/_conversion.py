@@ -186,11 +186,11 @@ def _response(parts: StateSpace, points: ComplexArray) -> tuple[ComplexArray, li
 
 
 def _residuals(
-    equation: Coefficients, A: Array, points: ComplexArray, wanted: tuple[ComplexArray, Array]
+    equation: Coefficients, A: Array, points: ComplexArray, reference: tuple[ComplexArray, Array]
 ) -> tuple[float, float]:
     """Return the residuals of the response, and of det D_c to det(qI - A)."""
     P, Q = equation
-    response, scale = wanted
+    response, scale = reference
     powers = points[:, None] ** -np.arange(len(Q))
     left = np.eye(len(P[0])) - np.einsum("zi,iab->zab", powers[:, 1:], P)
     right = np.einsum("zi,iab->zab", powers, Q)
@@ -247,14 +247,14 @@ def difference_equations(
             F, basis, steps = deadbeat_gain(A, W.T @ C, tolerance)
             if not steps:
                 continue
-            A_kept, inputs, outputs, gain = (
+            A_reduced, inputs, outputs, gain = (
                 basis.T @ A @ basis,
                 basis.T @ B,
                 C @ basis,
                 basis.T @ F @ W.T,
             )
             row, P, Q = outputs, [], [D]
-            nilpotent = A_kept - gain @ outputs
+            nilpotent = A_reduced - gain @ outputs
             for _ in range(steps):
                 P.append(row @ gain)
                 Q.append(row @ (inputs - gain @ D))

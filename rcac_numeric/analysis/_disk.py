@@ -44,7 +44,7 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
         omega = np.unique(np.concatenate([omega, np.abs(np.angle(np.linalg.eigvals(A)))]))
     best, where, scalings = 0.0, 0.0, []
 
-    def tried(at: float) -> float:
+    def peak_at(at: float) -> float:
         nonlocal best, where
         peak, scaling = best_scaling(response_of(system, at))
         scalings.append(scaling)
@@ -52,7 +52,7 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
             best, where = peak, at
         return peak
 
-    values = [tried(float(at)) for at in omega]
+    values = [peak_at(float(at)) for at in omega]
     if best == 0 or not len(A):
         return best, where
     i = int(np.argmax(values))
@@ -60,7 +60,10 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
     from scipy.optimize import minimize_scalar  # imported here: it takes 0.17 s
 
     minimize_scalar(
-        lambda at: -tried(float(at)), bounds=(low, high), method="bounded", options={"xatol": 1e-9}
+        lambda at: -peak_at(float(at)),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-9},
     )
     scalings = [best_scaling(response_of(system, where))[1]]
     close = CLOSE
@@ -75,7 +78,7 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
             close *= WIDER
             continue
         widest = max(open_, key=lambda part: part[1] - part[0])
-        tried((widest[0] + widest[1]) / 2)
+        peak_at((widest[0] + widest[1]) / 2)
 
 
 def best_scaling(M: ComplexArray) -> tuple[float, Array]:

@@ -31,17 +31,17 @@ class ExactComparison(Result):
     ----------
     reached : sympy.Poly
         D D_c - N_yu N_c, exact: the float64 coefficients of the controller are dyadic rationals.
-    asked : sympy.Poly or None
+    requested : sympy.Poly or None
         The characteristic polynomial at which the intercalated transfer function equals G_f.
         None where no controller of this order reaches G_f; `obstacle` says why.
     compensators : PolePlacement or None
-        Every compensator of this order that places exactly `asked`.
+        Every compensator of this order that places exactly `requested`.
     poles : array of complex
         Roots of `reached`, from certified isolation.
     zeros : mapping from channel of w to array of complex
         Closed-loop zeros from that channel to z.
     target_poles : array of complex
-        The poles of G_f, which the controller is asked to assign.
+        The poles of G_f, which the controller has to assign.
 
     Notes
     -----
@@ -54,7 +54,7 @@ class ExactComparison(Result):
     compensator: Compensator
     target: TargetModel
     reached: Poly
-    asked: Poly | None
+    requested: Poly | None
     obstacle: str
     compensators: exact.results.PolePlacement | None
     poles: ComplexArray
@@ -76,7 +76,7 @@ class ExactComparison(Result):
         lines = [
             f"requested poles {verdict}: worst pole distance {self.worst_distance:.3g}, "
             f"backward error {self.backward_error:.3g}",
-            f"requested poles     {shown_array(self.asked_poles)}",
+            f"requested poles     {shown_array(self.requested_poles)}",
             f"closed-loop poles   {shown_array(self.poles)}",
             *([f"no exact prediction: {self.obstacle}"] if self.obstacle else []),
             "report() has the polynomials, the assigned poles and the zeros",
@@ -98,9 +98,9 @@ class ExactComparison(Result):
         return plot_comparison(self, width=width)
 
     @property
-    def asked_poles(self) -> ComplexArray:
+    def requested_poles(self) -> ComplexArray:
         """Every pole that the target requires; only those of G_f if it is unreachable."""
-        return self.target_poles if self.asked is None else _roots(self.asked)
+        return self.target_poles if self.requested is None else _roots(self.requested)
 
     @property
     def assigned(self) -> list[tuple[complex, complex]]:
@@ -117,9 +117,9 @@ class ExactComparison(Result):
         """The relative change of the closed-loop polynomial to the requested poles.
 
         The largest over the frequencies, abs(Dtilde - A)/max(abs(Dtilde), abs(A)) on the unit
-        circle. A is `asked`, or, nearly the same, that at which the intercalated transfer function
-        is G_f; where no exact prediction is known, also the poles of G_f with the loop's own
-        others, those next to 0 at 0. A simple pole at p that is off by d makes d/(1 - abs(p)).
+        circle. A is `requested`, or, nearly the same, that at which the intercalated transfer
+        function is G_f; where no exact prediction is known, also the poles of G_f with the loop's
+        own others, those next to 0 at 0. A simple pole at p that is off by d makes d/(1 - abs(p)).
         """
         return min(
             _relative_change(reached, requested) for reached, requested in self._candidates()
@@ -141,12 +141,12 @@ class ExactComparison(Result):
     def judged(self) -> list[tuple[complex, complex]]:
         """Pairs as in `assigned`, without the poles of G_f that cancel zeros of G_zu.
 
-        All of `asked` are matched: where the loop cancels a zero of G_zu at which G_f has a pole,
-        two poles are asked for there, and the one that cancels does not count for the other.
+        All of `requested` are matched: where the loop cancels a zero of G_zu at which G_f has a
+        pole, two poles are requested there, and the one that cancels does not count for the other.
         """
-        if self.asked is None:
+        if self.requested is None:
             return self.assigned
-        pairs = pairing(self.asked_poles, self.poles)
+        pairs = pairing(self.requested_poles, self.poles)
         return [pair for pair in pairs if np.abs(self.target_poles - pair[0]).min() < SAME]
 
     @property
@@ -163,7 +163,7 @@ class ExactComparison(Result):
         That pole, its multiplicity m, and how far it moves where each coefficient of the polynomial
         changes by `change` of the largest: the m-th root of what that change makes there.
         """
-        polynomial = self.asked
+        polynomial = self.requested
         if polynomial is None and self.target.exact is not None:
             polynomial = self.target.exact.denominator
         if polynomial is None or polynomial.degree() < 2:
@@ -190,8 +190,8 @@ class ExactComparison(Result):
             return np.asarray(np.prod(q[:, None] - roots[None, :], axis=1))
 
         reached = values(self.poles)
-        if self.asked is not None:
-            yield reached, values(self.asked_poles)
+        if self.requested is not None:
+            yield reached, values(self.requested_poles)
         else:
             others = sorted(self.unassigned, key=abs)
             for count in range(len(others) + 1):
@@ -206,8 +206,10 @@ class ExactComparison(Result):
 
     @property
     def spectrum_distance(self) -> float:
-        """Largest distance over all n + n_c poles, assigned or not; NaN without `asked`."""
-        return float("nan") if self.asked is None else _worst(pairing(self.asked_poles, self.poles))
+        """Largest distance over all n + n_c poles, assigned or not; NaN without `requested`."""
+        if self.requested is None:
+            return float("nan")
+        return _worst(pairing(self.requested_poles, self.poles))
 
     @property
     def unassigned(self) -> ComplexArray:
@@ -219,7 +221,7 @@ class ExactComparison(Result):
 
     @property
     def controller_distance(self) -> float:
-        """Euclidean distance of (D_c, N_c) to the set of compensators that place `asked`."""
+        """Euclidean distance of (D_c, N_c) to the set of compensators that place `requested`."""
         if self.compensators is None:
             return float("nan")
         one, directions = self._placing(self.compensators)
@@ -227,12 +229,12 @@ class ExactComparison(Result):
         return _distance(coefficients - one, directions)
 
     def can_be_placed_by(self, structure: Structure) -> bool | None:
-        """Whether this structure can place `asked`; None for a structure that reads r.
+        """Whether this structure can place `requested`; None for a structure that reads r.
 
-        Its compensators and those that place `asked` are two affine sets; they meet, or they are
-        apart: by more than 1e-9 of their entries.
+        Its compensators and those that place `requested` are two affine sets; they meet, or they
+        are apart: by more than 1e-9 of their entries.
         """
-        if (structure.l_u, structure.l_y, structure.l_r) != (1, 1, 0) or self.asked is None:
+        if (structure.l_u, structure.l_y, structure.l_r) != (1, 1, 0) or self.requested is None:
             return None
         if self.compensators is None:
             return False
@@ -248,7 +250,7 @@ class ExactComparison(Result):
         return bool(gap <= SAME * (np.linalg.norm(rest) + np.linalg.norm(one)))
 
     def _placing(self, placement: exact.results.PolePlacement) -> tuple[Array, Array]:
-        """Return (D_c, N_c) of one compensator that places `asked`, and its free directions."""
+        """Return (D_c, N_c) of one compensator that places `requested`, and its free directions."""
         length = self.compensator.n_c + 1
 
         def vector(denominator: Poly, numerator: Poly) -> Array:
@@ -328,7 +330,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
         compensator=compensator,
         target=target,
         reached=reached,
-        asked=requested,
+        requested=requested,
         obstacle=obstacle,
         compensators=placed,
         poles=_roots(reached),

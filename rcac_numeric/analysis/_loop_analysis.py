@@ -332,7 +332,7 @@ def compare_exactly(
     >>> target = pole_placement_target(plant, ["1/2", "1/4"])
     >>> converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 1e-6]]])
     >>> comparison = compare_exactly(plant, converged, target)
-    >>> comparison.asked
+    >>> comparison.requested
     Poly(q**2 - 3/4*q + 1/8, q, domain='QQ')
     >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
     (4e-06, 1e-06)

@@ -26,19 +26,19 @@ class IntercalatedMatch(Result):
     ----------
     omega : array
         Frequencies, rad/sample.
-    reached, wanted : arrays, shape (len(omega), l_z, l_u)
+    reached, target : arrays, shape (len(omega), l_z, l_u)
         The intercalated transfer function and G_f.
     """
 
     omega: Array
     reached: ComplexArray
-    wanted: ComplexArray
+    target: ComplexArray
 
     @property
     def error(self) -> Array:
         """Distance at each frequency, relative to G_f there (Frobenius norms)."""
-        norms = np.linalg.norm(self.wanted, axis=(1, 2))
-        difference = np.linalg.norm(self.reached - self.wanted, axis=(1, 2))
+        norms = np.linalg.norm(self.target, axis=(1, 2))
+        difference = np.linalg.norm(self.reached - self.target, axis=(1, 2))
         return np.asarray(difference / np.maximum(norms, np.finfo(float).tiny))
 
     @property

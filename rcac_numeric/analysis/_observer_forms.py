@@ -277,8 +277,8 @@ def observer_forms(
         plant, compensator = of_run.plant, of_run.compensator
     if compensator is None:
         raise InputError("a loop needs a controller; give the compensator, or a Run")
-    system, given = _realisation(plant, variable), _realisation(compensator, variable)
-    controller = given.with_sign(agreed_sign(given, feedback))
+    system, realised = _realisation(plant, variable), _realisation(compensator, variable)
+    controller = realised.with_sign(agreed_sign(realised, feedback))
     exact_loop = closed_loop_matrix(system, controller)
     n, n_c = system.n, controller.n
     if not (n and n_c):

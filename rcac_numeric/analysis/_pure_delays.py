@@ -57,7 +57,7 @@ def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array
         if i != j and readers[i] == 1:
             follows[int(j)] = i
     leads = {i: j for j, i in follows.items()}
-    steps, gone = 0, np.zeros(len(A), dtype=bool)
+    steps, removed = 0, np.zeros(len(A), dtype=bool)
     A, C = A.copy(), C.copy()
     for first in leads.keys() - follows.keys():
         chain = [first]
@@ -67,9 +67,9 @@ def _inner_chains(A: Array, B: Array, C: Array) -> tuple[int, tuple[Array, Array
             continue
         last = chain[-1]
         A[:, first], C[:, first] = A[:, last], C[:, last]
-        gone[chain[1:]] = True
+        removed[chain[1:]] = True
         steps += len(chain) - 1
-    retained = ~gone
+    retained = ~removed
     return steps, (A[np.ix_(retained, retained)], B[retained], C[:, retained])
 
 

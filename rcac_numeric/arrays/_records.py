@@ -65,7 +65,7 @@ class Records:
         if is_record(value) and type(value) in (*self._classes.values(), *_exact().values()):
             parts = {
                 field: self._tree(getattr(value, field), arrays)
-                for field in field_names(type(value), made_of=True)
+                for field in field_names(type(value), constructor=True)
                 if field not in LEFT_OUT
             }
             return {"class": name, "fields": parts}
@@ -95,7 +95,7 @@ class Records:
             case {"dict": list() as pairs}:
                 return {self.value(k, arrays): self.value(v, arrays) for k, v in pairs}
             case {"class": str() as name, "fields": dict() as parts}:
-                return self._made(name, {k: self.value(v, arrays) for k, v in parts.items()})
+                return self._instance(name, {k: self.value(v, arrays) for k, v in parts.items()})
             case {"poly": list() as coefficients, "variable": str() as variable}:
                 return exact.polynomial([*map(_fraction, coefficients)], _name(variable))
             case {"matrix": list() as rows, "shape": [int() as height, int() as width]}:
@@ -106,7 +106,7 @@ class Records:
                 return exact.exact_number(_fraction(digits))
         raise ValueError(f"{str(tree)[:80]!r} stands for nothing")
 
-    def _made(self, name: str, parts: dict[str, Any]) -> Any:
+    def _instance(self, name: str, parts: dict[str, Any]) -> Any:
         if name in _exact():
             return _exact()[name](**parts)
         if name not in self._classes:

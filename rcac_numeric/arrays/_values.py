@@ -127,13 +127,13 @@ def is_record(value: object) -> bool:
     return not isinstance(value, type) and (attrs.has(type(value)) or is_dataclass(value))
 
 
-def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False) -> list[str]:
+def field_names(cls: type[Any], *, compared: bool = False, constructor: bool = False) -> list[str]:
     """Return the field names of a class: the compared ones, or those of the constructor."""
     if attrs.has(cls):
         every = [(f.name, bool(f.eq), f.init) for f in attrs.fields(cls)]
     else:
         every = [(f.name, f.compare, f.init) for f in fields(cls)]
-    return [name for name, eq, init in every if (eq or not compared) and (init or not made_of)]
+    return [name for name, eq, init in every if (eq or not compared) and (init or not constructor)]
 
 
 def replaced(value: T, **changes: Any) -> T:

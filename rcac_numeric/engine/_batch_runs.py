@@ -134,14 +134,14 @@ def simulate_batch(
     if starts is not None and starts.ndim == 2 and len(starts) != count:
         raise InputError(f"x_0 has {len(starts)} rows for {count} runs; give one for each.")
     loops, prepared = PreparedLoops(), []
-    made = None
+    signals = None
     for i in range(count):
         try:
             controllers_of(each[i])
             loop = loops.of(plant, each[i], saturation)
-            if made is None:
+            if signals is None:
                 widths = plant.l_u, plant.l_y, plant.l_z
-                made = [np.full((count, steps, width), np.nan) for width in widths]
+                signals = [np.full((count, steps, width), np.nan) for width in widths]
             prepared.append(
                 PreparedRun(
                     loop,
@@ -149,12 +149,12 @@ def simulate_batch(
                     x_0=starts if starts is None or starts.ndim < 2 else starts[i],
                     stride=max(steps, 1),
                     divergence_limit=divergence_limit,
-                    into=(made[0][i], made[1][i], made[2][i]),
+                    into=(signals[0][i], signals[1][i], signals[2][i]),
                 )
             )
         except InputError as error:
             raise InputError(f"run {i}: {error}") from None
-    return _ended(plant, each, inputs, made, prepared, workers, lanes)
+    return _ended(plant, each, inputs, signals, prepared, workers, lanes)
 
 
 def _ended(

@@ -160,10 +160,10 @@ def _run_in_groups(prepared: list[PreparedRun], threads: int, lanes: bool) -> li
 
 
 def _prepared(case: SimulationCase, loops: PreparedLoops) -> PreparedRun:
-    return _made(loops, case.plant, case.settings, case.w, **case.options)
+    return _prepared_run(loops, case.plant, case.settings, case.w, **case.options)
 
 
-def _made(
+def _prepared_run(
     loops: PreparedLoops,
     plant: AnyPlant,
     settings: AnyController,

@@ -113,7 +113,7 @@ class Controller:
             supervision=self.supervision,
             limits=limits,
         )
-        self._said: set[str] = set()
+        self._reported_kinds: set[str] = set()
         self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
         self._whole = self._learner.whole if self._learner else self._kernel
         self._changes: deque[AppliedChange] = deque(maxlen=1000)
@@ -212,8 +212,8 @@ class Controller:
         """Warn once about every trouble."""
         record = self.record
         for event in record.events:
-            if event.kind in WORDS and event.kind not in self._said:
-                self._said.add(event.kind)
+            if event.kind in WORDS and event.kind not in self._reported_kinds:
+                self._reported_kinds.add(event.kind)
                 words = f"{event}: {WORDS[event.kind]}"
                 warnings.warn(words, SupervisionWarning, stacklevel=3)
 
@@ -411,7 +411,7 @@ class Controller:
             raise DivergedError(self._broken)
         with self._alone():
             values = self._whole.save()
-        return SavedState.taken("controller", self.k, values, self._name)
+        return SavedState.of_values("controller", self.k, values, self._name)
 
     def restore(self, state: SavedState) -> None:
         """Restore a saved state of a controller with the same settings.

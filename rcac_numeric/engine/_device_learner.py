@@ -34,12 +34,12 @@ class DeviceLearner:
         self._ends = np.cumsum([1, 1, structure.l_y])
         self._width = 2 + structure.l_y + structure.l_r
         self._last = np.zeros(self._width)
-        self._is_held = False  # frozen by the user
+        self._is_frozen = False  # frozen by the user
         self.freeze(False)
 
     def freeze(self, frozen: bool) -> None:
         """Freeze theta, or adapt from the first target model on; the identification continues."""
-        self._is_held = frozen
+        self._is_frozen = frozen
         self._kernel.freeze(frozen or not self._learner.has_target)
 
     def before(
@@ -53,9 +53,9 @@ class DeviceLearner:
             self._waiting[-1][0] = u_applied[0]
         if self._learner.is_due(k):
             self._learn(len(self._waiting))
-            if (asked := self._learner.look(self._kernel.theta)) is not None:
-                change(*asked)
-                self.freeze(self._is_held)
+            if (update := self._learner.look(self._kernel.theta)) is not None:
+                change(*update)
+                self.freeze(self._is_frozen)
         elif len(self._waiting) >= LONGEST_WAIT:
             self._learn(len(self._waiting))
 
@@ -79,7 +79,7 @@ class DeviceLearner:
         self._learn(len(self._waiting) - 1)
         waits = bool(self._waiting)
         row = self._waiting[-1] if waits else np.zeros(self._width)
-        flags = [float(waits), float(self._is_held)]
+        flags = [float(waits), float(self._is_frozen)]
         return np.concatenate([self._learner.save(), self._last, row, flags])
 
     def restore(self, values: Array) -> None:

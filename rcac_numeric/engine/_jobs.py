@@ -193,7 +193,7 @@ class PreparedRun:
         if with_state and outcome == 0 and self._is_whole(stopped):
             scale = self._scale if is_done else scale_of(self._before, self.w[:done], self.x_0)
             values, k = self._whole.save(), self.first_step + done
-            state = SavedState.taken("loop", k, values, self.prepared.name, scale)
+            state = SavedState.of_values("loop", k, values, self.prepared.name, scale)
         guards, first, reflections, resets, bounded = self._counts
         signals = self.w, self.u, self.y, self.z, self.u_applied
         w, u, y, z, u_applied = signals if is_done else (signal[:done] for signal in signals)
@@ -315,11 +315,11 @@ def scale_of(before: float, *from_outside: Array | None) -> float:
     return float(before)
 
 
-def divergence_limit_of(given: float | None, scale: float) -> float:
+def divergence_limit_of(limit: float | None, scale: float) -> float:
     """Return the magnitude at which a loop counts as diverged."""
-    if given is None:
+    if limit is None:
         return NO_DIGIT_LEFT * max(1.0, scale)
-    limit = number(given, "divergence_limit")
+    limit = number(limit, "divergence_limit")
     if limit <= 0:
         raise InputError(f"divergence_limit = {limit} must be positive.")
     return limit

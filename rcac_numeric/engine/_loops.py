@@ -63,7 +63,8 @@ class PreparedLoop:
         self.plant, self.settings, self.saturation = plant, settings, saturation
         is_default = supervision is None or supervision == Supervision()
         self.supervision = None if is_default else supervision
-        self._given = supervision  # the key of the cache uses id(): the objects must stay alive
+        # The key of the cache uses id(): the objects must stay alive.
+        self._supervision_reference = supervision
         self.controllers = _compiled_controllers(settings, saturation, supervision)
         compiled_plant(plant, None, Failures())  # checks the plant
         require_fit(plant, settings)

@@ -76,7 +76,7 @@ class SavedState(Value):
             raise InputError(f"scale = {self.scale} must not be negative.")
 
     @classmethod
-    def taken(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
+    def of_values(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
         """Return the state of a compiled object whose settings have the fingerprint `of`.
 
         Most states are never used: the checksum is computed on first access, from immutable

@@ -119,14 +119,14 @@ class TargetLearner(ShowsState):
             raise InputError(f"moved = {self.moved:g}; a distance of zeros is at least 0.")
         if not self.residual_growth >= 1:
             raise InputError(f"residual_growth = {self.residual_growth:g}; it must be at least 1.")
-        self._found: list[LearnedTarget] = []
+        self._results: list[LearnedTarget] = []
         self._in_use: ComplexArray | None = None
         self._smallest = np.inf
 
     @property
     def windows(self) -> tuple[LearnedTarget, ...]:
         """The results of all windows so far."""
-        return tuple(self._found)
+        return tuple(self._results)
 
     def __call__(self, run: Run) -> ControllerChange | None:
         """Return the change before the next step, or None."""
@@ -152,14 +152,14 @@ class TargetLearner(ShowsState):
         self._smallest = min(self._smallest, residual)
         zeros = np.sort_complex(np.array(data_target.information.nmp_zeros, dtype=np.complex128))
         if self._is_in_use(zeros):
-            self._found.append(LearnedTarget(k, "unchanged", zeros))
+            self._results.append(LearnedTarget(k, "unchanged", zeros))
             return None
         self._in_use = zeros
-        self._found.append(LearnedTarget(k, "updated", zeros))
+        self._results.append(LearnedTarget(k, "updated", zeros))
         return ControllerChange(target=data_target.target, covariance=self.covariance)
 
     def _refuse(self, k: int, reason: str) -> None:
-        self._found.append(LearnedTarget(k, "refused", np.zeros(0, np.complex128), reason))
+        self._results.append(LearnedTarget(k, "refused", np.zeros(0, np.complex128), reason))
 
     def _is_in_use(self, zeros: ComplexArray) -> bool:
         known = self._in_use

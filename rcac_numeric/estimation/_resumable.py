@@ -45,7 +45,7 @@ class Resumable(ABC, Generic[S]):
     @property
     def state(self) -> SavedState:
         """Everything that later steps depend on, beside the settings."""
-        return SavedState.taken(self.kind, self.k, self.save(), fingerprint(self.settings))
+        return SavedState.of_values(self.kind, self.k, self.save(), fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
         """Go back, or forward, to a saved state of an object with the same settings."""

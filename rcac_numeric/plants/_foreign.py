@@ -85,11 +85,11 @@ def plant_of(
     one_of(method, "method", METHODS)
     if sample_time is not None:
         positive_time(sample_time, "sample_time")
-    if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_own(system):
-        own: AnyPlant = system
-        agreed_time(own, sample_time)
-        unknown = isinstance(own, Plant) and sample_time is not None and own.sample_time is None
-        return replaced(own, sample_time=float(sample_time)) if unknown else own  # type: ignore
+    if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_plant_like(system):
+        plant: AnyPlant = system
+        agreed_time(plant, sample_time)
+        unknown = isinstance(plant, Plant) and sample_time is not None and plant.sample_time is None
+        return replaced(plant, sample_time=float(sample_time)) if unknown else plant  # type: ignore
     if is_nonlinear(system):
         return plant_of_nonlinear(system, sample_time)
     realisation = exact_realisation(system, variable)
@@ -114,7 +114,7 @@ def as_plant(system: Any) -> Any:
         return system
     if isinstance(system, exact.StandardProblem):
         return plant_of_problem(system)
-    return system if _is_own(system) or not is_description(system) else plant_of(system)
+    return system if _is_plant_like(system) or not is_description(system) else plant_of(system)
 
 
 def agreed_time(system: Any, sample_time: float | None) -> float | None:
@@ -145,7 +145,7 @@ def linear_plant(system: Any, name: str = "plant") -> Plant:
     return linear
 
 
-def _is_own(system: Any) -> bool:
+def _is_plant_like(system: Any) -> bool:
     """Whether a value has the attributes of a plant; the engine decides whether it runs."""
     return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
 

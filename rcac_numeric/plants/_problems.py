@@ -169,8 +169,8 @@ def sample_time_of(system: Any) -> float | None:
     if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:
-        own_period = getattr(system, "sample_time", None)
-        period = exact_sample_time(system) if is_foreign(system) else own_period
+        declared = getattr(system, "sample_time", None)
+        period = exact_sample_time(system) if is_foreign(system) else declared
     return None if period is None else float(period)
 
 

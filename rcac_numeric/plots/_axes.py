@@ -68,7 +68,7 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
     nothing = np.zeros(0, dtype=np.complex128)
     requested, zeros = nothing, nothing
     if comparison is not None:
-        poles, requested = comparison.poles, comparison.asked_poles
+        poles, requested = comparison.poles, comparison.requested_poles
         zeros = largest_counts(comparison.zeros.values())
     else:
         poles = repetition.loop.poles()

@@ -132,7 +132,7 @@ def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
     try:
         if not analysed.obstacle:
             comparison = analysed.comparison
-            groups["asked for"] = comparison.asked_poles
+            groups["asked for"] = comparison.requested_poles
             groups["zeros"] = largest_counts(comparison.zeros.values())
             groups["poles"] = comparison.poles
         else:

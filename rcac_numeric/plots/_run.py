@@ -111,7 +111,7 @@ def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figur
     figure = Figure(figsize=(inches, 1.08 * inches), layout="constrained")
     axis = figure.subplots()
     zeros = largest_counts(comparison.zeros.values())
-    draw_poles(axis, comparison.poles, comparison.asked_poles, zeros)
+    draw_poles(axis, comparison.poles, comparison.requested_poles, zeros)
     axis.set_title("")
     figure.legend(fontsize=8, loc="outside lower center", ncols=3, frameon=False)
     return figure

@@ -101,8 +101,8 @@ def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
 
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
     """Draw the gain of G_f and of the intercalated transfer function."""
-    for i, j in np.ndindex(match.wanted.shape[1:]):
-        axis.semilogy(match.omega, np.abs(match.wanted[:, i, j]), color=WANTED, linewidth=3.5,
+    for i, j in np.ndindex(match.target.shape[1:]):
+        axis.semilogy(match.omega, np.abs(match.target[:, i, j]), color=WANTED, linewidth=3.5,
                       alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
         axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
                       label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
@@ -116,8 +116,8 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
 
 def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
     """Draw their phases in radians, on one branch."""
-    for i, j in np.ndindex(match.wanted.shape[1:]):
-        requested, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
+    for i, j in np.ndindex(match.target.shape[1:]):
+        requested, reached = phases(match.target[:, i, j], match.reached[:, i, j])
         axis.plot(match.omega, requested, color=WANTED, linewidth=3.5, alpha=0.45)
         jumps = np.abs(np.diff(reached, prepend=reached[:1])) > np.pi  # to the next branch
         axis.plot(match.omega, np.where(jumps, np.nan, reached), color=REACHED, linewidth=1.2)

@@ -206,7 +206,7 @@ def _comparison(comparison: ExactComparison) -> Section:
         for requested, pole in comparison.assigned
     )
     blocks: list[Block] = [SheetTable(("pole of G_f", "closed-loop pole", "distance"), rows)]
-    if comparison.asked is None:
+    if comparison.requested is None:
         blocks.append(Text(f"exact prediction not evaluated: {comparison.obstacle}", "warning"))
     else:
         far = f"{comparison.spectrum_distance:.3g}"

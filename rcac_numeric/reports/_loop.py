@@ -312,7 +312,7 @@ def comparison_section(c: ExactComparison) -> Section:
         Text("Characteristic polynomial D D_c - N_yu N_c:"),
         _polynomial(c),
     ]
-    if c.asked is None:
+    if c.requested is None:
         blocks.append(Text(f"Exact prediction not evaluated: {c.obstacle}", "warning"))
     pairs = tuple(
         cells(complex_text(requested), complex_text(pole), f"{abs(requested - pole):.2e}")
@@ -331,10 +331,10 @@ def comparison_section(c: ExactComparison) -> Section:
         blocks.append(Text(words))
     record = {
         "poles": c.poles,
-        "asked_poles": c.asked_poles,
+        "asked_poles": c.requested_poles,
         "zeros": c.zeros,
         "characteristic_polynomial": {
-            "asked": None if c.asked is None else [str(v) for v in c.asked.all_coeffs()],
+            "asked": None if c.requested is None else [str(v) for v in c.requested.all_coeffs()],
             "reached": [rounded(v) for v in c.reached.all_coeffs()],
             "obstacle": c.obstacle or None,
         },
@@ -408,8 +408,8 @@ def _polynomial(c: ExactComparison) -> SheetTable:
     for power in range(c.reached.degree(), -1, -1):
         reached = c.reached.nth(power)
         row = [str(power), "", f"{rounded(reached):.12g}", ""]
-        if c.asked is not None:
-            requested = c.asked.nth(power)
+        if c.requested is not None:
+            requested = c.requested.nth(power)
             row[1], row[3] = exact_text(requested), f"{rounded(reached - requested):.1e}"
         rows.append(cells(*row))
     return SheetTable(("power of q", "target, exact", "closed loop", "difference"), tuple(rows))

@@ -231,7 +231,7 @@ def test_the_prediction_is_the_exact_one(opened):
             continue
         observed += 1
         comparison = specification.execute().first.comparison
-        expected = np.sort_complex(np.asarray(comparison.asked_poles))
+        expected = np.sort_complex(np.asarray(comparison.requested_poles))
         mine = np.sort_complex([complex(*pole) for pole in settled["predicted"]])
         # a root of multiplicity m is known to the m-th root of rounding
         np.testing.assert_allclose(mine, expected, atol=1e-4)

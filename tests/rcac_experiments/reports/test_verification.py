@@ -37,7 +37,7 @@ def test_the_record_holds_what_scripts_read(example):
     comparison = example.main.first.comparison
     assert [complex(*p) for p in record["poles"]] == list(comparison.poles)
     assert record["characteristic_polynomial"]["asked"] == [
-        str(c) for c in comparison.asked.all_coeffs()
+        str(c) for c in comparison.requested.all_coeffs()
     ]
 
 

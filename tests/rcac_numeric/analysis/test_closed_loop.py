@@ -163,7 +163,7 @@ def test_what_cannot_be_reached_is_said():
     wrong_zero = rn.TargetModel([0.0, 1.0, -0.3])
     ideal = rn.Compensator(past_u=[[[0.1]]], past_y=[[[0.0]], [[0.2]]])
     comparison = rn.compare_exactly(plant, ideal, wrong_zero)
-    assert comparison.asked is None and comparison.obstacle
+    assert comparison.requested is None and comparison.obstacle
     assert np.isnan(comparison.spectrum_distance)
     assert np.isfinite(comparison.worst_distance)
 

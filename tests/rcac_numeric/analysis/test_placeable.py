@@ -43,7 +43,7 @@ def test_two_gains_place_what_two_gains_make_and_nothing_else():
         for e in (np.zeros(2), np.array([1.0, 0]), np.array([0, 1.0]))
     ]
     base, M = np.array(columns[0]), np.array(columns[1:]).T - np.array(columns[0])[:, None]
-    values = np.array([float(c) for c in compared.asked.all_coeffs()])
+    values = np.array([float(c) for c in compared.requested.all_coeffs()])
     left = np.linalg.lstsq(M, values - base, rcond=None)[1]
     assert (left.size and left[0] > 1e-6) == (compared.can_be_placed_by(structure) is False)
     assert compared.can_be_placed_by(structure) is False

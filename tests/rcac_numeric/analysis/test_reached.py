@@ -85,7 +85,9 @@ def test_without_an_exact_prediction_the_poles_at_zero_are_judged_alike():
     exact = run.settings.target
     rounded = rn.TargetModel(exact.numerator, exact.denominator)
     comparison = rn.compare_exactly(run.plant, run.compensator, rounded)
-    assert comparison.asked is None and comparison.is_reached and comparison.backward_error < 1e-3
+    assert (
+        comparison.requested is None and comparison.is_reached and comparison.backward_error < 1e-3
+    )
     scaled = rn.TargetModel(1.5 * exact.numerator, exact.denominator)  # no loop reaches its gain
     comparison = rn.compare_exactly(run.plant, run.compensator, scaled)
     assert comparison.is_reached and comparison.worst_distance > 0.05  # and its poles are there

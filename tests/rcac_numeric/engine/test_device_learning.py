@@ -139,7 +139,7 @@ def test_states_of_others_are_refused():
         rn.Controller(settings_of(every=20)).restore(controller.state)
     state = controller.state
     for values in (state.values[:-1], state.values[:3], np.r_[state.values[:-2], 0.5, 5.0]):
-        bad = rn.SavedState.taken("controller", state.k, values, state.fingerprint)
+        bad = rn.SavedState.of_values("controller", state.k, values, state.fingerprint)
         with pytest.raises(InputError, match="damaged"):
             controller.restore(bad)
         assert controller.state == state

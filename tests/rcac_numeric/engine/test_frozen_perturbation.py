@@ -142,5 +142,7 @@ def test_refusals():
     controller = Controller(learning(FROZEN))
     state = controller.state
     with pytest.raises(InputError, match="damaged"):
-        controller.restore(type(state).taken("controller", 0, state.values[:-9], state.fingerprint))
+        controller.restore(
+            type(state).of_values("controller", 0, state.values[:-9], state.fingerprint)
+        )
     assert controller.state == state

@@ -139,7 +139,7 @@ def test_no_damaged_state_reaches_beyond_an_array(rules, data):
         with suppress(
             InputError, DivergedError, rn.SupervisionWarning
         ):  # by one who knows the checksum, too
-            resume(rn.SavedState.taken(state.kind, state.k, damaged, state.fingerprint))
+            resume(rn.SavedState.of_values(state.kind, state.k, damaged, state.fingerprint))
 
 
 @pytest.mark.parametrize("values", ["abc", [1.0, 2.0], None, np.ones(3, int), np.ones((3, 1))])

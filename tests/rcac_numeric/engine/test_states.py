@@ -232,7 +232,7 @@ def test_a_state_of_another_controller_or_loop_is_refused():
         (5, run.state.values[:-1], "the state of this loop is damaged"),
         (4, run.state.values, "it is said to be of step 4 and holds step 5"),
     ):
-        other = rn.SavedState.taken("loop", k, values, run.state.fingerprint)
+        other = rn.SavedState.of_values("loop", k, values, run.state.fingerprint)
         with pytest.raises(InputError, match=message):
             rn.simulate(plant, SIMPLE, np.ones((5, 1)), start=other)
 

@@ -51,7 +51,7 @@ def test_a_phase_that_turns_is_followed():
 @pytest.mark.costly
 def test_the_phases_of_example_2_3_lie_on_each_other():
     match = LoopAnalysis(EXAMPLE_2_3.run()).match
-    first, second = phases(match.wanted[:, 0, 0], match.reached[:, 0, 0])
+    first, second = phases(match.target[:, 0, 0], match.reached[:, 0, 0])
     assert np.abs(first - second).max() < 1
 
 

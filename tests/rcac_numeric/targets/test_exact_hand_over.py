@@ -106,7 +106,7 @@ def test_the_target_of_a_plant_has_an_exact_prediction_for_it(name, kind, words)
     comparison = compare_exactly(one, zero, target)
     assert not comparison.obstacle
     N_zu = one.problem.numerator("zu")
-    left = comparison.asked * target.exact.numerator
+    left = comparison.requested * target.exact.numerator
     assert (left - N_zu * Poly(q**n_c, q) * target.exact.denominator).is_zero
 
 
