@@ -8,7 +8,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from compensator_theory.errors import CompensatorError
 
-from .formal.rocq_build import NOT_ASKED, compile_formal_part
+from .formal.rocq_build import NOT_COMPILED, compile_formal_part
 from .ledger.ledger import LedgerError, select, theorems
 from .ledger.verification import number_of_checks, verify
 from .output.printing import print_ledger, print_names, print_summary
@@ -35,7 +35,7 @@ def main(
         if names_only:
             print_names(console, entries)
             return
-        compilation = NOT_ASKED
+        compilation = NOT_COMPILED
         columns = (TextColumn("{task.description:45}"), BarColumn(), MofNCompleteColumn(),
                    TimeElapsedColumn())  # fmt: skip
         with Progress(*columns, console=progress_console, transient=True) as progress:

@@ -74,8 +74,8 @@ def separated_pair() -> Facts:
         K = Matrix([[2 - p[1], 3 - p[0]]])
         F = Matrix([o[0] - 3, o[1] - 2 - 3 * (o[0] - 3)])
         spectra = (A + B * K).charpoly(s).as_expr(), (A - F * C).charpoly(s).as_expr()
-        asked = (s**2 + p[0] * s + p[1], s**2 + o[0] * s + o[1])
-        assert all(expand(x - y) == 0 for x, y in zip(spectra, asked, strict=True))
+        requested = (s**2 + p[0] * s + p[1], s**2 + o[0] * s + o[1])
+        assert all(expand(x - y) == 0 for x, y in zip(spectra, requested, strict=True))
         A_c = A + B * K - F * C
         D_c = expand(A_c.charpoly(s).as_expr())
         return K, D_c, expand(D_c - (A_c + F * K).charpoly(s).as_expr())

@@ -102,10 +102,10 @@ def real_roots_and_no_form() -> Facts:
     """(b3) n = 3: 2(s + 3)(s + 4)/((s + 1)(s + 3)(s + 4)) in controllable and observable form."""
     for form in ("controllable", "observable"):
         hidden = realisation("-2*(s + 3)*(s + 4)/((s + 1)*(s + 3)*(s + 4))", form=form)
-        found = observer_forms(SERVO, hidden)
-        real = number_of_real_roots(found.characteristic_polynomial)
+        result = observer_forms(SERVO, hidden)
+        real = number_of_real_roots(result.characteristic_polynomial)
         yield f"{form} form: two real roots", real == 2
-        yield f"{form} form: all 4 shares fail", len(found.rejections) == 4 and not found.forms
+        yield f"{form} form: all 4 shares fail", len(result.rejections) == 4 and not result.forms
     mixed = Realisation([[-1, 0, 0], [0, -3, 0], [0, 0, -4]], [[1], [1], [0]], [[-2, 0, 1]])
     forms = observer_forms(SERVO, mixed).forms
     shares = all(f.regulator.eval(-4) == 0 == f.observer.eval(-3) for f in forms)

@@ -46,9 +46,9 @@ def unproved(names: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
     askable = [name for name, reason in answers.items() if not reason]
     if askable and _closed_together(askable, folder):
         return answers
-    given, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
+    answers_of_coq, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
     for name in askable:
-        axioms_of_name = axioms(given.get(name, ""))
+        axioms_of_name = axioms(answers_of_coq.get(name, ""))
         unclear = "Coq gave no answer" + (f": {complaint}" if complaint else "")
         answers[name] = (
             unclear

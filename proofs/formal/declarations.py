@@ -89,7 +89,7 @@ def blanked(text: str) -> str:
     >>> blanked("a (* b\n (* c *) *) d") == "a     \n            d"
     True
     """
-    kept_text, depth, at = [], 0, 0
+    pieces, depth, at = [], 0, 0
     while at < len(text):
         pair = text[at : at + 2]
         step = 2 if pair == "(*" or (depth and pair == "*)") else 1
@@ -97,9 +97,9 @@ def blanked(text: str) -> str:
         covered = depth > 0
         depth -= step == 2 and pair == "*)"
         piece = text[at : at + step]
-        kept_text.append(re.sub(r"[^\n]", " ", piece) if covered else piece)
+        pieces.append(re.sub(r"[^\n]", " ", piece) if covered else piece)
         at += step
-    return "".join(kept_text)
+    return "".join(pieces)
 
 
 def resolved(word: str, module: str, folder: Path = SOURCES) -> str:

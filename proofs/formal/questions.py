@@ -84,15 +84,15 @@ def ask(
         (folder / QUESTION).write_text(question_file(waiting, preamble) + "\n", encoding="utf-8")
         command = ["coqc", "-q", "-w", "none", "-R", ".", LIBRARY, QUESTION]
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        found = read_answers(run.stdout)
+        read = read_answers(run.stdout)
         if not run.returncode:
-            return answers | found, complaint
+            return answers | read, complaint
         complaint = complaint or " ".join(run.stderr.split())
-        if not found:  # a file cannot be required
+        if not read:  # a file cannot be required
             return answers, complaint
-        *whole, broken = found  # Coq stops at the first question that it cannot answer
-        answers |= {name: found[name] for name in whole} | {broken: ""}
-        waiting = {name: words for name, words in waiting.items() if name not in found}
+        *whole, broken = read  # Coq stops at the first question that it cannot answer
+        answers |= {name: read[name] for name in whole} | {broken: ""}
+        waiting = {name: words for name, words in waiting.items() if name not in read}
     return answers, complaint
 
 

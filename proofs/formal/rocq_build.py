@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .assumptions import unproved
 from .rocq_sources import SOURCES, defined, sources
-from .types import changed, said
+from .types import changed, printed_statements
 from .witnesses import without_witness, witnesses
 
 PACKAGES = (
@@ -43,7 +43,7 @@ class Compilation:
         return self.status != "failed" and not any(self.answers.values())
 
 
-NOT_ASKED = Compilation(
+NOT_COMPILED = Compilation(
     "not asked", "the formal part was not compiled in this run; --formal does", {}
 )
 
@@ -100,7 +100,7 @@ def examine(
     proved, every = unproved([*theorems, *shown.values()], folder), defined(folder)
     alone = without_witness(theorems, folder)
     answers = {name: proved[name] for name in theorems}
-    statements, _ = said(answers, every, folder)
+    statements, _ = printed_statements(answers, every, folder)
     differs = changed(statements, folder)
     return (
         {

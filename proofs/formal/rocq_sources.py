@@ -115,12 +115,12 @@ def defined(folder: Path = SOURCES) -> tuple[str, ...]:
     >>> "foundations.Vocabulary.controllable" in defined()
     True
     """
-    found = []
+    definitions = []
     for path in sources(folder):
         module = ".".join(path.relative_to(folder).with_suffix("").parts)
         names = _DEFINED.findall(without_comments(path.read_text(encoding="utf-8")))
-        found += [f"{module}.{name}" for name in names]
-    return tuple(found)
+        definitions += [f"{module}.{name}" for name in names]
+    return tuple(definitions)
 
 
 def assumed(folder: Path = SOURCES) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ _WHOLE = "nothing hidden:"
 _HEAD = re.compile(r"^(\w+)  \[(\w+)\]$", re.M)
 
 
-def said(
+def printed_statements(
     theorems: Iterable[str], definitions: Iterable[str], folder: Path = SOURCES
 ) -> tuple[dict[str, str], str]:
     """Ask Coq what theorems and definitions say.

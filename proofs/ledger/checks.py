@@ -48,7 +48,7 @@ class ForAll:
         from hypothesis import strategies as st
         from hypothesis.errors import Unsatisfiable
 
-        seen, begun, false = 0, 0, ""
+        answered, begun, false = 0, 0, ""
 
         def begin() -> None:
             nonlocal begun
@@ -65,11 +65,11 @@ class ForAll:
         )
         @given(_begun=st.builds(begin), **self.strategies)
         def search(_begun: None, **drawn: Any) -> None:
-            nonlocal seen, false
+            nonlocal answered, false
             if not _is_true(self.predicate(**drawn)):
                 false = "false for " + ", ".join(f"{k} = {v}" for k, v in drawn.items())
                 raise AssertionError
-            seen += 1
+            answered += 1
 
         try:
             search()
@@ -78,10 +78,14 @@ class ForAll:
             return Outcome("property", self.name, self.statement, "fails", detail=false)
         except Unsatisfiable:
             pass  # counted below
-        if seen < max(1, kept * begun) or seen < min(examples, 10) / 2 or 2 * seen < examples:
-            few = f"only {seen} of {begun} draws came to an answer, for {examples} asked for"
+        if (
+            answered < max(1, kept * begun)
+            or answered < min(examples, 10) / 2
+            or 2 * answered < examples
+        ):
+            few = f"only {answered} of {begun} draws came to an answer, for {examples} asked for"
             return Outcome("property", self.name, self.statement, "fails", detail=few)
-        scope = f"{seen} examples of {self.drawn}"
+        scope = f"{answered} examples of {self.drawn}"
         return Outcome("property", self.name, self.statement, "holds", scope)
 
 
@@ -185,10 +189,10 @@ def run_property(evidence: Property, *, quick: bool = False) -> Outcome:
     check = resolve("properties", evidence.check)
     try:
         few = max(3, evidence.examples // 10)
-        found: Outcome = check.run(few if quick else evidence.examples, evidence.kept)
+        outcome: Outcome = check.run(few if quick else evidence.examples, evidence.kept)
     except Exception as error:
         return _raised("property", evidence.check, check.predicate, error)
-    return found
+    return outcome
 
 
 def run_counterexample(evidence: Counterexample) -> Outcome:

@@ -46,15 +46,15 @@ class Code:
         sources: dict[str, str] = {}
         waiting = [(module, name)]
         while waiting:
-            where, what = waiting.pop()
+            where, definition = waiting.pop()
             read = self.module(where)
-            if read is None or where.startswith(_RUNNERS) or f"{where}.{what}" in sources:
+            if read is None or where.startswith(_RUNNERS) or f"{where}.{definition}" in sources:
                 continue
-            if what in read.imported:
-                waiting.append(read.imported[what])
-            elif what in read.defined:
-                texts, used = read.defined[what]
-                sources[f"{where}.{what}"] = " ".join(" ".join(texts).split())
+            if definition in read.imported:
+                waiting.append(read.imported[definition])
+            elif definition in read.defined:
+                texts, used = read.defined[definition]
+                sources[f"{where}.{definition}"] = " ".join(" ".join(texts).split())
                 waiting += [(where, other) for other in used]
                 if _MODULE in read.defined:
                     waiting.append((where, _MODULE))

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 
 from ..formal.rocq_build import examine
 from ..formal.rocq_sources import assumed, defined
-from ..formal.types import commit, committed, said
+from ..formal.types import commit, committed, printed_statements
 from .ledger import ledger, theorems
 
 
@@ -45,7 +45,7 @@ def report(answers: Mapping[str, str], faults: Iterable[str]) -> tuple[str, bool
 
 def rewrite() -> int:
     """Commit what every definition and every theorem of the ledger says now."""
-    statements, complaint = said(theorems(ledger()), defined())
+    statements, complaint = printed_statements(theorems(ledger()), defined())
     if complaint or not all(statements.values()):
         print(complaint or "Coq does not print every statement")
         return 1

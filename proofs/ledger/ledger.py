@@ -109,8 +109,8 @@ def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
             f"{sorted(needed - set(table))}; known are {sorted(allowed)}"
         )
     words: dict[str, Any] = {key: _flowed(table[key]) for key in _WORDS}
-    given = table["conclusion"]
-    conclusion = tuple(map(_flowed, [given] if isinstance(given, str) else given))
+    sentences = table["conclusion"]
+    conclusion = tuple(map(_flowed, [sentences] if isinstance(sentences, str) else sentences))
     try:
         evidence = _evidence(table)
     except TypeError as error:  # a key that the evidence does not have, or one that it lacks

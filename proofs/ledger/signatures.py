@@ -151,9 +151,9 @@ def _parts(
         yield f"property {claim.check}", digest(settings, _code("properties", claim.check, code))
     for case in entry.counterexamples:
         settings = str((case.refutes, case.formal, case.in_text))
-        said = _theorem(case.formal, rocq, types) if case.formal else ""
+        theorem_digest = _theorem(case.formal, rocq, types) if case.formal else ""
         text = _code("counterexamples", case.check, code)
-        yield f"refuted {case.check}: {case.refutes}", digest(settings, said, text)
+        yield f"refuted {case.check}: {case.refutes}", digest(settings, theorem_digest, text)
 
 
 def _code(package: str, check: str, code: Code) -> str:

@@ -49,9 +49,9 @@ def verify(
     Examples
     --------
     >>> from proofs.ledger.ledger import select
-    >>> from proofs.formal.rocq_build import NOT_ASKED
+    >>> from proofs.formal.rocq_build import NOT_COMPILED
     >>> from proofs.ledger.verification import verify
-    >>> (found,) = verify(select(["lemma-1"]), NOT_ASKED, quick=True)
+    >>> (found,) = verify(select(["lemma-1"]), NOT_COMPILED, quick=True)
     >>> found.holds, [outcome.kind for outcome in found.outcomes]
     (True, ['formal', 'property', 'counterexample'])
     """
@@ -91,9 +91,9 @@ def formal_outcome(
 
     Examples
     --------
-    >>> from proofs.formal.rocq_build import NOT_ASKED
+    >>> from proofs.formal.rocq_build import NOT_COMPILED
     >>> from proofs.ledger.verification import formal_outcome
-    >>> formal_outcome("formal", "Nowhere.nothing", "any n", NOT_ASKED).status
+    >>> formal_outcome("formal", "Nowhere.nothing", "any n", NOT_COMPILED).status
     'missing'
     """
     if compilation.status in ("not asked", "not installed"):

@@ -106,8 +106,8 @@ def coverage(used: Iterable[str], entries: Iterable[Entry]) -> tuple[Covered, ..
     --------
     >>> from proofs.ledger.ledger import ledger
     >>> from proofs.output.coverage import coverage, unproved
-    >>> found = coverage(["2.43", *unproved()], ledger())
-    >>> found[0].strength, found[0].entries[0]
+    >>> equations = coverage(["2.43", *unproved()], ledger())
+    >>> equations[0].strength, equations[0].entries[0]
     ('Coq', 'least-squares-update')
     """
     used, reasons = tuple(used), unproved()
@@ -133,25 +133,25 @@ def _covered(number: str, about: Mapping[str, list[Entry]], reasons: Mapping[str
     return Covered(number, best, tuple(entry.name for entry in about[number]))
 
 
-def table(found: Iterable[Covered], computed_by: Mapping[str, Iterable[str]]) -> str:
+def table(equations: Iterable[Covered], computed_by: Mapping[str, Iterable[str]]) -> str:
     """Write the coverage as Markdown: how many in which strength, then every equation.
 
     Parameters
     ----------
-    found : iterable of Covered
+    equations : iterable of Covered
     computed_by : dict of iterable of str
         For each equation the public names whose documentation cites it.
     """
-    found = tuple(found)
-    counts = {words: sum(c.strength == words for c in found) for words in (*_STRENGTHS, "none")}
+    equations = tuple(equations)
+    counts = {words: sum(c.strength == words for c in equations) for words in (*_STRENGTHS, "none")}
     lines = ["| strength | equations |", "|---|---|"]
     lines += [f"| {words} | {count} |" for words, count in counts.items()]
-    lines += ["", f"Of {len(found)} equations that the software uses.", ""]
+    lines += ["", f"Of {len(equations)} equations that the software uses.", ""]
     lines += [
         "| equation | strength | statements, or why none | computed by |",
         "|---|---|---|---|",
     ]
-    for c in found:
+    for c in equations:
         where = ", ".join(f"[{name}](#{name})" for name in c.entries) or c.why
         names = ", ".join(f"`{name.partition('.')[2]}`" for name in computed_by.get(c.number, ()))
         lines.append(f"| ({c.number}) | {c.strength} | {where} | {names} |")

@@ -136,11 +136,11 @@ def _pieces(text: str) -> Iterator[str]:
             yield _symbol(*symbol.groups())
             at = symbol.end()
         elif operator:
-            found = operator.group()
-            depth += (found == "[") - (found[0] == "]")
-            head, _, power = found.partition("^")
+            word = operator.group()
+            depth += (word == "[") - (word[0] == "]")
+            head, _, power = word.partition("^")
             power = power[1:-1] if power.startswith("(") else power
-            yield f"{head}^{{{power}}}" if power else _TEX.get(found, found)
+            yield f"{head}^{{{power}}}" if power else _TEX.get(word, word)
             at = operator.end()
         else:
             if text[at] == "×":

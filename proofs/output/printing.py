@@ -21,7 +21,7 @@ _KINDS = {
 }
 
 
-def print_ledger(console: Console, found: Iterable[Verified]) -> None:
+def print_ledger(console: Console, verified_entries: Iterable[Verified]) -> None:
     """Print every entry: its statement, the text's, and the evidence.
 
     Examples
@@ -29,13 +29,13 @@ def print_ledger(console: Console, found: Iterable[Verified]) -> None:
     >>> from rich.console import Console
     >>> from proofs.ledger.ledger import select
     >>> from proofs.output.printing import print_ledger
-    >>> from proofs.formal.rocq_build import NOT_ASKED
+    >>> from proofs.formal.rocq_build import NOT_COMPILED
     >>> from proofs.ledger.verification import verify
-    >>> print_ledger(Console(width=80), verify(select(["lemma-1"]), NOT_ASKED, quick=True))
+    >>> print_ledger(Console(width=80), verify(select(["lemma-1"]), NOT_COMPILED, quick=True))
     <BLANKLINE>
     lemma-1  Lemma 1 ...
     """
-    for verified in found:
+    for verified in verified_entries:
         entry = verified.entry
         console.print()
         heading = Text.assemble(
@@ -59,7 +59,7 @@ def print_ledger(console: Console, found: Iterable[Verified]) -> None:
 
 
 def print_summary(
-    console: Console, found: Iterable[Verified], compilation: Compilation, *, quick: bool
+    console: Console, verified_entries: Iterable[Verified], compilation: Compilation, *, quick: bool
 ) -> None:
     """Print how many entries have which evidence, what failed, and what was not done.
 
@@ -67,26 +67,26 @@ def print_summary(
     --------
     >>> from rich.console import Console
     >>> from proofs.output.printing import print_summary
-    >>> from proofs.formal.rocq_build import NOT_ASKED
-    >>> print_summary(Console(width=80), [], NOT_ASKED, quick=False)
+    >>> from proofs.formal.rocq_build import NOT_COMPILED
+    >>> print_summary(Console(width=80), [], NOT_COMPILED, quick=False)
     <BLANKLINE>
     0 entries
     The formal part was not compiled in this run; --formal does.
     """
-    found = tuple(found)
-    strengths = Counter(verified.strength for verified in found)
+    verified_entries = tuple(verified_entries)
+    strengths = Counter(verified.strength for verified in verified_entries)
     parts = [f"{count} {words}" for words, count in strengths.most_common()]
     console.print()
-    entries = "1 entry" if len(found) == 1 else f"{len(found)} entries"
+    entries = "1 entry" if len(verified_entries) == 1 else f"{len(verified_entries)} entries"
     console.print(entries + (": " if parts else "") + ", ".join(parts))
     if quick:
         console.print("Quick: a tenth of the examples, all sizes but the largest.")
     detail = compilation.detail
     console.print(Text(f"{detail[0].upper()}{detail[1:]}."))
-    absent = sorted({o.name for v in found for o in v.outcomes if o.status == "missing"})
+    absent = sorted({o.name for v in verified_entries for o in v.outcomes if o.status == "missing"})
     if absent:
         console.print(Text(f"Named but not in proofs/rocq: {', '.join(absent)}."))
-    failed = [(v, o) for v in found for o in v.outcomes if o.status == "fails"]
+    failed = [(v, o) for v in verified_entries for o in v.outcomes if o.status == "fails"]
     for verified, outcome in failed:
         text = f"FAILS  {verified.entry.name}: {outcome.name}: {outcome.detail}"
         console.print(Text(text, "bold red"))

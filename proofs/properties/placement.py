@@ -116,7 +116,7 @@ def target_poles(case: Target) -> bool:
     target = TransferFunction(3 * q ** (D_p.degree() - least) * N_u, D_p)
     spare = n_c + least - D_p.degree()
     try:
-        found = target_characteristic_polynomial((3 * N_s * N_u, n), n_c, target)
+        matched = target_characteristic_polynomial((3 * N_s * N_u, n), n_c, target)
     except NotReachableTargetError:
         return bool(spare < 0 and (N_s * D_p).rem(q**-spare) != 0)
-    return bool(found * q ** max(-spare, 0) == q ** max(spare, 0) * N_s * D_p)
+    return bool(matched * q ** max(-spare, 0) == q ** max(spare, 0) * N_s * D_p)

@@ -43,9 +43,10 @@ def sensitivity_determines(loop: tuple[TransferFunction, TransferFunction]) -> b
     plant, compensator = loop
     assume(plant.numerator != 0)
     S = sensitivity_function(plant, compensator, feedback=-1)
-    found = compensator_from_sensitivity(plant, S, feedback=-1)
+    reconstructed = compensator_from_sensitivity(plant, S, feedback=-1)
     return bool(
-        found.numerator * compensator.denominator == compensator.numerator * found.denominator
+        reconstructed.numerator * compensator.denominator
+        == compensator.numerator * reconstructed.denominator
     )
 
 

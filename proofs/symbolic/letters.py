@@ -48,8 +48,8 @@ def dual(expression: Expr, renamed: Mapping[Expr, Expr]) -> Expr:
     C*A*Q
     """
     named = expression.subs(dict(renamed), simultaneous=True)
-    letters_kept = {value for value in renamed.values() if not value.args}
-    symmetric = (expression.free_symbols - set(renamed)) | letters_kept
+    new_letters = {value for value in renamed.values() if not value.args}
+    symmetric = (expression.free_symbols - set(renamed)) | new_letters
     return expand(transpose(named)).subs({transpose(letter): letter for letter in symmetric})
 
 

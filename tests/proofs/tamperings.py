@@ -260,7 +260,7 @@ def of_other_kinds() -> Iterator[Tampering]:
             ("anything is true", replaced("proofs/ledger/checks.py", "return answer is True", "return True")),
             ("errors confirm", replaced("proofs/ledger/checks.py", 'return Outcome(kind, name, statement_of(check), "fails", detail=detail)', 'return Outcome(kind, name, statement_of(check), "holds", detail=detail)')),
             ("any evidence is machine-checked", replaced("proofs/ledger/outcomes.py", '"property": "property-tested"', '"property": "machine-checked"')),
-            ("what is rejected is not counted", replaced("proofs/ledger/checks.py", "seen < max(1, kept * begun)", "seen < 0")),
+            ("what is rejected is not counted", replaced("proofs/ledger/checks.py", "answered < max(1, kept * begun)", "answered < 0")),
         ],
         "runner of Coq": [
             ("no axiom is read", replaced("proofs/formal/assumptions.py", 'return "" if words == CLOSED else', 'return "" if words else')),
@@ -268,7 +268,7 @@ def of_other_kinds() -> Iterator[Tampering]:
             ("a witness's axioms do not matter", replaced("proofs/formal/rocq_build.py", "            or _of_witness(shown.get(name), proved)\n", "")),
             ("what a theorem says is not compared", replaced("proofs/formal/types.py", '"" if text == known[name] else', '"" if text else')),
             ("any lemma is a witness", replaced("proofs/formal/witnesses.py", "can_be_met", "\\w+")),
-            ("the definitions are not asked", replaced("proofs/formal/rocq_sources.py", "found += [f\"{module}.{name}\" for name in names]", "found += []")),
+            ("the definitions are not asked", replaced("proofs/formal/rocq_sources.py", "definitions += [f\"{module}.{name}\" for name in names]", "definitions += []")),
             ("sentences without evidence pass", replaced("proofs/ledger/ledger.py", "if about != set(range(1, sentences + 1)):", "if not about:")),
             ("a report without faults", replaced("proofs/ledger/formal_check.py", "proved == len(answers) and not faults", "True")),
             ("universes that contain themselves", replaced("proofs/rocq/_CoqProject", "-arg -w", "-arg -type-in-type -arg -w")),

@@ -15,7 +15,7 @@ from proofs.formal.rocq_sources import (
     stated,
     without_comments,
 )
-from proofs.formal.types import changed, commit, committed, said
+from proofs.formal.types import changed, commit, committed, printed_statements
 from proofs.ledger.formal_check import report
 from proofs.ledger.ledger import ledger, theorems
 
@@ -61,7 +61,7 @@ def formal_part(folder, **files):
 def build(names, folder):
     """Compile, and commit what the theorems and definitions say."""
     compile_formal_part(names, folder)
-    statements, complaint = said(names, defined(folder), folder)
+    statements, complaint = printed_statements(names, defined(folder), folder)
     assert complaint == ""
     commit({name: text for name, text in statements.items() if text}, folder)
 
