@@ -309,8 +309,7 @@ def coefficient(r: LoopAnalysis, index: int, k: int | None = None) -> float:
         row, rest = divmod(integer(k, "k"), run.stride)
         if rest or row >= len(run.theta):
             raise InputError(
-                f"theta({k}) was not kept; it is kept at multiples of {run.stride} below "
-                f"{run.steps}."
+                f"k = {k}: theta(k) is recorded at multiples of {run.stride} below {run.steps}."
             )
         theta = run.theta[row]
     return float(theta[integer(index, "index", at_most=len(theta) - 1)])

@@ -1,4 +1,4 @@
-"""Pictures of studies and of the figures that an experiment file asks for."""
+"""Figures of studies and of experiment files."""
 
 import lazy_loader
 

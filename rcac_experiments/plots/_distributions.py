@@ -23,7 +23,7 @@ DECADES = 30.0  # a ratio from which the axis is logarithmic
 def draw_distribution(
     figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
 ) -> None:
-    """A row for each run; what has no value is counted at its end."""
+    """Draw a row for each run; the missing values are counted at its end."""
     values = {name: _values(result, request) for name, result in results.items()}
     draw_values(figure, values, request.measure)
 
@@ -31,7 +31,7 @@ def draw_distribution(
 def draw_study_distribution(
     figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
 ) -> None:
-    """The same of the studies of an estimation example, measured from the step `first` on."""
+    """Draw a row for each study of an estimation example, measured from the step `first` on."""
     arguments = {"start": request.first} if request.first else {}
     values = {name: np.array(r.values(request.measure, arguments)) for name, r in results.items()}
     draw_values(figure, values, request.measure)

@@ -1,4 +1,4 @@
-"""Frequency responses of several runs: from w to z beside LQG's, and beside the target model."""
+"""Frequency responses of several runs, compared with LQG and with the target model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Results = Mapping[str, RunResult]
 
 
 def draw_disturbance_response(figure: Figure, results: Results, request: FigureRequest) -> None:
-    """Gain from w to z (norm over what is several): without control, with LQG, with each run."""
+    """Plot the gain from w to z (a norm for several signals): open loop, LQG, and each run."""
     axis = figure.subplots()
     omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
     plant = next(iter(results.values())).first.plant
@@ -68,7 +68,7 @@ def draw_disturbance_response(figure: Figure, results: Results, request: FigureR
 
 
 def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> None:
-    """G_f, and the intercalated transfer function that each run has made of it."""
+    """Plot G_f and the intercalated transfer function of each run."""
     del request
     figure.set_figheight(max(figure.get_figheight(), 0.8 * figure.get_figwidth()))
     above, below = figure.subplots(2, 1, sharex=True)
@@ -108,7 +108,7 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
 
 
 def _repetitions(result: RunResult) -> Sequence[LoopAnalysis]:
-    """All seeds of a run; of repetitions, which differ by rounding, the first."""
+    """Return all seeds of a run; the first of repetitions, which differ by rounding."""
     return result.repetitions if result.specification.seeds > 1 else result.repetitions[:1]
 
 
@@ -123,7 +123,7 @@ def _best(plant: Plant, noise: NoiseIntensities | None) -> list[ClosedLoop]:
 def _draw_band(
     axis: Axes, omega: Array, curves: Sequence[Array], name: str, style: Mapping[str, Any]
 ) -> None:
-    """A curve, or the median and the range of those of several seeds."""
+    """Draw a curve, or the median and the range over several seeds."""
     label = shortened(name, 50)
     if len(curves) > 1:
         label += f": median and range of {len(curves)} seeds"

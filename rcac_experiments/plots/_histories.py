@@ -1,4 +1,4 @@
-"""Several runs over the step k: signals and estimates in one pair of axes, coefficients apart."""
+"""Several runs over the step k: signals and estimates in common axes, theta in separate axes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Results = Mapping[str, RunResult]
 
 
 def draw_responses(figure: Figure, results: Results, request: FigureRequest) -> None:
-    """A signal of each run, one pair of axes for each component.
+    """Plot a signal of each run, one pair of axes for each component.
 
     Magnitudes of a run with seeds or repetitions are drawn as their median and range.
     """
@@ -65,7 +65,7 @@ def draw_responses(figure: Figure, results: Results, request: FigureRequest) -> 
 
 
 def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) -> None:
-    """Theta of each run that adapts, each in axes of its own with a common step."""
+    """Plot theta of each adaptive run in separate axes over a common step."""
     runs = {name: result.first.run for name, result in results.items()}
     adapting = {name: run for name, run in runs.items() if run.theta.shape[1]}
     axes = np.ravel(figure.subplots(max(len(adapting), 1), 1, sharex=True, squeeze=False))
@@ -92,7 +92,7 @@ def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) 
 def _draw(
     axis: Axes, result: RunResult, request: FigureRequest, i: int, index: int, name: str
 ) -> tuple[int, float] | None:
-    """Draw the line of the first run; where it ended early, the point at which it did."""
+    """Draw the line of the first run, with a mark at its end if it diverged early."""
     run = result.first.run
     seeds = result.specification.seeds
     name = f"{name}, one of {seeds} seeds" if seeds > 1 else name
@@ -112,7 +112,7 @@ def _draw(
 def _draw_band(
     axis: Axes, result: RunResult, request: FigureRequest, i: int, index: int, name: str
 ) -> None:
-    """The median and the range of the largest magnitudes of neighbouring steps."""
+    """Draw the median and the range of the largest magnitudes of neighbouring steps."""
     run = result.first.run
     specification = result.specification
     last = specification.steps if request.last is None else request.last + 1
@@ -133,13 +133,13 @@ def _draw_band(
 
 
 def _largest(values: Array, edges: np.ndarray) -> Array:
-    """The largest magnitude between edges; not a number where there is no step any more."""
+    """Return the largest magnitude between edges; NaN after the last step."""
     parts = (np.abs(values[a:b]) for a, b in pairwise(edges))
     return np.array([part.max() if len(part) else np.nan for part in parts])
 
 
 def _leave_out_divergence(axis: Axes, results: Results, request: FigureRequest, i: int) -> None:
-    """Limits that suit the runs that did not diverge; of magnitudes some decades at most."""
+    """Return limits for the runs that did not diverge; a few decades at most for magnitudes."""
     last = None if request.last is None else request.last + 1
     every = [r.run for result in results.values() for r in result.repetitions]
     parts = [
@@ -163,7 +163,7 @@ def _leave_out_divergence(axis: Axes, results: Results, request: FigureRequest, 
 def draw_estimates(
     figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
 ) -> None:
-    """The estimate of the first seed of each run and the truth; or the error's magnitude."""
+    """Plot the estimate of each run's first seed and the true value, or the error's magnitude."""
     axis = figure.subplots()
     for index, (name, result) in enumerate(results.items()):
         run = result.repetitions[0]
@@ -178,7 +178,7 @@ def draw_estimates(
 def draw_outputs(
     figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
 ) -> None:
-    """Z of the first seed of each run, the largest component of each step."""
+    """Return z of the first seed of each run, the largest component at each step."""
     axis = figure.subplots()
     for index, (name, result) in enumerate(results.items()):
         z = result.repetitions[0].z

@@ -1,4 +1,4 @@
-"""Zeros of the plants of runs: frozen at steps, and those that data show."""
+"""Zeros of the plants of runs: frozen at steps, and identified from data."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FROZEN = 81  # steps at which the zeros of a plant that changes are found
 
 
 def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
-    """The zeros of the plant of each run, frozen at steps: in the plane, and their moduli."""
+    """Plot the zeros of each run's plant, frozen at steps: in the plane, and their moduli."""
     if not any(isinstance(run.plant, PlantSchedule) for run in runs.values()):
         _draw_fixed(figure, runs)
         return
@@ -37,7 +37,7 @@ def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureReq
 
 
 def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
-    """Moduli of the zeros that windows of each run's data show, over those of the plant."""
+    """Plot the moduli of the zeros identified from windows of each run, over those of the plant."""
     axes = np.ravel(figure.subplots(len(runs), 1, sharex=True, squeeze=False))
     for axis, (name, run) in zip(axes, runs.items(), strict=True):
         last = run.steps if request.last is None else request.last
@@ -61,7 +61,7 @@ def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: Figu
 
 
 def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
-    """The zeros of plants that do not change, one plane beside the other."""
+    """Plot the zeros of constant plants, one plane for each."""
     figure.set_figheight(min(figure.get_figheight(), 1.25 * figure.get_figwidth() / len(runs)))
     for axis, (name, run) in zip(
         np.ravel(figure.subplots(1, len(runs), squeeze=False)), runs.items(), strict=True

@@ -1,4 +1,4 @@
-"""The figures that an experiment asks for, drawn from its verification."""
+"""The requested figures of an experiment, drawn from its verification."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Drawing = Callable[[Figure, Results, FigureRequest], None]
 def plot_request(
     verification: Verification, request: FigureRequest, *, width: float = 9.0
 ) -> Figure:
-    """Draw one figure of an experiment from what its runs have left.
+    """Draw one figure of an experiment from its runs.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def plot_request(
 def plot_verification(
     verification: Verification, request: FigureRequest | None = None, *, width: float = 9.0
 ) -> Figure:
-    """The figure that is asked for; else the first of the estimates, or a sheet on the main run."""
+    """Return the requested figure; by default that of the estimates, or a sheet on the main run."""
     experiment = verification.experiment
     if request is None and verification.estimates:
         request = next(iter(experiment.figures), FigureRequest("estimates", ""))
@@ -94,7 +94,7 @@ def plot_verification(
 def _study_figure(
     results: Mapping[str, StudyResult], request: FigureRequest, width: float
 ) -> Figure:
-    """A figure of an estimation example."""
+    """Plot a figure of an estimation example."""
     if request.kind not in OF_STUDIES:
         raise InputError(
             f"an estimation example has no figure of the kind {request.kind!r}; it has "

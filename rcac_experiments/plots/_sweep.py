@@ -1,4 +1,4 @@
-"""Pictures of studies: how often the loop did not survive, and what the others came to."""
+"""Figures of studies: the share of failed runs, and the measures of the others."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FEW = 4  # values of an axis of a map that are told apart by name
 
 
 def plot_summary(summary: SweepSummary) -> Figure:
-    """The share of runs that did not complete, and the median of the measure, over the axes.
+    """Plot the share of runs that did not complete, and the median of the measure, over the axes.
 
     Over one axis lines with their 95 % interval and quantiles, over two a map each.
     """
@@ -87,7 +87,7 @@ def _draw_map(figure: Figure, axis: Axes, summary: SweepSummary, name: str) -> N
 
 
 def _places(values: Any, few: int = 0) -> tuple[Array, list[str] | None]:
-    """Numbers where they are; anything else, and so few numbers, side by side with words."""
+    """Place numbers at their values; words and a few numbers at equal distances."""
     distinct_numbers = np.unique(values) if values.dtype.kind in "if" else None
     if distinct_numbers is not None:
         if len(distinct_numbers) > few:
@@ -108,7 +108,7 @@ def _label(axis: Axes, which: str, name: str, places: Array, ticks: list[str] | 
 
 
 def _spans_decades(values: Array) -> bool:
-    """Whether positive numbers differ so much that a logarithmic axis shows them better."""
+    """Whether positive numbers need a logarithmic axis."""
     known = values[np.isfinite(values)]
     return bool(known.size and known.min() > 0 and known.max() > 50 * known.min())
 

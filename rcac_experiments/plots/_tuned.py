@@ -1,4 +1,4 @@
-"""The picture of tuning."""
+"""The figure of tuning."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rcac_numeric.plots._style import line_style
 
 
 def plot_tuned(tuned: Tuned) -> Figure:
-    """The cost of every candidate against its robustness, those of the last round filled."""
+    """Plot the cost of every candidate over its robustness; those of the last round are filled."""
     figure = Figure(figsize=(7, 4.5), layout="constrained")
     axis = figure.subplots()
     lost = [one for one in tuned.candidates if not np.isfinite(one.Ms + one.beside.ratio)]

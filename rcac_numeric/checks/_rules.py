@@ -388,7 +388,7 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[HealthWarning, 
 LONGEST = 20_000  # steps that the model is fitted to again
 VISIBLE = 1e-3  # of z: a smaller residual is a transient, a step or rounding, which is never white
 POOR = 0.1  # share of R_theta in the information on the least excited coefficient
-GROWTH = 1e6  # of an unstable mode while u is the dither alone
+GROWTH = 1e6  # of an unstable mode while DataDriven excites the plant in open loop
 CAUSES = ("poor excitation", "unstable start")  # reported if there is another warning
 
 

@@ -83,7 +83,7 @@ def test_of_one_coefficient():
     assert MEASURES["coefficient"](r, index=1) == 6
     assert MEASURES["coefficient"](r, index=0, k=2) == 3
     for k in (1, 6):
-        with pytest.raises(InputError, match="was not kept"):
+        with pytest.raises(InputError, match="is recorded at multiples of 2 below"):
             MEASURES["coefficient"](r, index=0, k=k)
     with pytest.raises(InputError, match="index = 2 must be at most 1"):
         MEASURES["coefficient"](r, index=2)
