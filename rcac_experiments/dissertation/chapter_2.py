@@ -27,7 +27,7 @@ def servo_performance() -> Facts:
 
 
 def waiting_periods() -> Facts:
-    """The orders n_f of G_f = (4.38), (4.39) beside n_c in Examples 4.6 and 4.8."""
+    """The orders n_f of G_f = (4.38), (4.39) compared with n_c in Examples 4.6 and 4.8."""
     servo = servo_plant("(q**2 - 1.4*q + 0.85)/((q - 1.05)*(q**2 - 1.6*q + 0.89))")
     standard = standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     first = pole_placement_target(servo, ["0.3", "0.4", "0.6", "0.1j", "-0.1j"])
@@ -48,7 +48,7 @@ def mixed_variables() -> Facts:
 
 
 def sign_of_the_dc_gain() -> Facts:
-    """G(1) of (2.66) beside its first Markov parameter."""
+    """G(1) of (2.66) compared with its first Markov parameter."""
     G = exact.transfer_function("(q - 0.9)*(q - 1.1)/((q - 0.99)*(q**2 - 1.9*q + 0.9925))")
     dc = G.numerator.eval(1) / G.denominator.eval(1)
     yield "G(1) = -400/37, about -10.81", dc == exact.exact_number("-400/37")
@@ -56,7 +56,7 @@ def sign_of_the_dc_gain() -> Facts:
 
 
 def direct_markov_parameter() -> Facts:
-    """G_zu with a direct term beside both sides of (2.51), exactly, at z = 2."""
+    """G_zu with a direct term compared with both sides of (2.51), exactly, at z = 2."""
     A, B, E_1, E_2 = [["1/2"]], [[1]], [[1]], [[3]]
     proper = exact.transfer_function(exact.Realisation(A, B, E_1))
     whole = exact.transfer_function(exact.Realisation(A, B, E_1, E_2))

@@ -51,7 +51,7 @@ ROUNDING = 5.1e-5  # of four decimals
 
 
 def zero_order_hold() -> Facts:
-    """(3.3) beside both discretisations of (3.1), and where Euler's method leads."""
+    """(3.3) compared with both discretisations of (3.1), and where Euler's method leads."""
     A, B = _sampled(A_0, B_0)
     off = max(np.abs(A - PRINTED_0[0]).max(), np.abs(B - PRINTED_0[1]).max())
     yield "(3.3) is the zero-order hold to four decimals", off < ROUNDING
@@ -62,7 +62,7 @@ def zero_order_hold() -> Facts:
 
 
 def two_digits() -> Facts:
-    """(3.4) beside the zero-order hold of (3.2)."""
+    """(3.4) compared with the zero-order hold of (3.2)."""
     A, B = _sampled(A_1, B_1)
     difference = PRINTED_1[0] - A
     yield "(1,1) and (2,2) are off by 0.1", np.abs(np.diag(difference)[:2] - 0.1).max() < ROUNDING
@@ -94,7 +94,7 @@ def off_nominal_zero() -> Facts:
 
 
 def first_markov_parameters() -> Facts:
-    """The impulse response of (3.8) for mu = 2, n_mod = 1, with coefficients of its own each."""
+    """The impulse response of (3.8) for mu = 2, n_mod = 1, each with separate coefficients."""
     H_0, H_1, b, a = 3.0, 5.0, 7.0, -0.5
     u, y = [0.0, 0.0, 1.0, 0.0, 0.0], [0.0] * 5  # two steps of rest come first
     for k in range(2, 5):

@@ -27,7 +27,7 @@ def cross_term() -> Facts:
 
 
 def direct_term() -> Facts:
-    """x(k+1) = x/2 + d, z = x + v: the variance of z beside tr(Q_1 R_1)."""
+    """x(k+1) = x/2 + d, z = x + v: the variance of z compared with tr(Q_1 R_1)."""
     Q = 1 / (1 - 0.5**2)
     response = np.array([1.0, *0.5 ** np.arange(60)])  # of z to v, then to d
     cost = float((response**2).sum())
@@ -59,7 +59,7 @@ def cascade_scales() -> Facts:
 
 
 def _size(numerator: list[float], denominator: list[float]) -> float:
-    """The norm of c of a block with b = e_n, beside its direct term."""
+    """The norm of c of a block with b = e_n, compared with its direct term."""
     a = np.asarray(denominator, dtype=float)
     rest = np.concatenate([np.zeros(len(a) - len(numerator)), numerator]) - a * (
         len(numerator) == len(a)
@@ -82,7 +82,7 @@ def _plant(blocks: list[tuple[list[float], list[float]]], gain: float) -> Plant:
 
 
 def labels() -> Facts:
-    """What the examples of those numbers are about, and the figures that are theirs."""
+    """The subjects of the examples of those numbers, and their figures."""
     title, source = (
         {n: str(example_table(n)[key]) for n in ("4.2", "4.6", "A.2")}
         for key in ("title", "source")

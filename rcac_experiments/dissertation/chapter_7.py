@@ -1,4 +1,4 @@
-"""Chapter 7 as it is printed, where the ledger of proofs has no case of its own."""
+"""Chapter 7 as it is printed, where the ledger of proofs has no case."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def common_factor_of_7_3() -> Facts:
 
 
 def complex_gains_of_7_6() -> Facts:
-    """D~ of Example 7.6 is no product of two real cubics, and is one of two complex ones."""
+    """The factors of D~ of Example 7.6: two complex cubics, and no two real ones."""
     half, tenth = Rational(1, 2), Rational(1, 10)
     roots = [-half + tenth * I, -1 + half * I, -2 + I]
     p = Poly.from_list([1], s)

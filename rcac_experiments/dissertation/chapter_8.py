@@ -73,7 +73,7 @@ _E, _C = np.array([1.0, 0.0]), np.array([0.0, 1.0])  # y_0 = x_1 and y = x_2
 
 
 def _responses(w: np.ndarray, kappa: float, noise: np.ndarray | None = None) -> np.ndarray:
-    """The velocity y of the stiffness kappa, driven by y_0 with `noise` added to it."""
+    """The velocity y of the stiffness kappa, driven by y_0 plus `noise`."""
     x, outputs = np.array([0.1, 0.01]), []
     for k, now in enumerate(w):
         outputs.append(_C @ x)
@@ -83,7 +83,7 @@ def _responses(w: np.ndarray, kappa: float, noise: np.ndarray | None = None) -> 
 
 
 def model_without_the_input() -> Facts:
-    """A model with the right stiffness, driven by w and not."""
+    """A model with the right stiffness, with and without w."""
     w = 100 * np.cos(0.8 * np.arange(200))
     true = _responses(w, 10.0)
     yield "with w and the right parameter it follows", np.allclose(_responses(w, 10.0), true)
@@ -101,7 +101,7 @@ def noise_in_the_dynamics() -> Facts:
 
 
 def gain_of_the_update() -> Facts:
-    """The covariance after an update with a gain, and the one that (8.16) has."""
+    """The covariance after an update with a gain, and that of (8.16)."""
     P, R = Fraction(3), Fraction(1)
     K = P / (P + R)
     after = (1 - K) ** 2 * P + K**2 * R  # of the error after x + K (y - y^), any K
@@ -149,7 +149,7 @@ def linear_term() -> Facts:
 
 
 def index_of_the_sum() -> Facts:
-    """The least squares of a sum whose summand has the index i, and of one that has k."""
+    """The least squares of a sum whose summand has the index i, and with the index k."""
     phi, u = np.array([1.0, 2.0, -1.0]), np.array([2.0, 4.0, -2.0])  # u = 2 phi
     yield "with i the parameter 2 is the minimiser", abs(phi @ u / (phi @ phi) - 2) < 1e-12
     u_noisy = u + np.array([0.3, 0.0, 0.0])

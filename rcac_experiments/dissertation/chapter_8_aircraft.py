@@ -24,7 +24,7 @@ CHANGED = [(0, 3), (1, 1), (2, 2)]
 
 
 def entries_of_8_85() -> Facts:
-    """(8.85) beside I + 0.001 A of (3.2)."""
+    """(8.85) compared with I + 0.001 A of (3.2)."""
     euler = np.eye(4) + H * A_1
     off = np.abs(PRINTED - euler) > 5e-5  # half a unit of the coarsest digit printed
     where = [(int(i), int(j)) for i, j in np.argwhere(off)]
@@ -49,7 +49,7 @@ def ramp_of_8_87() -> Facts:
 
 
 def off_nominal_entries() -> Facts:
-    """The (3,1) entries of (8.85) beside those of (3.1) and (3.2)."""
+    """The (3,1) entries of (8.85) compared with those of (3.1) and (3.2)."""
     yield "0.00041 is 0.001 times the off-nominal 0.4107", abs(0.00041 - H * A_1[2, 0]) < 5e-6
     yield "and not the nominal 0.6160", abs(0.00041 - H * A_0[2, 0]) > 1e-4
     yield "-0.0000665 is the off-nominal entry of B", abs(-0.0000665 - H * B_1[2, 0]) < 1e-12
@@ -107,7 +107,7 @@ def gain_of_the_observer() -> Facts:
 
 
 def observer_of_8_7() -> Facts:
-    """Which of the two examples has an observer, and whose figures 8.15 and 8.16 are."""
+    """The one of the two examples with an observer, and the owner of figures 8.15 and 8.16."""
     full, output = (example_table(n) for n in ("8.6", "8.7"))
     yield "Figures 8.15 and 8.16 are of Example 8.7", "8.15 and 8.16" in str(output["source"])
     feedback = "output feedback" in str(output["title"])
@@ -118,7 +118,7 @@ def observer_of_8_7() -> Facts:
 
 
 def one_parameter() -> Facts:
-    """How many entries the nominal and the off-nominal A of (8.85), (8.88) estimate: A_2,1."""
+    """The entries that the nominal and the off-nominal A of (8.85), (8.88) estimate: A_2,1."""
     changed = [(i, j) for i in range(4) for j in range(4) if (i, j) == (1, 0)]
     unknown = np.abs(A_1 - A_0) > 0
     yield "A_2,1 changes between the two", bool(unknown[1, 0])
