@@ -1,41 +1,22 @@
-"""Results in a terminal: the answer on at most five lines, then the names of the fields."""
+"""Exact results in a terminal: short calls, matrices by their shapes, names of the fields."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
-from functools import wraps
 from typing import Any
 
 from sympy import MatrixBase, Poly
 
+from compensator_theory._few_lines import MOST_LINES, field_names
 from compensator_theory._printing import representation, text
 
-MOST_LINES = 5
 WHOLE_CALL = 200
 """Characters of a constructor call that is printed with all its arguments."""
 WHOLE_MATRIX = 400
 """Characters of a matrix that is printed with all its entries."""
 _LONGEST_LINE = 240
 _LONGEST_FIELD = 60
-
-
-def in_few_lines(write: Callable[[Any], str]) -> Callable[[Any], str]:
-    """Decorate a ``__str__``: at most five lines, the last of which counts the omitted ones.
-
-    `_REST` of the class names the attributes with the omitted lines.
-    """
-
-    @wraps(write)
-    def written(self: Any) -> str:
-        lines = write(self).split("\n")
-        if len(lines) <= MOST_LINES:
-            return "\n".join(lines)
-        rest = type(self)._REST or f"the fields are {_field_names(self)}"
-        omitted = len(lines) - MOST_LINES + 1
-        return "\n".join([*lines[: MOST_LINES - 1], f"... {omitted} more; {rest}"])
-
-    return written
 
 
 def matrix_repr(name: str, written: str, shape: tuple[int, int]) -> str:
@@ -69,7 +50,7 @@ def result_repr(value: Any) -> str:
     if not _has_answer(type(value)):
         return f"{name}({', '.join(f'{key}={_in_short(part)}' for key, part in arguments)})"
     lines = [_cut(line) for line in str(value).split("\n")]
-    last = f"fields: {_field_names(value)}"
+    last = f"fields: {field_names(value)}"
     if len(lines) == MOST_LINES:
         lines, last = lines[: MOST_LINES - 1], f"... print it for the rest; {last}"
     return "\n  ".join([f"{name}: {lines[0]}", *lines[1:], last])
@@ -77,16 +58,6 @@ def result_repr(value: Any) -> str:
 
 def _has_answer(kind: type) -> bool:
     return any("__str__" in vars(base) for base in kind.__mro__[:-1])
-
-
-def _field_names(value: Any) -> str:
-    names = []
-    for field in fields(value):
-        if field.repr:
-            part = getattr(value, field.name)
-            count = f" ({len(part)})" if isinstance(part, tuple) else ""
-            names.append(f".{field.name}{count}")
-    return ", ".join(names)
 
 
 def _in_short(part: Any) -> str:

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 from sympy import Poly
 
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory._latex import latex
-from compensator_theory._terminal import in_few_lines, result_repr
+from compensator_theory._terminal import result_repr
 from compensator_theory._truth import Truth
 from compensator_theory.polynomials._carrying import (
     MARK,

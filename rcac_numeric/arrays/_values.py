@@ -12,7 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import attrs
 import numpy as np
 
-from compensator_theory._terminal import MOST_LINES
+from compensator_theory._few_lines import MOST_LINES
 from compensator_theory._truth import Truth
 from compensator_theory._wording import in_a_line
 from rcac_numeric.arrays._wording import shortened

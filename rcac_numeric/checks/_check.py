@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory import figures
-from compensator_theory._terminal import in_few_lines
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.analysis._classical import Margins, channel_margins
 from rcac_numeric.analysis._closed_loop import ClosedLoop

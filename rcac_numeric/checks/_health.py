@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from compensator_theory._terminal import in_few_lines
+from compensator_theory._few_lines import in_few_lines
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._showing import notebook_of

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
-from compensator_theory._terminal import in_few_lines
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING

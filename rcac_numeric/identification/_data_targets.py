@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory._terminal import in_few_lines
+from compensator_theory._few_lines import in_few_lines
 from compensator_theory._truth import Truth
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._values import Result

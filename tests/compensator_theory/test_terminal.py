@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import compensator_theory as exact
-from compensator_theory._terminal import MOST_LINES, WHOLE_CALL
+from compensator_theory._few_lines import MOST_LINES
+from compensator_theory._terminal import WHOLE_CALL
 from compensator_theory.polynomials._values import ExactValue
 
 from .samples import SAMPLES
