@@ -44,7 +44,8 @@ def tried(name, runs):
         from rcac_experiments.sweeps._chunk import ChunkTask
         from rcac_experiments.sweeps._worker import run_chunk
     except ImportError:  # as it was before the experiments had a package of their own
-        from rcac_numeric.sweeps import Axis, Metric, Study
+        from rcac_numeric.sweeps import Axis, Study
+        from rcac_numeric.sweeps import Kept as Metric
         from rcac_numeric.sweeps.chunks.chunk import ChunkTask
         from rcac_numeric.sweeps.chunks.worker import run_chunk
     if name in MAPS:
