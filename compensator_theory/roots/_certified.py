@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -26,6 +26,8 @@ Decision = TypeVar("Decision")
 
 EASY = 20
 """Degree from which rational roots are split off first: close roots take python-flint seconds."""
+START = 400
+"""Bits up to which the first step of Newton's method goes, from balls of at least half of them."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,34 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     with ball_precision(precision):
         balls = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
         return balls + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
+
+
+def refined_balls(
+    poly: flint.fmpz_poly, balls: Sequence[flint.acb], precision: int
+) -> list[flint.acb] | None:
+    """Return smaller balls around the simple roots that balls isolate, by Newton's interval method.
+
+    The root lies in m - p(m)/p'(X) for the midpoint m of its ball X, whose p'(X) is convex and
+    holds the mean slope from m to the root. Much faster than isolating them at that precision. None
+    where p'(X) holds 0: then the balls are too large.
+    """
+    steps, slope = [precision], poly.derivative()
+    while steps[-1] > START:
+        steps.append(steps[-1] // 2 + 8)
+    terms = flint.arb_poly([abs(c) for c in poly.coeffs()])
+    smaller = []
+    for ball in balls:
+        is_real, place = bool(ball.imag == 0), ball
+        lost = int(float((terms(abs(ball)) + 2).log().abs_upper()) * 1.5)  # bits, by cancellation
+        for bits in reversed(steps):
+            with ball_precision(bits + lost):
+                p, dp = flint.acb_poly(poly), flint.acb_poly(slope)
+                middle, mean = place.mid(), dp(place)
+                if mean.contains(0):
+                    return None
+                place = middle - p(middle) / mean
+        smaller.append(flint.acb(place.real) if is_real else place)
+    return smaller
 
 
 def decided_balls(

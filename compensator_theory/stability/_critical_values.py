@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass
 from itertools import count, pairwise
 
@@ -105,9 +106,13 @@ def even_and_odd(poly: Poly) -> tuple[Poly, Poly]:
 
 def real_roots(polys: list[Poly]) -> list[CriticalValue]:
     """Return the distinct real roots of rational polynomials in ascending order."""
-    factors = {
+    return roots_of_irreducible({
         factor.monic() for poly in polys if not poly.is_zero for factor, _ in poly.factor_list()[1]
-    }
+    })  # fmt: skip
+
+
+def roots_of_irreducible(factors: Set[Poly]) -> list[CriticalValue]:
+    """Return the real roots of monic irreducible polynomials in ascending order."""
 
     def attempt(bits: int) -> list[CriticalValue] | None:
         roots = [root for factor in factors for root in _roots_of_factor(factor, bits)]
@@ -153,9 +158,8 @@ def is_less(first: Expr, second: Expr) -> bool:
 def approximation(value: Expr) -> Rational:
     """Return a rational number in place of the real roots in a value, 30 digits as good as each."""
     roots = value.atoms(sympy.CRootOf)
-    return value.xreplace({
-        root: _roots_of_factor(root.poly, 128)[root.index].enclosure.centre for root in roots
-    })  # fmt: skip
+    places = {poly: _enclosures_of_roots(poly, 128) for poly in {root.poly for root in roots}}
+    return value.xreplace({root: places[root.poly][root.index].centre for root in roots})
 
 
 def cells_between(ends: list[CriticalValue]) -> list[tuple[Expr, Expr, Rational]]:
@@ -190,10 +194,28 @@ def number_between(lower: Rational, upper: Rational) -> Rational:
 
 
 def _roots_of_factor(factor: Poly, precision: int) -> list[CriticalValue]:
+    places = _enclosures_of_roots(factor, precision)
+    values = _real_values(factor, len(places))
+    return [CriticalValue(value, place) for value, place in zip(values, places, strict=True)]
+
+
+def _enclosures_of_roots(factor: Poly, precision: int) -> list[Enclosure]:
+    """Return the enclosures of the real roots, ascending."""
     decided = decided_balls(factor, lambda ball: bool(ball.imag == 0), precision)
     roots = [enclosure_of_ball(ball.real) for ball, _, is_real in decided if is_real]
-    ascending = sorted(roots, key=lambda enclosure: enclosure.lower)
-    return [CriticalValue(real_root(factor, i), place) for i, place in enumerate(ascending)]
+    return sorted(roots, key=lambda enclosure: enclosure.lower)
+
+
+def _real_values(factor: Poly, count: int) -> list[Expr]:
+    """Return so many real roots, ascending; SymPy factors the polynomial for the first alone."""
+    values = [real_root(factor, 0)] if count else []
+    scale, first = values[0].as_coeff_Mul() if count else (None, None)
+    for index in range(1, count):
+        indexed = isinstance(first, sympy.CRootOf)
+        values.append(
+            scale * sympy.CRootOf._new(first.poly, index) if indexed else real_root(factor, index)
+        )
+    return values
 
 
 def real_root(factor: Poly, index: int) -> Expr:

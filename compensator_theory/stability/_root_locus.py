@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from itertools import zip_longest
@@ -34,13 +35,19 @@ from compensator_theory.polynomials._numbers import NumberLike, exact_number
 from compensator_theory.polynomials._poly import canonical, is_rational, way_to_rational
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.polynomials._variables import Time, time_of
-from compensator_theory.roots._certified import Root, certified_roots, root_balls
+from compensator_theory.roots._certified import (
+    EASY,
+    Root,
+    certified_roots,
+    refined_balls,
+    root_balls,
+)
 from compensator_theory.roots._counts import half_plane_image
 from compensator_theory.roots._enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stability._critical_values import (
     approximation,
-    real_roots,
     resultant_in_parameter,
+    roots_of_irreducible,
 )
 from compensator_theory.stability._margins import (
     frequency_of,
@@ -295,6 +302,9 @@ def root_locus(
     InputError
         If a coefficient is symbolic, the loop is improper or constant, or the variable says nothing
         about time.
+    BudgetError
+        If many branches meet: the gains at the roots of an irreducible polynomial of degree above
+        111, which takes order 60 or so, are not begun; raise `degree`.
 
     Notes
     -----
@@ -345,12 +355,14 @@ def root_locus(
 
 def _breaks(N: Poly, D: Poly) -> tuple[LocusBreak, ...]:
     W = N * D.diff() - N.diff() * D
-    breaks = []
-    for factor, power in W.factor_list()[1] if not W.is_zero else []:
+    breaks, factors = [], W.factor_list()[1] if not W.is_zero else []
+    for factor, _ in factors:
+        ask("degree", 9 * int(factor.degree()), "the gains at which branches meet")
+    for factor, power in factors:
         if N.rem(factor).is_zero:
             continue  # a multiple zero, where k is infinite
         minimal = _gain_polynomial(N, D, factor)
-        real = real_roots([minimal])
+        real = roots_of_irreducible({minimal})
         for bits in BITS:
             with ball_precision(bits):
                 balls = [b for b, _ in root_balls(factor, bits) if not b.imag < 0]
@@ -387,13 +399,53 @@ def _matched(N: Poly, D: Poly, ball: flint.acb, values: list[flint.acb]) -> list
 
 
 def _gain_polynomial(N: Poly, D: Poly, factor: Poly) -> Poly:
-    """Return the minimal polynomial of -D/N at the roots of a factor, from Res_s(w, D + k N)."""
-    modulus, above, below = (to_flint_polynomial(p).coeffs() for p in (factor, D, N))
-    constants = [flint.fmpq_poly([c]) for c in modulus]
-    moved = [flint.fmpq_poly([*pair]) for pair in zip_longest(above, below, fillvalue=0)]
-    norm = resultant_in_parameter(constants, moved)
-    ((irreducible, _),) = from_flint_polynomial(norm, GAIN).factor_list()[1]
-    return irreducible
+    """Return the minimal polynomial of -D/N at the roots of a factor, irreducible and monic."""
+    if factor.degree() == 1:
+        root = -factor.TC() / factor.LC()
+        return Poly(GAIN + D.eval(root) / N.eval(root), GAIN, domain=QQ)
+    if factor.degree() > EASY:
+        norm = _norm_in_balls(N, D, factor)
+    else:
+        modulus, above, below = (to_flint_polynomial(p).coeffs() for p in (factor, D, N))
+        constants = [flint.fmpq_poly([c]) for c in modulus]
+        moved = [flint.fmpq_poly([*pair]) for pair in zip_longest(above, below, fillvalue=0)]
+        norm = resultant_in_parameter(constants, moved)
+    # the norm is that of an element of a field, and so a power of the minimal polynomial
+    whole = from_flint_polynomial(norm, GAIN)
+    return whole.exquo(whole.gcd(whole.diff())).monic()
+
+
+def _norm_in_balls(N: Poly, D: Poly, factor: Poly) -> flint.fmpq_poly:
+    r"""Return :math:`c \prod (D(r_i) + k N(r_i))` over the roots, whose coefficients are integers.
+
+    With integers w, N and D, and c the power of the leading coefficient of w that the degree of D
+    asks for, it is Res_s(w, D + k N): where a ball holds one integer, that is the coefficient.
+    """
+    w, above, below = (to_flint_polynomial(p).numer() for p in (factor, D, N))
+    degree = max(int(above.degree()), int(below.degree()))
+    leading = w.coeffs()[-1] ** degree
+
+    def attempt(start: int) -> flint.fmpz_poly | None:
+        balls = [ball for ball, _ in root_balls(factor, start)]
+        top, bottom = flint.acb_poly(above), flint.acb_poly(below)
+        sizes = [(abs(top(ball)) + abs(bottom(ball)) + 1).log() for ball in balls]
+        size = float(sum(sizes, flint.arb(leading).log()).abs_upper())
+        if not math.isfinite(size):
+            return None
+        bits = int(1.45 * size) + start  # of the longest coefficient, and some more
+        if (balls := refined_balls(w, balls, bits)) is None:
+            return None
+        with ball_precision(bits):
+            top, bottom = flint.acb_poly(above), flint.acb_poly(below)
+            parts = [flint.acb_poly([top(ball), bottom(ball)]) for ball in balls]
+            while len(parts) > 1:
+                pairs = [a * b for a, b in zip(parts[::2], parts[1::2], strict=False)]
+                parts = pairs + parts[len(parts) & ~1 :]
+            return (parts[0] * flint.acb_poly([leading])).unique_fmpz_poly()
+
+    product = at_growing_precision(attempt, 256, "the gains at which branches meet")
+    scale = flint.fmpq(to_flint_polynomial(D).denom(), to_flint_polynomial(N).denom())
+    return flint.fmpq_poly(product)(flint.fmpq_poly([0, scale]))
 
 
 def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None:

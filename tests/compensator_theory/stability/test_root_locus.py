@@ -1,5 +1,8 @@
 """Root loci: textbooks, discriminants as the oracle of the breaks, closed loops in floats."""
 
+from itertools import zip_longest
+
+import flint
 import numpy as np
 import pytest
 import sympy
@@ -8,6 +11,8 @@ from hypothesis import strategies as st
 from sympy import Rational, pi, sqrt
 
 from compensator_theory import CompensatorError, InputError, root_locus, stabilising_gains
+from compensator_theory.stability._critical_values import resultant_in_parameter
+from compensator_theory.stability._root_locus import _norm_in_balls
 from compensator_theory.strategies import strictly_proper_plants
 from tests.support.structure_cases import fewer
 
@@ -167,3 +172,22 @@ def test_hidden_modes_and_refusals():
     with pytest.raises(InputError, match="rational"):
         locus.at("sqrt(2)")
     assert "asymptotes" in str(locus) and locus._repr_latex_().startswith("$")
+
+
+@given(st.lists(st.integers(-9, 9), min_size=14, max_size=14), st.integers(1, 5))
+@fewer(10)
+def test_gains_of_many_branches_from_balls_and_from_resultants(numbers, below):
+    """The polynomial of the gains is rounded from balls from degree 21, interpolated before."""
+    s = sympy.Symbol("s")
+    N = sympy.Poly([1, *numbers[:4]], s, domain="QQ") * sympy.Rational(1, below)
+    D = sympy.Poly([below, *numbers[2:]], s, domain="QQ") * sympy.Rational(1, 7)
+    factors = (N * D.diff() - N.diff() * D).factor_list()[1]
+    for factor, _ in factors:
+        assume(not N.rem(factor).is_zero)
+        sides = zip_longest(*(p.all_coeffs()[::-1] for p in (D, N)), fillvalue=0)
+        loop = [flint.fmpq_poly([flint.fmpq(int(c.p), int(c.q)) for c in (a, sympy.S(b))])
+                for a, b in sides]  # fmt: skip
+        constants = [flint.fmpq_poly([flint.fmpq(int(c.p), int(c.q))])
+                     for c in factor.all_coeffs()[::-1]]  # fmt: skip
+        norm, balls = resultant_in_parameter(constants, loop), _norm_in_balls(N, D, factor)
+        assert norm * balls.coeffs()[-1] == balls * norm.coeffs()[-1]
