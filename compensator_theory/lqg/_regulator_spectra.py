@@ -23,7 +23,7 @@ from compensator_theory.matrices._linear_algebra import (
 )
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
-from compensator_theory.polynomials._variables import Time, variable_in
+from compensator_theory.polynomials._variables import Time, require_time, variable_in
 
 
 @refusing
@@ -34,7 +34,7 @@ def regulator_spectrum(
     R: MatrixLike | None = None,
     N: MatrixLike | None = None,
     *,
-    time: Time,
+    time: Time | None = None,
     E_1: MatrixLike | None = None,
     E_2: MatrixLike | None = None,
     variable: str | Symbol | None = None,
@@ -80,6 +80,7 @@ def regulator_spectrum(
     >>> regulator_spectrum([[0]], [[1]], [[4]], [[1]], time="continuous").as_expr()
     4 - s**2
     """
+    time = require_time(time)
     symbol = variable_in(time, variable, "the spectrum of an LQG regulator")
     return spectrum_of_weights(read_weights(A, B, Q, R, N, E_1, E_2), time, symbol)
 

@@ -33,7 +33,7 @@ from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._letters import fresh
 from compensator_theory.polynomials._values import ExactValue
-from compensator_theory.polynomials._variables import Time, variable_in
+from compensator_theory.polynomials._variables import Time, require_time, variable_in
 from compensator_theory.roots._counts import count_roots
 from compensator_theory.roots._enclosures import Enclosure, ball_of_enclosure
 from compensator_theory.roots._number_fields import (
@@ -245,7 +245,7 @@ def solve_riccati(
     R: MatrixLike | None = None,
     N: MatrixLike | None = None,
     *,
-    time: Time,
+    time: Time | None = None,
     E_1: MatrixLike | None = None,
     E_2: MatrixLike | None = None,
     digits: int = 30,
@@ -323,6 +323,7 @@ def solve_riccati(
     χ = s**2 + 1.4142135623730950488*s + 1.0000000000000000000
     R = 1
     """
+    time = require_time(time)
     s = variable_in(time, variable, "this Riccati equation")
     weights = read_weights(A, B, Q, R, N, E_1, E_2)
     working_bits(digits)

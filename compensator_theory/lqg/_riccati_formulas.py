@@ -114,7 +114,7 @@ def riccati_formula(
     R: MatrixLike | None = None,
     N: MatrixLike | None = None,
     *,
-    time: Time,
+    time: Time | None = None,
     E_1: MatrixLike | None = None,
     E_2: MatrixLike | None = None,
 ) -> RiccatiFormula:
@@ -152,7 +152,7 @@ def riccati_formula(
     >>> found.K, found.exceptional
     (Matrix([[-sqrt(q/r), -sqrt(2)*(q/r)**(1/4)]]), (r,))
     """
-    require_time(time)
+    time = require_time(time)
     weights = read_weights(A, B, Q, R, N, E_1, E_2, symbols=True)
     a, b = weights[:2]
     n = int(a.rows)

@@ -8,7 +8,11 @@ import sympy
 from sympy import Expr, Matrix
 
 from compensator_theory.matrices._flint_matrices import symbols_in
-from compensator_theory.matrices._rational_functions import NotRationalError, in_symbols
+from compensator_theory.matrices._rational_functions import (
+    NotRationalError,
+    factored,
+    in_symbols,
+)
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 
 
@@ -34,7 +38,7 @@ def _factors(divisors: list[Expr]) -> Iterator[tuple[Expr, int]]:
                     yield factor, int(sympy.Poly(factor).total_degree())
             continue
         for side in sides:
-            for factor, _ in side.factor()[1]:
+            for factor, _ in factored(side)[1]:
                 sign = -1 if factor.leading_coefficient() < 0 else 1
                 yield work.expression(factor * sign), int(factor.total_degree())
 

@@ -8,6 +8,8 @@ from typing import Any
 
 from sympy import Expr, ImmutableMatrix, Integer, Matrix, Tuple
 
+from compensator_theory._printing import text
+
 OF_SYMPY: dict[str, Callable[[Matrix, Matrix], ImmutableMatrix]] = {
     "add": ImmutableMatrix._eval_add,
     "multiply": ImmutableMatrix._eval_matrix_mul,
@@ -55,6 +57,18 @@ class FlintBackedMatrix(ImmutableMatrix):  # type: ignore[misc]
 
     def __reduce_ex__(self, protocol: Any) -> tuple[type, tuple[Any, ...]]:
         return ImmutableMatrix, self._args
+
+    def __str__(self) -> str:
+        try:
+            return str(super().__str__())
+        except ValueError:  # an integer that is longer than Python writes
+            return f"Matrix({text(self.tolist())})"
+
+    def __repr__(self) -> str:
+        try:
+            return str(super().__repr__())
+        except ValueError:
+            return text(self)
 
     def _sympyrepr(self, printer: Any) -> str:
         """Return SymPy's representation of the equal ImmutableMatrix."""

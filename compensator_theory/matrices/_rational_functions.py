@@ -27,6 +27,29 @@ REMEMBERED = 100_000
 """Terms of fractions that were read or written, for each set of symbols."""
 
 
+def factored(
+    poly: flint.fmpz_mpoly,
+) -> tuple[flint.fmpz, list[tuple[flint.fmpz_mpoly, int]]]:
+    """Return content and irreducible factors with their powers, as python-flint's ``factor``.
+
+    Python-flint sorts them, and python-flint 0.9 fails to where two factors of the same monomials
+    differ in numbers of more than 31 bits. It sorts those with rational coefficients by another
+    rule, and gives them without denominators.
+    """
+    try:
+        content, factors = poly.factor()
+    except OverflowError:
+        context = poly.context()
+        rational = flint.fmpq_mpoly_ctx.get(context.names(), context.ordering())
+        content, primitive = rational.from_dict(poly.to_dict()).factor()
+        factors = [
+            (context.from_dict({k: c.p for k, c in f.to_dict().items()}), power)
+            for f, power in primitive
+        ]
+        content = content.p
+    return content, [(factor, int(power)) for factor, power in factors]
+
+
 class NotRationalError(Exception):
     """An expression that is no rational function of symbols over QQ, or one with large powers."""
 

@@ -62,10 +62,13 @@ class BrunovskyForm(Certified, ExactValue):
     exceptional: tuple[Expr, ...]
 
     def _residuals(self) -> Residuals:
-        A_c, B_c = chains(self.indices)
-        T, F = self.T, self.F
+        T, F, n = self.T, self.F, int(self.A.rows)
         moved = multiplied(self.A.row_join(self.B), T.col_join(multiplied(F, T)))  # (A + B F) T
-        return [moved - multiplied(T, A_c), multiplied(self.B, self.W) - multiplied(T, B_c)]
+        # T A_c and T B_c are columns of T: a product would bring its rows to one denominator.
+        padded, ends = zero_matrix(n, 1).row_join(T), list(accumulate(self.indices))
+        before = padded[:, [0 if k in ends else k for k in range(n)]]
+        lasts = [end if length else 0 for end, length in zip(ends, self.indices, strict=True)]
+        return [moved - before, multiplied(self.B, self.W) - padded[:, lasts]]
 
     @property
     def A_c(self) -> ImmutableMatrix:

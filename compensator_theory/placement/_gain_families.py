@@ -81,10 +81,14 @@ class StateFeedbackFamily(Certified, ExactValue):
         return self.form.exceptional
 
     def _residuals(self) -> Residuals:
-        A, B, s = self.form.A, self.form.B, self.polynomial.gen
-        yield total(characteristic_polynomial(self.Lambda, s), self.polynomial * -1)
-        for X, G in self._columns():
-            yield multiplied(A, X) + multiplied(B, G) - multiplied(X, self.Lambda)
+        r"""Return residuals whose vanishing proves the identity for every parameter.
+
+        With (A + BF) T = T A_c and B W = T B_c, the identity is that of the chains of integrators:
+        the rows :math:`\phi_i\Lambda^k` of X and those at their ends cancel, whatever they are.
+        """
+        spectrum = characteristic_polynomial(self.Lambda, self.polynomial.gen)
+        yield total(spectrum, self.polynomial * -1)
+        yield from self.form._residuals()
 
     def basis(self, parameters: MatrixLike) -> ImmutableMatrix:
         """Return X: its columns are those in which A + B K is Lambda."""

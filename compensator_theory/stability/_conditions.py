@@ -12,7 +12,7 @@ from sympy import Expr, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices._fraction_free import SymbolicRows
 from compensator_theory.matrices._linear_algebra import determinant
-from compensator_theory.matrices._rational_functions import RationalFunctions
+from compensator_theory.matrices._rational_functions import RationalFunctions, factored
 from compensator_theory.matrices._symbolic_matrices import Numerators, over_common_symbols
 from compensator_theory.polynomials._budget import ask, limit_of
 from compensator_theory.polynomials._carrying import carrying
@@ -138,7 +138,7 @@ class _HurwitzArray:
         """Read extra conditions, their number, and the ascending coefficients."""
         self.work, self.below = work, numerators.below
         self.before, self.tops = list(numerators.flat[:before]), list(numerators.flat[before:])
-        content, self.factors = numerators.below.factor()
+        content, self.factors = factored(numerators.below)
         self.sign = 1 if content > 0 else -1
 
     def conditions(self, chosen: Sequence[int], sizes: Sequence[int]) -> list[Expr]:

@@ -19,6 +19,7 @@ from compensator_theory.matrices._flint_polynomials import (
     to_flint_polynomial,
 )
 from compensator_theory.matrices._linear_algebra import characteristic_polynomial
+from compensator_theory.matrices._rational_functions import factored
 from compensator_theory.polynomials._ball_precision import at_growing_precision, ball_precision
 from compensator_theory.polynomials._budget import ask, decimal_digits
 from compensator_theory.polynomials._carrying import refusing
@@ -154,7 +155,7 @@ def _factors(G: HalfPlaneMatrix) -> list[Bivariate]:
         if c
     }
     both = flint.fmpz_mpoly_ctx.get(["w", "g"], flint.Ordering.lex).from_dict(terms)
-    factors = [_by_powers_of_w(factor) for factor, _ in both.factor()[1]]
+    factors = [_by_powers_of_w(factor) for factor, _ in factored(both)[1]]
     return [factor for factor in factors if any(c.degree() > 0 for c in factor)]
 
 

@@ -41,7 +41,7 @@ def solve_riccati(
     R: ArrayLike | None = None,
     N: ArrayLike | None = None,
     *,
-    time: str,
+    time: str | None = None,
     E_1: ArrayLike | None = None,
     E_2: ArrayLike | None = None,
 ) -> StabilisingSolution | ContinuousSolution:
