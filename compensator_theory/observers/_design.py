@@ -11,9 +11,16 @@ from compensator_theory._latex import displayed, latex
 from compensator_theory._printing import text
 from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
-from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices._flint_matrices import (
+    identity_matrix,
+    is_rational_matrix,
+    zero_matrix,
+)
+from compensator_theory.matrices._flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.matrices._linear_algebra import (
-    characteristic_polynomial,
     determinant,
     in_lowest_terms,
     multiplied,
@@ -27,12 +34,13 @@ from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
 from compensator_theory.polynomials._generic_answers import generic_answer_of
-from compensator_theory.polynomials._poly import canonical
+from compensator_theory.polynomials._poly import canonical, is_rational
 from compensator_theory.polynomials._substitution import denominators_in
 from compensator_theory.polynomials._values import ExactValue
 from compensator_theory.systems._canonical_forms import RealisationLike, realisation
 from compensator_theory.systems._controllability import controllability_matrix
 from compensator_theory.systems._realisations import Realisation
+from compensator_theory.systems._state_space import fed_back_polynomial
 from compensator_theory.systems._transfer_functions import TransferFunction
 
 SIMILARITY = "S A~ = A' S, det(sI - A - B K) = p_R, det(sI - A + F C) = p_O"
@@ -79,7 +87,39 @@ class ObserverBasedCompensator(ExactValue):
 
         Erratum: (7.31) is minus this; the negative feedback of (7.22) needs that sign.
         """
-        return self.compensator.transfer_function()
+        fast = self._from_loop_polynomial()
+        return self.compensator.transfer_function() if fast is None else fast
+
+    def _from_loop_polynomial(self) -> TransferFunction | None:
+        """Return N_c/D_c of D D_c - N N_c = p_R p_O; None with symbols, or of hidden modes.
+
+        Of degrees n - 1 and n they are unique, and the numbers of A_c are much longer than theirs.
+        """
+        if not self.plant.n or not all(map(is_rational_matrix, self.plant.matrices)):
+            return None
+        if not (is_rational(self.characteristic_polynomial) and self._spectra_hold()):
+            return None
+        G = self.plant.transfer_function()
+        N, D, goal = map(
+            to_flint_polynomial, (G.numerator, G.denominator, self.characteristic_polynomial)
+        )
+        divisor, inverse, _ = N.xgcd(D)
+        if divisor.degree() != 0:
+            return None
+        top = -goal * inverse % D
+        bottom, remainder = divmod(goal + N * top, D)
+        if remainder:
+            return None
+        sides = (from_flint_polynomial(p, self.plant.variable) for p in (top, bottom))
+        return TransferFunction(*sides, sample_time=self.plant.sample_time)
+
+    def _spectra_hold(self) -> bool:
+        """Tell whether both gains place the polynomials that stand beside them."""
+        A, B, C, s = self.plant.A, self.plant.B, self.plant.C, self.plant.variable
+        return bool(
+            fed_back_polynomial(A, B, self.K, s) == self.regulator
+            and fed_back_polynomial(A.T, C.T, -self.F.T, s) == self.observer
+        )
 
     @property
     def characteristic_polynomial(self) -> Poly:
@@ -100,9 +140,10 @@ class ObserverBasedCompensator(ExactValue):
         inner, outer = (in_lowest_terms(M) for M in (A + moved, A - multiplied(self.F, C)))
         separated = in_lowest_terms(inner.row_join(-moved).col_join(zero.row_join(outer)))
         joined = in_lowest_terms(closed_loop_matrix(self.plant, self.compensator))
+        s = self.plant.variable
         left = [
-            (characteristic_polynomial(matrix, self.plant.variable) - goal).all_coeffs()
-            for matrix, goal in ((inner, self.regulator), (outer, self.observer))
+            (fed_back_polynomial(A, B, self.K, s) - self.regulator).all_coeffs(),
+            (fed_back_polynomial(A.T, C.T, -self.F.T, s) - self.observer).all_coeffs(),
         ]
         return certificate_of(
             SIMILARITY, [multiplied(S, joined) - multiplied(separated, S), *left], "compensator"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
 from compensator_theory._terminal import matrix_line
@@ -13,10 +13,21 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._echelon import echelon
 from compensator_theory.matrices._exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices._flint_matrices import (
+    from_flint,
+    identity_matrix,
+    rational_in_flint,
+    zero_matrix,
+)
 from compensator_theory.matrices._invariant_subspaces import kernel
-from compensator_theory.matrices._linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.matrices._linear_algebra import (
+    characteristic_polynomial,
+    multiplied,
+    rank,
+    solve,
+)
 from compensator_theory.placement._observer_gain_families import observer_gain_family
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike, polynomial_or_roots
@@ -329,6 +340,7 @@ def _designed(
     plant: Realisation, L: ImmutableMatrix, G: ImmutableMatrix, polynomial: Poly
 ) -> FunctionalObserver:
     A, C, r, p = plant.A, plant.C, int(L.rows), int(plant.C.rows)
+    _require_short_work(A, C, r)
     zeros = zero_matrix(r + p, G.cols)
     left = ImmutableMatrix(L.col_join(C).row_join(zeros).col_join((C * A).row_join(C * G)))
     right = ImmutableMatrix((L * A).row_join(L * G))
@@ -337,17 +349,29 @@ def _designed(
     except NoSolutionError as error:
         raise NoSolutionError(_why_not(left, right, plant.C * G, L * G)) from error
     free = kernel(left.T).T  # rows that may be added to a row of the solution
-    N, gains, fixed = _placed(particular[:, :r], ImmutableMatrix(free[:, :r]), polynomial)
-    whole = ImmutableMatrix(particular - gains * free)
-    E = ImmutableMatrix(whole[:, r + p :])
-    J = ImmutableMatrix(whole[:, r : r + p] + N * E)
-    T = ImmutableMatrix(L - E * C)
-    H = ImmutableMatrix(T * plant.B)
+    N, gains, fixed = _placed(particular[:, :r], free[:, :r], polynomial)
+    whole = particular - multiplied(gains, free)
+    E = whole[:, r + p :]
+    J = whole[:, r : r + p] + multiplied(N, E)
+    T = L - multiplied(E, C)
+    H = multiplied(T, plant.B)
     certificate = certificate_of(
         "T A - N T = J C and T G = 0 for T = L - E C" if G.cols else "T A - N T = J C",
-        [T * A - N * T - J * C, T * G], "observer",
+        [multiplied(T, A) - multiplied(N, T) - multiplied(J, C), multiplied(T, G)], "observer",
     )  # fmt: skip
     return FunctionalObserver(plant, L, N, J, H, E, fixed, certificate)
+
+
+def _require_short_work(A: ImmutableMatrix, C: ImmutableMatrix, order: int) -> None:
+    """Check the budget for products of matrices of numbers as long as those of the gain."""
+    raw = rational_in_flint(A.col_join(C))
+    if raw is None:
+        return
+    numerators, below = raw.numer_denom()
+    bits = max((abs(e).bit_length() for e in numerators.entries()), default=0)
+    digits = order**2 * int(bits + below.bit_length() - 1) * 3 // 25  # 2/5 of those of A, decimal
+    subject = f"an observer of order {order}, whose gain has some {digits} digits, 500 as an entry,"
+    ask("entries", order**3 * digits // 500, subject)
 
 
 def _placed(
@@ -362,7 +386,7 @@ def _placed(
     rest = [row for row in range(r) if row not in pivots]
     complete = ImmutableMatrix(basis.col_join(identity_matrix(r)[rest, :]))
     inverse = solve(complete, identity_matrix(r))
-    moved = complete * N_0 * inverse  # in these coordinates, (w; rest), w' = N_w w alone
+    moved = multiplied(complete, N_0, inverse)  # in these coordinates, (w; rest), w' = N_w w alone
     fixed = characteristic_polynomial(ImmutableMatrix(moved[q:, q:]), s)
     if polynomial.degree() != q:
         hidden = f"; the root(s) of {format_polynomial(fixed)} cannot be moved" if q < r else ""
@@ -374,16 +398,26 @@ def _placed(
         return N_0, zero_matrix(r, N_1.rows), fixed
     # Of the rows of N_1 as many as are independent; the family needs no more and takes no other.
     rows = echelon(N_1.T).pivots
-    rows_of_outputs = ImmutableMatrix((N_1 * inverse)[list(rows), :q])
+    rows_of_outputs = multiplied(N_1, inverse)[list(rows), :q]
     F = observer_gain_family(moved[:q, :q], rows_of_outputs, monic(polynomial), variable=s).gain()
-    Z = sympy.zeros(r, int(N_1.rows))
+    Z, columns = sympy.zeros(r, int(N_1.rows)), multiplied(inverse[:, :q], F)
     for column, row in enumerate(rows):
-        Z[:, row] = inverse[:, :q] * F[:, column]
-    gains = ImmutableMatrix(Z)
-    N = ImmutableMatrix(N_0 - gains * N_1)
-    if not (characteristic_polynomial(N, s) - monic(polynomial) * fixed).is_zero:
-        raise NoSolutionError("the spectrum was not placed; please report it")
+        Z[:, row] = columns[:, column]
+    gains = _in_flint(Z)
+    N = N_0 - multiplied(gains, N_1)
+    # N has the spectrum of the block that the family has placed, and the fixed modes: a
+    # characteristic polynomial of N would be computed from r**2 long numbers.
+    placed, block = multiplied(complete, N), moved[:q, :q] - multiplied(F, rows_of_outputs)
+    above = placed[:q, :] - multiplied(block, complete[:q, :])
+    below = multiplied(placed[q:, :], inverse[:, q:]) - moved[q:, q:]
+    certificate_of("S N = [A_p, 0; *, A_f] S", [above, below], "placed spectrum")
     return N, gains, fixed
+
+
+def _in_flint(matrix: Matrix) -> ImmutableMatrix:
+    """Return a matrix in python-flint where its entries are rational."""
+    raw = rational_in_flint(matrix)
+    return ImmutableMatrix(matrix) if raw is None else from_flint(raw)
 
 
 def _solved_from_the_left(matrix: ImmutableMatrix, right: ImmutableMatrix) -> ImmutableMatrix:
@@ -395,7 +429,7 @@ def _solved_from_the_left(matrix: ImmutableMatrix, right: ImmutableMatrix) -> Im
     X = sympy.zeros(rows, columns)
     for row, pivot in enumerate(reduced.pivots):
         X[:, pivot] = reduced.matrix[row, columns:].T
-    return ImmutableMatrix(X)
+    return _in_flint(X)
 
 
 def _why_not(

@@ -13,13 +13,18 @@ from compensator_theory.matrices._certificates import Certificate, proven
 from compensator_theory.matrices._domain_matrices import domain_matrices
 from compensator_theory.matrices._flint_matrices import (
     from_flint,
+    is_rational_matrix,
     of_rows,
     rational_in_flint,
     symbols_in,
     zero_matrix,
 )
 from compensator_theory.matrices._flint_polynomials import from_flint_polynomial
-from compensator_theory.matrices._linear_algebra import characteristic_polynomial, multiplied
+from compensator_theory.matrices._linear_algebra import (
+    characteristic_polynomial,
+    in_lowest_terms,
+    multiplied,
+)
 from compensator_theory.matrices._symbolic_matrices import SymbolicMatrix, symbolic_matrix
 from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._poly import canonical, from_coefficients, scaled
@@ -164,6 +169,19 @@ def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> V
     residual = ImmutableMatrix(v.to_Matrix()) if A.rows else zero_matrix(0, B.cols)
     rows = _polynomials(coefficients, D, variable)
     return rows, denominator, residual
+
+
+def fed_back_polynomial(A: Matrix, B: Matrix, K: Matrix, variable: Symbol) -> Poly:
+    r"""Return :math:`\det(sI - A - BK)`, of one input by a change of rank 1.
+
+    .. math:: \det(sI - A - BK) = \det(sI - A) - K\,\mathrm{adj}(sI - A)\,B
+
+    The numbers of A + BK are as long as those of K, and their powers longer.
+    """
+    if B.cols == 1 and all(map(is_rational_matrix, (A, B, K))):
+        open_loop = transfer_matrix_of_realisation(A, B, K, zero_matrix(1, 1), variable)
+        return canonical(open_loop.denominator - open_loop.numerators[0][0])
+    return characteristic_polynomial(in_lowest_terms(A + multiplied(B, K)), variable)
 
 
 def controllable_canonical_form(
