@@ -653,6 +653,10 @@ class _Work:
     def balls(self, digits: int) -> tuple[EnclosedMatrix, EnclosedMatrix]:
         """Return enclosures of K and P."""
         n = self.n
+        numerators, below = self.H.numer_denom()
+        longest = max((abs(c).bit_length() for c in numerators.entries()), default=0)
+        bits = int(longest + below.bit_length())  # the k-th power has k times as many
+        ask("entries", n**4 * bits // 500, "the powers of a Hamiltonian matrix, term by term,")
         spectrum = from_flint_polynomial(self.H.charpoly(), HALF_PLANE)
         powers = _powers(-self.H, n)
         for precision in (digits * 2**k for k in range(7)):

@@ -12,13 +12,18 @@ from compensator_theory.errors import InputError
 from compensator_theory.forms._minimal_realisations import minimal_realisation
 from compensator_theory.matrices._certificates import Certified, Residuals, proven
 from compensator_theory.matrices._exceptional_factors import exceptional_factors
-from compensator_theory.matrices._flint_matrices import identity_matrix, zero_matrix
+from compensator_theory.matrices._flint_matrices import (
+    identity_matrix,
+    rational_in_flint,
+    zero_matrix,
+)
 from compensator_theory.matrices._linear_algebra import (
     characteristic_polynomial,
     in_lowest_terms,
 )
 from compensator_theory.placement._gain_families import state_feedback_family
 from compensator_theory.placement._observer_gain_families import observer_gain_family
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._from_roots import SpectrumLike
@@ -139,6 +144,7 @@ def doubly_coprime_fractions(
     s, n = source.variable, source.n
     A, B, C, D = source.A, source.B, source.C, source.D
     if n:
+        _require_short_work(source)
         feedback = state_feedback_family(A, B, regulator, variable=s)
         injection = observer_gain_family(A, C, observer, variable=s)
         K, F = feedback.gain(), injection.gain()
@@ -176,6 +182,16 @@ def doubly_coprime_fractions(
     )
     proven(result.certificate, "pair of fractions")
     return result
+
+
+def _require_short_work(plant: Realisation) -> None:
+    """Check the budget for the polynomials of A + BK and A - FC, whose numbers are long."""
+    raw = rational_in_flint(plant.A.row_join(plant.B).col_join(plant.C.row_join(plant.D)))
+    if raw is not None:
+        numerators, below = raw.numer_denom()
+        bits = max((abs(e).bit_length() for e in numerators.entries()), default=0)
+        work = plant.n**5 * int(bits + below.bit_length()) // 500
+        ask("entries", work, f"the fractions of a plant of order {plant.n}, digit by digit,")
 
 
 def read_plant(

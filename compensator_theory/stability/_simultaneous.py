@@ -10,6 +10,7 @@ from compensator_theory._latex import displayed, latex, words
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.loops._siso import require_sign, well_posed_loop
 from compensator_theory.matrices._certificates import Certificate, evaluated
+from compensator_theory.polynomials._budget import ask
 from compensator_theory.polynomials._carrying import refusing
 from compensator_theory.polynomials._poly import canonical
 from compensator_theory.polynomials._values import ExactValue
@@ -161,6 +162,7 @@ def decide_simultaneous_stabilisability(
             reduced, False, auxiliary, decision, None, (), "no compensator stabilises both plants"
         )
     size = max(0, auxiliary.reduced().order - 1)
+    ask("degree", 28 * size, "the search for a stable compensator of the auxiliary plant")
     compensator = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
     if compensator is None:
         reason = (
