@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import flint
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory._latex import displayed, latex
@@ -12,6 +13,7 @@ from compensator_theory._printing import text
 from compensator_theory.loops._closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices._certificates import Certificate, certificate_of
 from compensator_theory.matrices._flint_matrices import (
+    from_flint,
     identity_matrix,
     is_rational_matrix,
     zero_matrix,
@@ -110,8 +112,11 @@ class ObserverBasedCompensator(ExactValue):
         bottom, remainder = divmod(goal + N * top, D)
         if remainder:
             return None
+        residual = flint.fmpq_mat(1, 1, [int(D * bottom - N * top != goal)])
+        proof = certificate_of("D D_c - N N_c = p_R p_O", [from_flint(residual)], "compensator")
         sides = (from_flint_polynomial(p, self.plant.variable) for p in (top, bottom))
-        return TransferFunction(*sides, sample_time=self.plant.sample_time)
+        period = self.plant.sample_time
+        return TransferFunction(*sides, sample_time=period, certificate=proof)
 
     def _spectra_hold(self) -> bool:
         """Tell whether both gains place the polynomials that stand beside them."""
