@@ -13,10 +13,13 @@ from compensator_theory.errors import InputError
 
 EXTRAS = {
     "distributed": "dask",
+    "h5py": "logs",
     "hypothesis": "proofs",
     "matplotlib": "plot",
+    "openpyxl": "logs",
     "pandas": "pandas",
     "pyarrow": "studies",
+    "pyulog": "logs",
     "xarray": "pandas",
 }
 """Each optional library, and the extra of this package that installs it."""

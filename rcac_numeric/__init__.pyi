@@ -95,6 +95,7 @@ from .plants._schedules import PlantChange as PlantChange
 from .plants._schedules import PlantSchedule as PlantSchedule
 from .plants._transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .signals._commands import FilteredCommand as FilteredCommand
+from .signals._log_signals import inspect_log as inspect_log
 from .signals._recordings import Recorded as Recorded
 from .signals._recordings import read_recording as read_recording
 from .signals._recordings import recorded_channels as recorded_channels

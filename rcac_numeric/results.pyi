@@ -12,6 +12,7 @@ from .analysis._observer_forms import NumericObserverForm as NumericObserverForm
 from .analysis._observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis._placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis._solutions import StabilisingSolution as StabilisingSolution
+from .arrays._rounding import Rounding as Rounding
 from .checks._check import ControllerCheck as ControllerCheck
 from .checks._health import LoopHealth as LoopHealth
 from .checks._plant_residual import PlantResidual as PlantResidual
@@ -51,5 +52,8 @@ from .identification._zeros import IdentifiedZeros as IdentifiedZeros
 from .identification._zeros_of_arx import OnlineZeros as OnlineZeros
 from .plants.gallery._operating_points import OperatingPoint as OperatingPoint
 from .plants.gallery._zeros import ZeroPath as ZeroPath
+from .signals._clock import Clock as Clock
+from .signals._log_contents import LogColumn as LogColumn
+from .signals._log_contents import LogContents as LogContents
 from .targets._direction_checks import DirectionCheck as DirectionCheck
 from .targets._output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros

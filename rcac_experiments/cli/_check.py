@@ -12,7 +12,14 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_experiments.cli._exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
-from rcac_experiments.cli._output import as_json_option, budget_option, picture_option, show
+from rcac_experiments.cli._output import (
+    as_json_option,
+    budget_option,
+    log_arguments,
+    log_options,
+    picture_option,
+    show,
+)
 from rcac_experiments.files._case_files import k_w_of, plant_and_tables, read_structure, read_target
 from rcac_experiments.files._documents import Raw, named
 from rcac_numeric.arrays._record_files import is_record
@@ -20,14 +27,16 @@ from rcac_numeric.arrays._values import replaced
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.checks._check import ControllerCheck, check_controller
 from rcac_numeric.checks._hypotheses import Decision, decide_problem
-from rcac_numeric.checks._logs import ROLES, TIMES, ControllerLog, read_log
+from rcac_numeric.checks._logs import ControllerLog, read_log
 from rcac_numeric.controllers._compensator import compensator_of
 from rcac_numeric.engine._runs import Run, load_run
 from rcac_numeric.plants._foreign import linear_plant
 from rcac_numeric.plants._linear import MATRICES, Plant
 from rcac_numeric.plants._problems import servo_plant, standard_plant
 from rcac_numeric.reports._check import check_sheet
-from rcac_numeric.signals._data_files import FORMATS, read_variables
+from rcac_numeric.signals._clock import TIMES
+from rcac_numeric.signals._data_files import ARRAYS, READ, read_variables
+from rcac_numeric.signals._log_signals import ROLES
 from rcac_numeric.signals._text_tables import as_number
 from rcac_numeric.targets._filters import target_model
 
@@ -46,10 +55,7 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     help="Convention of a transfer function: y = z = G (u + w), or with a command the error "
     "y = z = r - G (u + d) - v. Default: identified from the log.",
 )  # fmt: skip
-@click.option(
-    "--names", default="", help="Names of the columns of LOG: u=input,y=output,theta=gains."
-)
-@click.option("--transpose", is_flag=True, help="LOG has one column per step instead of one row.")
+@log_options
 @click.option(
     "--structure",
     type=click.Choice(KINDS, case_sensitive=False),
@@ -83,6 +89,9 @@ def check(
     plant: str | None,
     problem: str | None,
     names: str,
+    columns: str,
+    time: str | None,
+    resample: float | None,
     transpose: bool,
     structure: str | None,
     controller: str | None,
@@ -96,7 +105,7 @@ def check(
     picture: Path | None,
     as_json: bool,
 ) -> int:
-    """Check the final controller of a LOG (.csv, .mat, .npz).
+    """Check the final controller of a LOG (.csv, .mat, .npz and others: rcac log --help).
 
     A LOG written by `rcac verify CASE --save RUN.npz` or Run.save contains its plant, structure,
     target model and k_w. Any other LOG needs u and y, optionally z, w and r, with one row per step;
@@ -122,11 +131,14 @@ def check(
             raise InputError(
                 "--controller is the complete controller; remove --structure and --n-c."
             )
-        recorded = read_log(log, parse_names(names), transpose=transpose)
+        recorded = read_log(
+            log, parse_names(names), transpose=transpose, sample_time=sample_time,
+            **log_arguments(columns, time, resample),
+        )  # fmt: skip
         decision: Decision | str | None = None
         if problem is None and is_transfer_function(plant) and plant is not None:
             decision, model = _decided(recorded, plant)
-        if model is None and log.suffix.lower() != ".csv":
+        if model is None and log.suffix.lower() in ARRAYS:
             model = plant_in(read_variables(log), str(log))
         if k_w is None:
             k_w = k_w_of(table) if controller is None else 0
@@ -302,7 +314,7 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
     suffix = Path(plant).suffix.lower()
     if suffix == ".toml":
         return plant_and_tables(plant)
-    if suffix in FORMATS:
+    if suffix in READ:
         variables = read_variables(plant)
         plant_of_file = plant_in(variables, plant)
         if plant_of_file is None:
@@ -347,7 +359,7 @@ def is_transfer_function(plant: str | None) -> bool:
     >>> is_transfer_function("1/(q - 0.5)"), is_transfer_function("plant.toml")
     (True, False)
     """
-    return plant is not None and Path(plant).suffix.lower() not in (".toml", *FORMATS)
+    return plant is not None and Path(plant).suffix.lower() not in (".toml", *READ)
 
 
 def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:

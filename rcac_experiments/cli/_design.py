@@ -12,12 +12,19 @@ import click
 from compensator_theory.errors import InputError
 from rcac_experiments.cli._check import (
     is_transfer_function,
+    parse_names,
     read_case,
     written_rows,
     written_system,
 )
 from rcac_experiments.cli._exits import DONE, NO
-from rcac_experiments.cli._output import as_json_option, picture_option, show
+from rcac_experiments.cli._output import (
+    as_json_option,
+    log_arguments,
+    log_options,
+    picture_option,
+    show,
+)
 from rcac_experiments.files._design_files import design_arguments, save_design
 from rcac_experiments.reports._tuned import tuned_sheet
 from rcac_experiments.sweeps._progress import ProgressLine
@@ -29,7 +36,7 @@ from rcac_numeric.designing._design import Design
 from rcac_numeric.designing._design import design as designed
 from rcac_numeric.designing._plants import Uncertainty, read_plant
 from rcac_numeric.reports._design import design_sheet
-from rcac_numeric.signals._data_files import read_variables
+from rcac_numeric.signals._data_files import ARRAYS, read_variables
 from rcac_numeric.signals._waveforms import Step
 
 # Options that only the owner of the plant knows: the question and the default of --assume.
@@ -78,6 +85,7 @@ PLANT = (
 
 def plant_options(command: Callable[..., int]) -> Callable[..., int]:
     """Add the options of a plant, its disturbances and limits to a command."""
+    command = log_options(command)
     for option in reversed(PLANT):
         command = option(command)
     return command
@@ -96,8 +104,9 @@ def design(
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", the rows of several such as
-    "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop, or of a closed loop excited by a command r or a dither.
+    "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a file (rcac log --help) with u and y of an
+    open loop, or of a closed loop excited by a command r or a dither. A column of times in the log
+    gives the sample time.
     A terminal is asked for missing options; without a terminal the command names them and stops,
     or assumes defaults with --assume. The status is 1 if u = 0 gives a smaller error than the
     controller.
@@ -153,7 +162,8 @@ def _status(result: Design) -> int:
 def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
     u_limits: str | None, sample_time: float | None, dead_time: str, structure: str | None,
-    feedforward: bool, assume: bool, **uncertain: Any,
+    feedforward: bool, assume: bool, names: str, columns: str, time: str | None,
+    resample: float | None, transpose: bool, **uncertain: Any,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the arguments of `design`; ask for the missing ones."""
     known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward}
@@ -164,10 +174,13 @@ def _known(
     elif Path(plant).suffix.lower() == ".toml":
         read = design_arguments(plant)
         known |= {name: value for name, value in read.items() if value is not None}
-    elif set(read_variables(plant)) >= {"A", "B", "C"}:
+    elif Path(plant).suffix.lower() in ARRAYS and set(read_variables(plant)) >= {"A", "B", "C"}:
         known["plant"] = read_case(plant, "standard")[0]
     else:
-        known["plant"] = read_log(plant)
+        known["plant"] = read_log(
+            plant, parse_names(names), transpose=transpose, sample_time=sample_time,
+            **log_arguments(columns, time, resample),
+        )  # fmt: skip
     late = _dead_time(dead_time)
     if not isinstance(known["plant"], ControllerLog):  # errors come before the questions
         read_plant(known["plant"], known["sample_time"], late)

@@ -55,6 +55,9 @@ AT_THE_SHELL = {
     ("design", "dead_time"): (
         "a dead time is given apart: as --dead-time to rcac design, sampled as 1/q**d"
     ),
+    ("read_log", "columns"): "Name them with --columns t,u,y",
+    ("read_log", "resample"): "resample it with --resample {value}",
+    ("read_log", "time"): "take the rows as steps of equal distance with --time none",
     ("check_controller", ""): "rcac check LOG --plant FILE",
     ("Decentralized", "shared_u"): "Write shared_u = true in [[controllers]]",
     ("ClosedLoop.poles", ""): "The poles are in the report",

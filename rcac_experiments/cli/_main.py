@@ -31,6 +31,7 @@ GROUPS = {
     },
     "Check": {
         "check": ("_check:check", "Check a logged controller: loop, poles, margins."),
+        "log": ("_log:log", "Show the columns, the clock and the rounding of a log."),
         "verify": ("_verify:verify", "Run an example and compare it with theory."),
     },
     "Studies": {

@@ -45,6 +45,36 @@ def picture_option(description: str) -> Callable[[Command], Command]:
     return click.option("--plot", "picture", type=kind, help=description, callback=checked)
 
 
+def log_options(command: Command) -> Command:
+    """The options that say how a log is read: --names, --columns, --time, --resample."""
+    options = (
+        click.option(
+            "--names", default="",
+            help="Names of the columns of a log: u=input,y=output,theta=gains; u=a+b for two.",
+        ),
+        click.option("--columns", default="", help="Names for a table without a head: t,u,y."),
+        click.option(
+            "--time", help='Column of the times of a log, or "none": the rows are equal steps.'
+        ),
+        click.option(
+            "--resample", type=float, metavar="SECONDS",
+            help="Bring irregular times to steps of this distance; the report states the error.",
+        ),
+        click.option(
+            "--transpose", is_flag=True, help="The log has one column per step, not one row."
+        ),
+    )  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def log_arguments(columns: str, time: str | None, resample: float | None) -> dict[str, Any]:
+    """Return the options of a log as arguments of `read_log`."""
+    names = [name.strip() for name in columns.split(",")] if columns.strip() else []
+    return {"columns": names, "time": time, "resample": resample}
+
+
 def budget_option(*, of_runs: bool = False) -> Callable[[Command], Command]:
     """The option --budget: limits of the exact half, and with `of_runs` those of an experiment.
 

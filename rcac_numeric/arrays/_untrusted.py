@@ -150,7 +150,7 @@ def _require_room(stream: IO[bytes], limit: ReadingLimit) -> None:
     shape, _, dtype = npy.read_array_header_1_0(stream)
     if min(shape, default=0) < 0:
         raise ValueError(f"an array has the shape {shape}")
-    if dtype.kind not in "biufcU" or dtype.fields is not None:
+    if dtype.kind not in "biufcUmM" or dtype.fields is not None:
         raise ValueError(f"an array has entries of type {str(dtype)[:60]}")
     if dtype.kind == "U" and dtype.itemsize > 4 * MOST_CHARACTERS:
         raise ValueError(f"a text has more than {MOST_CHARACTERS} characters")

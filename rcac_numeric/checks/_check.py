@@ -243,7 +243,7 @@ def check_controller(
         First step with u = Phi theta; beside a compensator the one since which it made u. By
         default that is held against the last tenth of the log alone.
     sample_time : float, optional
-        In seconds.
+        In seconds; by default that of the log.
     tolerance : float, optional
         The relative difference between u and Phi theta that counts as none; by default what the
         digits of the log leave open.
@@ -290,6 +290,7 @@ def check_controller(
     log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
+    sample_time = log.sample_time if sample_time is None else sample_time
     agreed_times([plant, compensator], sample_time)
     if k_w is not None:
         integer(k_w, "k_w")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -16,20 +15,12 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
     gaps_as_nan,
     has_mask,
+    number,
     optional_array_like,
     real_array,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.arrays._wording import shortened
-from rcac_numeric.signals._data_files import read_variables
-
-SIGNALS = ("u", "y", "z", "w", "r")
-# What a log may hold, under these names or those that the caller gives.
-ROLES = (*SIGNALS, "theta", "D_c", "N_c")
-# A column of this name counts steps or seconds, and is no signal.
-TIMES = ("k", "n", "i", "t", "step", "steps", "time", "index", "sample", "seconds", "timestamp")
-# So many names of a file are compared with one that it lacks: a hundred thousand take seconds.
-COMPARED = 1000
+from rcac_numeric.signals._log_signals import SIGNALS, read_signals
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -50,11 +41,19 @@ class ControllerLog(Value):
         powers of q.
     source : str
         Named in errors.
+    sample_time : float, optional
+        In seconds.
+    has_gaps : bool
+        Whether entries of the signals and of theta may be missing (NaN), as `read_log` marks the
+        rows that the clock lacks.
+    clock, notes : str, tuple of str
+        What `read_log` found about the times, and did to the signals.
 
     Raises
     ------
     InputError
-        Where a signal has a gap (NaN), another number of steps than u, or is transposed.
+        Where a signal has a gap (NaN) without `has_gaps`, another number of steps than u, or is
+        transposed.
 
     Examples
     --------
@@ -72,9 +71,19 @@ class ControllerLog(Value):
     D_c: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
     N_c: Array | None = attrs.field(default=None, kw_only=True, converter=optional_array_like)
     source: str = attrs.field(default="the log", kw_only=True)
+    sample_time: float | None = attrs.field(default=None, kw_only=True)
+    has_gaps: bool = attrs.field(default=False, kw_only=True)
+    clock: str = attrs.field(default="", kw_only=True)
+    notes: tuple[str, ...] = attrs.field(default=(), kw_only=True)
 
     def __attrs_post_init__(self) -> None:
         keep = partial(object.__setattr__, self)
+        if self.sample_time is not None:
+            keep("sample_time", number(self.sample_time, "sample_time"))
+            if not self.sample_time > 0:
+                raise InputError(
+                    f"sample_time = {self.sample_time:g} must be positive, in seconds."
+                )
         steps = 0
         signals = self.u, self.y, self.z, self.w, self.r
         for name, value in zip(SIGNALS, signals, strict=True):
@@ -100,16 +109,25 @@ class ControllerLog(Value):
         return len(self.u)
 
     @property
+    def missing(self) -> Array:
+        """Whether u or y of each step is missing; shape (steps,)."""
+        gaps = np.isnan(self.u).any(axis=1) | np.isnan(self.y).any(axis=1)
+        return np.asarray(gaps)
+
+    @property
     def has_history(self) -> bool:
         """Whether theta was recorded at every step."""
         return self.theta is not None and self.theta.ndim == 2
 
     @property
     def theta_final(self) -> Array | None:
-        """The last coefficients in the log."""
+        """The last coefficients in the log that are not missing."""
         if self.theta is None:
             return None
-        last: Array = self.theta[-1] if self.theta.ndim == 2 else self.theta
+        if self.theta.ndim != 2:
+            return self.theta
+        rows = np.flatnonzero(~np.isnan(self.theta).any(axis=1))
+        last: Array = self.theta[rows[-1] if len(rows) else -1]
         return last
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
@@ -125,6 +143,10 @@ class ControllerLog(Value):
                 f"{self.source}: {name} must be an array of real numbers, and its entries are "
                 "complex."
             )
+        if self.has_gaps and array.dtype.kind == "f" and not np.isinf(array).any():
+            array = np.array(array, dtype=np.float64)
+            array.setflags(write=False)
+            return array
         if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
             first = np.argwhere(~np.isfinite(array))[0]
             raise InputError(
@@ -183,22 +205,45 @@ class ControllerLog(Value):
 
 
 def read_log(
-    path: str | Path, names: Mapping[str, str] | None = None, *, transpose: bool = False
+    source: Any,
+    names: Mapping[str, str | Sequence[str]] | None = None,
+    *,
+    transpose: bool = False,
+    columns: Sequence[str] = (),
+    time: str | None = None,
+    sample_time: float | None = None,
+    resample: float | None = None,
 ) -> ControllerLog:
-    """Read a log from a .csv, .mat or .npz file.
+    """Read the log of a controller from a file, a DataFrame or a mapping of arrays.
+
+    Text (.csv, .txt, .tsv, .dat, also .gz), .mat, .npz, .npy, .h5, .parquet, .ulg and .xlsx;
+    `inspect_log` says what a file holds. Only the columns in use must be numbers. A column of times
+    gives the sample time; rows that it lacks are NaN.
 
     Parameters
     ----------
-    path : path
+    source : path, DataFrame or mapping
     names : mapping, optional
-        From u, y, z, w, r, theta, D_c, N_c to the names that the file uses.
+        From u, y, z, w, r, theta, D_c, N_c to the names that the file uses; several names, a
+        sequence or joined by +, are components.
     transpose : bool
         Whether every signal has one column, and not one row, for each step.
+    columns : sequence of str, optional
+        Names for the columns of a table without a head.
+    time : str, optional
+        The column of the times, or "none" for rows of equal distance whatever the stamps say. By
+        default stamps, then t, time or timestamp, then a counter of steps.
+    sample_time : float, optional
+        In seconds; refused if the times contradict it.
+    resample : float, optional
+        Distance of the steps in seconds, for irregular times: u, r and theta keep the last value,
+        other signals are interpolated; `notes` states the error.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or u or y is not in it, or no shape fits.
+        If the file cannot be read, or u or y is not in it, or no shape fits; if stamps turn back,
+        are repeated or irregular.
 
     Examples
     --------
@@ -206,35 +251,25 @@ def read_log(
     >>> log = read_log("examples/octave/rcac_loop.mat")
     >>> log.steps, log.theta.shape
     (300, (300, 8))
+    >>> times = {"t": [0.0, 0.1, 0.3, 0.4], "u": [1, 2, 3, 4], "y": [0, 1, 2, 3]}
+    >>> log = read_log(times)
+    >>> log.sample_time, log.missing.tolist()
+    (0.1, [False, False, True, False, False])
     """
-    variables = read_variables(path)
-    roles = dict(names or {})
-    for role in roles:
-        if role not in ROLES:
-            raise InputError(f"names: {role!r} is not known; rename {', '.join(ROLES)}.")
-    signals = {}
-    for role in ROLES:
-        name = roles.get(role, role)
-        if name in variables:
-            signals[role] = variables[name].T if transpose else variables[name]
-        elif role in roles or role in ("u", "y"):
-            raise InputError(_missing(str(path), role, name, variables, roles))
-    return ControllerLog(**signals, source=str(path))
+    signals, name = read_signals(
+        source, names or {}, transpose=transpose, columns=columns, time=time,
+        sample_time=sample_time, resample=resample,
+    )  # fmt: skip
+    clock = signals.clock
+    return ControllerLog(
+        **signals.arrays, source=name, has_gaps=clock is not None or _has_nan(signals.arrays),
+        sample_time=sample_time if clock is None else clock.sample_time or sample_time,
+        clock="" if clock is None else str(clock), notes=tuple(signals.notes),
+    )  # fmt: skip
 
 
-def _missing(
-    path: str, role: str, name: str, variables: Mapping[str, Array], roles: Mapping[str, str]
-) -> str:
-    """The error for a missing signal: the names in the file, and likely candidates."""
-    has = shortened(", ".join(variables)) or "nothing"
-    free = [v for v in [*variables][:COMPARED] if v not in roles.values()]
-    close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)
-    signals = close or [v for v in free if v not in ROLES and v.lower() not in TIMES]
-    hint = f" Did you mean {close[0]!r}?" if close else ""
-    if not signals:
-        return f"{path} has no {name!r}, needed as {role}; it has {has}, none of which can be it."
-    proposal = f"--names {role}={shortened(signals[0], 40)}"
-    return (
-        f"{path} has no {name!r}, needed as {role}; it has {has}.{hint} Say which column is "
-        f"{role}, for instance {proposal}."
+def _has_nan(arrays: Mapping[str, Array]) -> bool:
+    """Whether entries of the signals are missing."""
+    return any(
+        bool(np.isnan(values).any()) for values in arrays.values() if values.dtype.kind == "f"
     )

@@ -538,6 +538,7 @@ def _basis_of_log(
     Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
     noise, there may be none; then one of lower order is taken.
     """
+    sample_time = log.sample_time if sample_time is None else sample_time
     logged = plant_from_log(log, sample_time, dead_time)
     first: NoSolutionError | None = None
     while True:

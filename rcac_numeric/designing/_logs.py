@@ -10,7 +10,7 @@ from numpy.polynomial import Legendre
 from scipy.signal import tf2ss
 from scipy.stats import ttest_1samp
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import Advice, InputError
 from rcac_numeric.analysis._closed_loop import frozen_loop
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
@@ -151,6 +151,15 @@ def plant_from_log(
             f"dead_time = {late:g} with sample_time = {period:g}: give both in seconds, none of "
             "them negative."
         )
+    if log.missing.any():
+        raise InputError(
+            f"{log.source}: {np.count_nonzero(log.missing)} of {log.steps} rows are missing"
+            + (f" ({log.clock})" if log.clock else "")
+            + ", and design needs every row. ",
+            Advice("read_log", (("resample", f"{log.sample_time or 1.0:g}"),),
+                   "Fill them by interpolation with resample={resample}"),
+            "; or cut the log to a part without gaps.",
+        )  # fmt: skip
     steps = round(late / period)
     known: dict[str, Any] = {"orders": range(1, most + 1)}
     known |= {"delays": (steps,)} if steps else {}

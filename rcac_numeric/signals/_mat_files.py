@@ -6,8 +6,10 @@ where they are wrong; here every size is checked against what is there before it
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,10 @@ TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8",
 # The class of a variable, and the type of its entries however they are stored.
 CLASSES = {6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4", 14: "i8",
            15: "u8"}  # fmt: skip
-SPARSE = 5
+CELL, STRUCT, OBJECT, TEXT, SPARSE, OPAQUE = 1, 2, 3, 4, 5, 17
+TEXTS = {1: "u1", 2: "u1", 4: "u2", 16: "u1", 17: "u2"}  # how characters are stored
+DEEPEST = 12  # of structures
+MOST_PARTS = 2**16  # of structures and cells
 COMPLEX_FLAG = 0x0800
 
 
@@ -31,15 +36,25 @@ class DamagedError(ValueError):
     """A defect of a .mat file; the reader adds the file name."""
 
 
-def read_mat(file: Path) -> dict[str, np.ndarray]:
-    """Read the numeric arrays of a file by name; texts, cells and structures are skipped."""
+class MatObject(str):
+    """The class of a MATLAB object, whose contents only MATLAB reads."""
+
+    __slots__ = ()
+
+
+def read_mat(file: Path) -> dict[str, Any]:
+    """Read the variables of a file by name.
+
+    Numbers are arrays, texts str, structures dict, arrays of structures and cells lists; an object
+    of MATLAB (timeseries, table) is a `MatObject`, and functions are left out.
+    """
     contents, limit = file.read_bytes(), ReadingLimit(file)
     try:
         if b"\0" in contents[:4]:
             return read_version_4(contents, limit)
         if contents.startswith(b"\x89HDF") or _version(contents) == 2:
             raise InputError(
-                f"{file} is a .mat file of version 7.3 (HDF5), which is not read here. Save it "
+                f"{file} says that it is a .mat file of version 7.3, and is no HDF5 file. Save it "
                 "with save('-v7', ...) in MATLAB or Octave."
             )
         if _version(contents) != 1 or contents[126:128] not in (b"IM", b"MI"):
@@ -60,10 +75,10 @@ class _Version5:
 
     def __init__(self, contents: bytes, order: str, limit: ReadingLimit) -> None:
         self.contents, self.order, self.limit = contents, order, limit
-        self.unpacked = 0
+        self.unpacked = self.parts = 0
 
-    def variables(self) -> dict[str, np.ndarray]:
-        variables: dict[str, np.ndarray] = {}
+    def variables(self) -> dict[str, Any]:
+        variables: dict[str, Any] = {}
         view = memoryview(self.contents)[128:]
         while len(view) >= 8:
             kind, size = struct.unpack(self.order + "II", view[:8])
@@ -94,14 +109,16 @@ class _Version5:
         self.unpacked += len(data)
         return memoryview(data)
 
-    def _matrix(self, body: memoryview) -> tuple[str, Any]:
+    def _matrix(self, body: memoryview, depth: int = 0) -> tuple[str, Any]:
         if not body:
             return "", None
         flags, body = self._element(body)
         if flags.dtype.itemsize != 4 or len(flags) != 2:
             raise DamagedError("a variable has no class")
         code = int(flags[0])
-        if code & 0xFF not in (*CLASSES, SPARSE):
+        if code & 0xFF == OPAQUE:
+            return self._opaque(body)
+        if code & 0xFF not in (*CLASSES, CELL, STRUCT, OBJECT, TEXT, SPARSE):
             return "", None
         dims, body = self._element(body)
         label, body = self._element(body)
@@ -111,6 +128,12 @@ class _Version5:
         name = label.tobytes().decode("latin-1")
         if code & 0xFF == SPARSE:
             return name, self._sparse(body, shape, is_complex=bool(code & COMPLEX_FLAG))
+        if code & 0xFF == TEXT:
+            return name, self._text(body)
+        if code & 0xFF == CELL:
+            return name, self._nested(body, math.prod(shape), depth)[0]
+        if code & 0xFF in (STRUCT, OBJECT):
+            return name, self._structures(body, math.prod(shape), depth, code & 0xFF == OBJECT)
         count = self.limit.take(shape)
         real, body = self._element(body)
         parts = [real]
@@ -144,7 +167,64 @@ class _Version5:
         np.add.at(full, (where, np.repeat(np.arange(shape[1]), np.diff(ends))), values[:count])
         return full
 
-    def _element(self, view: memoryview) -> tuple[np.ndarray, memoryview]:
+    def _nested(self, body: memoryview, count: int, depth: int) -> tuple[list[Any], memoryview]:
+        """Return the variables in a cell, and the remaining bytes."""
+        self.parts += count
+        if depth >= DEEPEST or self.parts > MOST_PARTS:
+            raise DamagedError(f"structures are nested more than {DEEPEST} deep, or too many")
+        values = []
+        for _ in range(count):
+            if len(body) < 8:
+                raise DamagedError("a structure ends too soon")
+            kind, size = struct.unpack(self.order + "II", body[:8])
+            if kind != MATRIX or size > len(body) - 8:
+                raise DamagedError(f"an element of {size} bytes has {len(body) - 8}")
+            values.append(self._matrix(body[8 : 8 + size], depth + 1)[1])
+            body = body[8 + size :]
+        return values, body
+
+    def _structures(self, body: memoryview, count: int, depth: int, is_object: bool) -> Any:
+        """Return a structure as a dict, or several as a list of them."""
+        if is_object:
+            _, body = self._element(body)  # the name of its class
+        length, body = self._element(body)
+        labels, body = self._element(body)
+        size = int(length[0]) if length.size and length.dtype.kind in "iu" else 0
+        text = labels.tobytes()
+        if size < 1 or len(text) % size or len(text) // size > MOST_PARTS:
+            raise DamagedError(f"a structure has fields of {size} characters")
+        names = [
+            text[i : i + size].split(b"\0")[0].decode("latin-1") for i in range(0, len(text), size)
+        ]
+        result = []
+        for _ in range(min(count, MOST_PARTS)):
+            values, body = self._nested(body, len(names), depth)
+            result.append(dict(zip(names, values, strict=True)))
+        return result[0] if len(result) == 1 else result
+
+    def _text(self, body: memoryview) -> str:
+        """Return the characters of a text, column by column."""
+        if len(body) < 8:
+            return ""
+        (first,) = struct.unpack(self.order + "I", body[:4])
+        kind = first & 0xFFFF if first >> 16 else first
+        if kind not in TEXTS:
+            return ""
+        values, _ = self._element(body, TEXTS)
+        if values.dtype.itemsize == 1:
+            return values.tobytes().decode("utf-8", "replace")
+        return values.astype("<u2").tobytes().decode("utf-16-le", "replace")
+
+    def _opaque(self, body: memoryview) -> tuple[str, Any]:
+        """Return the name of an object and its class."""
+        label, body = self._element(body)
+        _, body = self._element(body)  # MCOS or java
+        kind, body = self._element(body)
+        return label.tobytes().decode("latin-1"), MatObject(kind.tobytes().decode("latin-1"))
+
+    def _element(
+        self, view: memoryview, types: Mapping[int, str] = TYPES
+    ) -> tuple[np.ndarray, memoryview]:
         """Return the numbers of the next element and the remaining bytes."""
         if len(view) < 8:
             raise DamagedError("a variable ends too soon")
@@ -156,9 +236,9 @@ class _Version5:
         else:
             (size,) = struct.unpack(self.order + "I", view[4:8])
             kind, start, step = first, 8, 8 + size + -size % 8
-        if kind not in TYPES:
+        if kind not in types:
             raise DamagedError(f"an element has the type {kind}")
-        dtype = np.dtype(TYPES[kind]).newbyteorder(self.order)  # type: ignore[arg-type]
+        dtype = np.dtype(types[kind]).newbyteorder(self.order)  # type: ignore[arg-type]
         if size > len(view) - start or size % dtype.itemsize:
             raise DamagedError(f"an element of {size} bytes has {max(len(view) - start, 0)}")
         return np.frombuffer(view[start : start + size], dtype), view[step:]

@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._files import require_readable
-from rcac_numeric.arrays._untrusted import read_npy
 from rcac_numeric.arrays._validation import array_like, instance_of, integer, real_array
 from rcac_numeric.arrays._wording import shortened
+from rcac_numeric.signals._data_files import read_contents
+from rcac_numeric.signals._log_contents import LogColumn, LogContents
 from rcac_numeric.signals._signal import Signal
-from rcac_numeric.signals._text_tables import read_table
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -79,21 +78,22 @@ def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, 
 
 
 def read_recording(path: str | Path, column: int | str = 0) -> Array:
-    r"""One column of a .csv or .npy file; shape (steps,).
+    r"""One column of a file of numbers; shape (steps,).
 
     Parameters
     ----------
     path : path
-        A .csv file has one row for each step, numbers separated by commas, and may begin with a
-        row of names; empty lines are skipped. A .npy file holds an array of shape (steps,) or
-        (steps, columns).
+        A text (.csv, .txt, .tsv, .dat) has one row for each step and may begin with names, units
+        and comments; a .npy file holds an array of shape (steps,) or (steps, columns). Other files
+        that `inspect_log` reads have names.
     column : int or str
         Index from 0, or name where the file has names.
 
     Raises
     ------
     InputError
-        If the file cannot be read, an entry is no number, or there is no such column.
+        If the file cannot be read, an entry of the column is missing or no number, or there is no
+        such column.
 
     Examples
     --------
@@ -104,38 +104,30 @@ def read_recording(path: str | Path, column: int | str = 0) -> Array:
     >>> read_recording(file, column="d")
     array([0. , 0.5])
     """
-    file = Path(path)
-    if file.suffix.lower() not in (".csv", ".npy"):
-        raise InputError(f"{file} is not a recording that can be read; use .csv or .npy.")
-    try:
-        require_readable(file)
-        if file.suffix.lower() == ".csv":
-            names, table = read_table(file, named=False)
-        else:
-            names, table = [], _columns(file)
-    except OSError as error:
-        raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
-    return real_array(table[:, _index(column, names, table.shape[1], file)], str(file))
+    contents = read_contents(path)
+    columns = _column(contents, column)
+    if len(columns) == 1 and columns[0].problem:
+        raise InputError(columns[0].problem)
+    signal = columns[0].values if len(columns) == 1 else None
+    if signal is None or max(signal.shape, default=0) != signal.size:
+        shape = "several columns" if signal is None else f"shape {signal.shape}"
+        raise InputError(f"{path}: {column!r} has {shape}; one column is needed.")
+    return real_array(signal.ravel(), str(path))
 
 
-def _columns(file: Path) -> np.ndarray:
-    table = read_npy(file)
-    if table.ndim not in (1, 2) or table.size == 0:
-        raise InputError(
-            f"{file} holds an array of shape {table.shape}; (steps,) or (steps, columns) is needed."
-        )
-    return table.reshape(len(table), -1)
-
-
-def _index(column: int | str, names: list[str], width: int, file: Path) -> int:
+def _column(contents: LogContents, column: int | str) -> list[LogColumn]:
+    """The columns of a name, or the one of an index."""
+    file = contents.source
     if isinstance(column, str):
-        if column not in names:
+        columns = contents.named(column)
+        if not columns:
+            names = [c.full_name for c in contents.columns if c.name]
             known = (
                 f"it has {shortened(', '.join(names))}" if names else "its columns have no names"
             )
             raise InputError(f"{file} has no column {column!r}; {known}.")
-        return names.index(column)
-    index = integer(column, "column")
+        return columns
+    index, width = integer(column, "column"), len(contents.columns)
     if index >= width:
         raise InputError(f"{file} has no column {index}; it has {width}, counted from 0.")
-    return index
+    return [contents.columns[index]]

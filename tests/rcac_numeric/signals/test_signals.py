@@ -75,8 +75,8 @@ def test_recordings_in_files(tmp_path):
 @pytest.mark.parametrize(
     ("content", "column", "message"),
     [
-        ("1,2\n3", 0, "line 2: 1 entries where 2 are needed"),
-        ("1,2\n3,x", 0, "line 2, column 2: 'x' is not a number"),
+        ("1,2\n3\n", 0, "line 2: 1 entries where 2 are needed"),
+        ("1,2\n3,x", 1, "line 2, column 2: 'x' is not a number"),
         ("r,2\n3,4", 0, "line 1, column 1: 'r' is not a number"),
         ("r,d\n", 0, "no row of numbers"),
         ("", 0, "is empty"),
@@ -99,7 +99,7 @@ def test_bad_text_files_are_named(tmp_path, content, column, message):
         ("a.npy", b"no array", "not an array of numbers"),
         ("a.npy", b"", "is empty"),
         ("a.csv", b"\xff\xfe\x00", "not a text file"),
-        ("a.mat", b"", "use .csv or .npy"),
+        ("a.doc", b"", "use .csv, .txt"),
         ("missing.csv", None, "cannot be read: No such file"),
         ("missing.npy", None, "cannot be read: No such file"),
     ],
