@@ -27,7 +27,7 @@ def log_sheet(log: LogContents) -> Sheet:
 def _columns(log: LogContents, used: dict[str, str]) -> Section:
     listed = sorted(log.columns, key=lambda c: c.full_name not in used)[:MOST_LISTED]
     rows = tuple(_row(c, used.get(c.full_name, "")) for c in log.columns if c in listed)
-    heads = ("column", "unit", "type", "rows", "missing", "from", "to", "rounding", "used as")
+    heads = ("column", "unit", "type", "rows", "missing", "range", "rounding", "used as")
     blocks: list[Block] = [SheetTable(heads, rows)]
     if len(log.columns) > len(listed):
         words = f"{len(log.columns) - len(listed)} columns more; --json lists them"
@@ -38,13 +38,26 @@ def _columns(log: LogContents, used: dict[str, str]) -> Section:
 
 def _row(column: LogColumn, role: str) -> tuple[Any, ...]:
     low, high = _range(column)
-    is_number = column.values is not None
     return cells(
         column.full_name, column.unit, column.stored, _shape(column),
         str(column.missing) if column.missing else "",
-        "" if low is None else f"{low:.6g}", "" if high is None else f"{high:.6g}",
-        str(column.rounding) if is_number and not column.rounding.is_exact else "", role,
+        "" if low is None else f"{low:.4g} to {high:.4g}", _rounding(column, role), role,
     )  # fmt: skip
+
+
+def _rounding(column: LogColumn, role: str) -> str:
+    """The rounding in a few characters, where the type does not say it."""
+    if column.values is None or column.values.dtype.kind == "c" or role == "time":
+        return ""
+    rounding = column.rounding
+    words = []
+    if rounding.step and rounding.number_format != "integer":
+        words.append(f"step {rounding.step:.4g}")
+    elif rounding.number_format not in ("float64", column.stored):
+        words.append(rounding.number_format)
+    if rounding.printing != "exact":
+        words.append(f"{rounding.places} {rounding.printing}")
+    return ", ".join(words)
 
 
 def _shape(column: LogColumn) -> str:

@@ -24,7 +24,7 @@ from rcac_numeric.signals._log_contents import LogColumn
 from rcac_numeric.signals._mat_files import DEEPEST, MOST_PARTS
 from rcac_numeric.signals._text_tables import Unpacked
 
-PARTS_OF_A_STRUCTURE = ("type", "value")  # of Octave's HDF5 files
+PARTS_OF_A_VARIABLE = ("type", "value")  # of Octave's HDF5 files
 
 
 @contextmanager
@@ -68,8 +68,10 @@ class _Hdf5:
             raise ValueError(f"it is nested more than {DEEPEST} deep, or has too many parts")
         if isinstance(item, self.h5py.Group):
             names = list(item)
-            if self.is_matlab and sorted(names) == sorted(PARTS_OF_A_STRUCTURE):  # of Octave
-                return self.value(item["value"], depth + 1)
+            if sorted(names) == sorted(PARTS_OF_A_VARIABLE) and "OCTAVE_NEW_FORMAT" in item.attrs:
+                value = self.value(item["value"], depth + 1)
+                is_turned = isinstance(value, np.ndarray) and not self.is_matlab
+                return value.T if is_turned else value
             return {name: self.value(item[name], depth + 1) for name in names}
         if not isinstance(item, self.h5py.Dataset) or item.shape is None:
             return None

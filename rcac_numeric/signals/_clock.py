@@ -155,6 +155,8 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
         )  # fmt: skip
     rounding = rounding_of(times - times[0])
     fraction = 10.0**-rounding.places if rounding.printing == "decimals" else rounding.step
+    if rounding.is_exact and (d % 1 == 0).all():
+        fraction = 1.0
     even = (times[-1] - times[0]) / (rows - 1)
     away = np.abs(times - times[0] - even * np.arange(rows))
     repeated = int(np.count_nonzero(d == 0))

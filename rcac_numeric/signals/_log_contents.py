@@ -264,14 +264,22 @@ def _time_column(columns: Sequence[LogColumn], time: str | None) -> LogColumn | 
     """The column of the times: the named one, then stamps, then seconds, then counts."""
     if time is not None:
         return next((c for c in columns if time in (c.name, c.full_name)), None)
-    scalars = [c for c in columns if c.values is None or np.size(c.values) == c.rows]
-    long = [c for c in scalars if c.rows > 1]
+    long = [c for c in columns if _is_vector(c)]
     tests = (
         lambda c: c.stored == "time stamps",
         lambda c: is_time(c.name, c.unit) and _may_be_time(c),
+        lambda c: c.values is None and seconds_of_texts(c.texts[:2]) is not None,
         lambda c: is_counter(c.name, c.unit) and _rises(c),
     )
     return next((c for test in tests for c in long if test(c)), None)
+
+
+def _is_vector(column: LogColumn) -> bool:
+    """Whether a column holds one number or text for each of several rows."""
+    if column.values is None:
+        return len(column.texts) > 1
+    size = int(column.values.size)
+    return column.values.dtype.kind != "c" and size > 1 and size == max(column.values.shape)
 
 
 def _rises(column: LogColumn) -> bool:
@@ -311,12 +319,14 @@ def _times(
     times = seconds_of_texts(chosen.texts)
     if times is None:
         return None, ""
-    if len(chosen.texts[0]) <= len("00:00:00.000000 PM"):
-        times = over_midnight(times)
-        other = next(
-            (c for c in columns if c is not chosen and c.texts and c.name.lower() in TIMES), None
-        )
-        days = None if other is None else seconds_of_texts(other.texts)
-        if days is not None and len(days) == len(times) and (days % 86400 == 0).all():
-            return days + (seconds_of_texts(chosen.texts) or 0.0), "time stamps"
-    return times, "time stamps"
+    if len(chosen.texts[0]) > len("00:00:00.000000 PM"):
+        return times, "time stamps"
+    # A date and a time of day may stand in two columns.
+    is_date = ":" not in chosen.texts[0]
+    for other in columns:
+        is_pair = bool(other.texts) and (":" in other.texts[0]) == is_date
+        if other is not chosen and is_pair and other.name.lower() in TIMES:
+            more = seconds_of_texts(other.texts)
+            if more is not None and len(more) == len(times):
+                return times + more, "time stamps"
+    return times if is_date else over_midnight(times), "time stamps"

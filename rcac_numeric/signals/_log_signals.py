@@ -27,7 +27,7 @@ HELD = ("u", "r", "theta")  # constant between two samples of the controller
 # So many names of a file are compared with one that it lacks: a hundred thousand take seconds.
 COMPARED = 1000
 SAME_TIME = 0.01  # relative difference of two sample times that are the same
-OLDEST = 3.0  # sample times for which the last value of another topic is used
+OLDEST = 1.02  # of its sample times: an older value of another topic is a lost one
 Names = Mapping[str, str | Sequence[str]]
 
 
@@ -349,9 +349,8 @@ def _hold(
     place = np.searchsorted(theirs, times + 1e-9 * (times[-1] - times[0]), side="right") - 1
     age = times - theirs[np.maximum(place, 0)]
     usual = float(np.median(np.diff(theirs))) if len(theirs) > 1 else 0.0
-    period = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     taken = values[np.maximum(place, 0)].copy()
-    taken[(place < 0) | (age > OLDEST * max(usual, period))] = np.nan
+    taken[(place < 0) | (age > (OLDEST + _jitter(other)) * usual)] = np.nan
     signals.arrays[role] = taken
     moved = np.abs(np.diff(values, axis=0)).mean(axis=0).max() if len(values) > 1 else 0.0
     size = float(np.nanstd(values)) or 1.0
@@ -361,6 +360,11 @@ def _hold(
         f"{late:.3g} s old on average; it moves by {moved / size:.1%} of its standard deviation "
         "from sample to sample"
     )
+
+
+def _jitter(clock: Clock | None) -> float:
+    """The jitter of a clock in sample times; half a sample time of one without regular stamps."""
+    return clock.jitter if clock is not None and clock.is_regular else 0.5
 
 
 def _resampled(

@@ -229,6 +229,11 @@ def _dialect(file: TextSource, encoding: str) -> Dialect:
         if i >= skipped and line.strip() and not is_comment(line)
     }  # fmt: skip
     comments = [i for i, line in enumerate(lines) if i >= skipped and is_comment(line)]
+    if sum(lines[i].startswith(("# name:", "# type:")) for i in comments) > 1:
+        raise InputError(
+            f"{file} is in Octave's own text format, which is not read here. Save it with "
+            "save('-v7', 'log.mat', ...) in Octave."
+        )
     if not rows and not comments:
         raise InputError(f"{file} is empty.")
     separator, decimal = _separator([*rows.values()] or [""], forced)
@@ -411,7 +416,7 @@ def _rows(file: TextSource, dialect: Dialect, notes: list[str]) -> Iterator[tupl
         before = None
         if len(row) > width and not any(row[width:]):
             row = row[:width]  # separators at the end
-        if len(row) == width - 1 and dialect.separator != BLANKS and len(dialect.names) < width:
+        if len(row) == width - 1 and dialect.separator != BLANKS and 0 < len(dialect.names) < width:
             row = [*row, ""]
         if len(row) < width and not text.endswith(("\n", "\r")):
             notes.append(f"line {line}, the last one, is unfinished and left out")

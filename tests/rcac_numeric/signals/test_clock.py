@@ -1,0 +1,151 @@
+"""The clock of a log: the sample time, gaps, jitter, and stamps that give none."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_numeric import ControllerLog, design, inspect_log, read_log
+from rcac_numeric.signals._clock import clock_of
+from tests.support.strategies import seeds
+from tests.support.ulogs import ulog
+
+PERIODS = st.sampled_from([0.001, 0.004, 0.02, 0.1, 1 / 3, 1.0, 7.5, 60.0])
+
+
+def lost(rng, steps, share):
+    """Rows of a log that lost some, the first and the last one kept."""
+    kept = rng.random(steps) >= share
+    kept[[0, 1, -1]] = True
+    return kept
+
+
+@given(seeds, PERIODS, st.integers(30, 400), st.floats(0, 0.4), st.floats(0, 0.1))
+def test_the_steps_of_a_log_with_gaps_and_jitter(seed, period, steps, share, jitter):
+    rng = np.random.default_rng(seed)
+    kept = lost(rng, steps, share)
+    times = period * (np.arange(steps) + jitter * rng.uniform(-1, 1, steps))
+    clock = clock_of(times[kept] + 5, "t")
+    assert clock.is_regular, clock.problem
+    assert np.array_equal(clock.step_of_row, np.flatnonzero(kept))
+    assert clock.sample_time == pytest.approx(period, rel=1e-6 + 4 * jitter / steps)
+    assert clock.missing == np.count_nonzero(~kept)
+    assert clock.jitter <= 2 * jitter + 1e-6 + 8 * jitter / steps * clock.longest_gap
+
+
+@given(seeds, PERIODS, st.integers(60, 400), st.integers(2, 30))
+def test_coarse_stamps_of_even_rows(seed, period, steps, rows_a_stamp):
+    """Whole seconds, for instance, of which several rows have the same one."""
+    unit = period * rows_a_stamp
+    clock = clock_of(np.floor(np.arange(steps) / rows_a_stamp) * unit, "t")
+    assume(steps > 4 * rows_a_stamp)
+    if clock.resolution:
+        assert clock.missing == 0
+        assert clock.sample_time == pytest.approx(period, rel=2 * rows_a_stamp / steps)
+    else:
+        assert clock.repeated and "stamp of the row before" in clock.problem
+
+
+@given(seeds, PERIODS)
+def test_irregular_repeated_and_turning_stamps_are_refused(seed, period):
+    rng = np.random.default_rng(seed)
+    even = period * np.arange(100.0)
+    assert "irregular" in clock_of(np.cumsum(rng.exponential(period, 100)), "t").problem
+    at = int(rng.integers(2, 98))
+    repeated = np.insert(even + period * 0.01 * rng.random(100), at, 0)
+    repeated[at] = repeated[at - 1]
+    clock = clock_of(repeated, "t")
+    assert clock.repeated == 1 and f"row {at + 1}" in clock.problem
+    clock = clock_of(np.concatenate([even[:at], even]), "t")
+    assert clock.turning == 1 and f"row {at + 1}" in clock.problem
+    assert "pauses" in clock_of(np.concatenate([even, even + 1e5 * period]), "t").problem
+
+
+def record(steps=400, seed=0):
+    rng = np.random.default_rng(seed)
+    u, y = np.repeat(rng.choice([-1.0, 1.0], steps // 5), 5), np.zeros(steps)
+    for k in range(1, steps):
+        y[k] = 0.9 * y[k - 1] + 0.1 * u[k - 1]
+    return u, y + 1e-3 * rng.standard_normal(steps)
+
+
+def test_gaps_become_missing_rows_and_are_named():
+    u, y = record()
+    kept = lost(np.random.default_rng(1), len(u), 0.2)
+    log = read_log({"t": 0.1 * np.flatnonzero(kept), "u": u[kept], "y": y[kept]})
+    assert log.steps == len(u) and log.sample_time == 0.1
+    assert np.array_equal(log.missing, ~kept)
+    assert np.array_equal(log.y[kept, 0], y[kept]) and np.isnan(log.y[~kept]).all()
+    assert "rows are missing" in log.clock
+    with pytest.raises(InputError, match=r"rows are missing .*resample=0\.1"):
+        design(log)
+
+
+def test_resampling_fills_gaps_and_states_its_error():
+    u, y = record()
+    kept = lost(np.random.default_rng(2), len(u), 0.2)
+    table = {"t": 0.1 * np.flatnonzero(kept), "u": u[kept], "y": y[kept]}
+    log = read_log(table, resample=0.1)
+    assert log.steps == len(u) and not log.missing.any() and log.sample_time == 0.1
+    assert np.allclose(log.y[kept, 0], y[kept], atol=1e-9)
+    error = np.sqrt(np.mean((log.y[:, 0] - y)[~kept] ** 2)) / y.std()
+    stated = float(log.notes[1].split("error of ")[1].split("%")[0]) / 100
+    assert error <= stated < 1
+
+
+def test_irregular_times_are_resampled_on_request_only():
+    t = np.cumsum(np.random.default_rng(3).exponential(0.1, 500))
+    table = {"t": t, "u": np.sign(np.sin(t)), "y": np.sin(t)}
+    with pytest.raises(InputError, match="irregular.*resample="):
+        read_log(table)
+    log = read_log(table, resample=0.05)
+    steps = t[0] + 0.05 * np.arange(log.steps)
+    assert np.abs(log.y[:, 0] - np.sin(steps)).max() < np.diff(t).max() ** 2 / 8 + 1e-9
+    assert read_log(table, time="none").steps == 500
+
+
+@pytest.mark.parametrize("seconds", [0.04, 0.0041, 0.7])
+def test_a_sample_time_that_the_stamps_contradict(seconds):
+    u, y = record(100)
+    table = {"timestamp": 4000 * np.arange(100), "u": u, "y": y}
+    assert read_log(table, sample_time=0.004).sample_time == 0.004
+    with pytest.raises(InputError, match="sample_time"):
+        read_log(table, sample_time=seconds)
+    assert read_log(table, sample_time=seconds, time="none").sample_time == seconds
+
+
+def test_topics_of_two_rates(tmp_path):
+    """y every 8 ms, u and theta every 4 ms with a fifth of the messages lost."""
+    rng, steps = np.random.default_rng(4), 400
+    t = 1_000_000 + 4000 * np.arange(steps)
+    kept = lost(rng, steps, 0.2)
+    u, y = rng.standard_normal((2, steps)).astype("f4")
+    theta = rng.standard_normal((steps, 6)).astype("f4")
+    control = {"timestamp": t[kept], "u": u[kept], "theta": theta[kept]}
+    path = tmp_path / "log.ulg"
+    path.write_bytes(ulog({"control": control, "sensor": {"timestamp": t[::2] + 300, "y": y[::2]}},
+                          dropouts=[120, 40]))  # fmt: skip
+    contents = inspect_log(path)
+    assert contents.clocks["control"].sample_time == 0.004
+    assert contents.clocks["control"].missing == np.count_nonzero(~kept)
+    assert any("2 dropouts of 0.16 s" in note for note in contents.notes)
+    log = read_log(path)
+    assert log.sample_time == 0.008 and log.steps == steps // 2
+    assert np.allclose(log.y[:, 0], y[::2])
+    has_value = kept[::2]
+    assert np.array_equal(log.missing, ~has_value)
+    assert np.allclose(log.u[has_value, 0], u[::2][has_value])
+    assert np.allclose(log.theta[has_value], theta[::2][has_value])
+    assert any(note.startswith("u of control (every 0.004 s)") for note in log.notes)
+
+
+def test_a_log_keeps_what_its_clock_says():
+    with pytest.raises(InputError, match="must be positive"):
+        ControllerLog(u=[1, 2], y=[3, 4], sample_time=-1.0)
+    with pytest.raises(InputError, match="gaps"):
+        ControllerLog(u=[1, np.nan], y=[3, 4])
+    log = ControllerLog(u=[1, np.nan], y=[3, 4], has_gaps=True)
+    assert log.missing.tolist() == [False, True]
+    with pytest.raises(InputError, match="gaps"):
+        ControllerLog(u=[1, np.inf], y=[3, 4], has_gaps=True)
