@@ -134,7 +134,7 @@ def check(
         recorded = read_log(
             log, parse_names(names), transpose=transpose, sample_time=sample_time,
             **log_arguments(columns, time, resample),
-        )  # fmt: skip
+        ).longest_part()  # fmt: skip
         decision: Decision | str | None = None
         if problem is None and is_transfer_function(plant) and plant is not None:
             decision, model = _decided(recorded, plant)

@@ -6,9 +6,12 @@ from pathlib import Path
 
 import click
 
+from compensator_theory.errors import CompensatorError
 from rcac_experiments.cli._check import parse_names
-from rcac_experiments.cli._exits import DONE, NO
-from rcac_experiments.cli._output import as_json_option, show
+from rcac_experiments.cli._exits import DONE, NO, at_the_shell
+from rcac_experiments.cli._output import as_json_option, log_arguments, show
+from rcac_numeric.arrays._values import replaced
+from rcac_numeric.checks._logs import read_log
 from rcac_numeric.reports._log import log_sheet
 from rcac_numeric.signals._log_signals import inspect_log
 
@@ -27,9 +30,12 @@ def log(*, file: Path, names: str, columns: str, time: str | None, as_json: bool
     the rounding of every column, and the sample time with jitter, gaps, repeated and turning
     stamps. The status is 1 if rcac check and rcac design would refuse the log.
     """
-    contents = inspect_log(
-        file, parse_names(names), columns=[name.strip() for name in columns.split(",") if name],
-        time=time,
-    )  # fmt: skip
+    options = {"columns": log_arguments(columns, time, None)["columns"], "time": time}
+    contents = inspect_log(file, parse_names(names), **options)
+    if contents.unread:  # in the words of a shell
+        try:
+            read_log(file, parse_names(names), **options)
+        except CompensatorError as error:
+            contents = replaced(contents, unread=error.message_for(at_the_shell))
     show(log_sheet(contents), as_json)
     return NO if contents.unread else DONE

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 
 NumberFormat = Literal["float64", "float32", "float16", "fixed point", "integer"]
 Printing = Literal["exact", "digits", "decimals"]
@@ -34,7 +34,7 @@ LARGEST_DIVISOR = 6  # of the smallest difference between two levels
 
 
 @dataclass(frozen=True)
-class Rounding(Value):
+class Rounding(Result):
     """Two roundings of logged numbers: their number format, and the printed digits.
 
     Attributes

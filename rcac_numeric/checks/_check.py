@@ -251,6 +251,7 @@ def check_controller(
     Returns
     -------
     ControllerCheck
+        Of the longest part without missing rows, if the log has gaps.
 
     Raises
     ------
@@ -290,6 +291,7 @@ def check_controller(
     log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
+    log = log.longest_part()
     sample_time = log.sample_time if sample_time is None else sample_time
     agreed_times([plant, compensator], sample_time)
     if k_w is not None:

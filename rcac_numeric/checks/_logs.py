@@ -19,7 +19,7 @@ from rcac_numeric.arrays._validation import (
     optional_array_like,
     real_array,
 )
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Value, replaced
 from rcac_numeric.signals._log_signals import SIGNALS, read_signals
 
 
@@ -110,9 +110,46 @@ class ControllerLog(Value):
 
     @property
     def missing(self) -> Array:
-        """Whether u or y of each step is missing; shape (steps,)."""
-        gaps = np.isnan(self.u).any(axis=1) | np.isnan(self.y).any(axis=1)
-        return np.asarray(gaps)
+        """Whether an entry of the signals or of theta is missing at each step; shape (steps,)."""
+        gaps = np.zeros(self.steps, dtype=bool)
+        if self.has_gaps:
+            for values in (self.u, self.y, self.z, self.w, self.r, self.theta):
+                if values is not None and values.ndim == 2 and len(values) == self.steps:
+                    gaps |= np.isnan(values).any(axis=1)
+        return gaps
+
+    def longest_part(self) -> ControllerLog:
+        """Return the longest part without missing rows; the log itself if it has none.
+
+        Raises
+        ------
+        InputError
+            If every row is missing an entry.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from rcac_numeric import ControllerLog
+        >>> log = ControllerLog(u=[1, np.nan, 3, 4], y=[1, 2, 3, 4], has_gaps=True)
+        >>> log.longest_part().u.ravel()
+        array([3., 4.])
+        """
+        missing = self.missing
+        if not missing.any():
+            return self
+        edges = np.flatnonzero(np.diff(np.concatenate([[True], missing, [True]]).astype(int)))
+        if not len(edges):
+            raise InputError(f"{self.source}: each of the {self.steps} rows lacks an entry.")
+        begins, ends = edges[::2], edges[1::2]
+        longest = int(np.argmax(ends - begins))
+        part = slice(int(begins[longest]), int(ends[longest]))
+        values = {"u": self.u, "y": self.y, "z": self.z, "w": self.w, "r": self.r}
+        values |= {"theta": self.theta} if self.has_history else {}
+        cut = {name: value[part] for name, value in values.items() if value is not None}
+        note = (
+            f"steps {part.start} to {part.stop - 1} of {self.steps}, the longest part without gaps"
+        )
+        return replaced(self, **cut, has_gaps=False, notes=(*self.notes, note))
 
     @property
     def has_history(self) -> bool:

@@ -158,7 +158,7 @@ def plant_from_log(
             + ", and design needs every row. ",
             Advice("read_log", (("resample", f"{log.sample_time or 1.0:g}"),),
                    "Fill them by interpolation with resample={resample}"),
-            "; or cut the log to a part without gaps.",
+            "; or cut the log to a part without gaps (log.longest_part()).",
         )  # fmt: skip
     steps = round(late / period)
     known: dict[str, Any] = {"orders": range(1, most + 1)}

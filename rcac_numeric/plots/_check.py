@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rcac_numeric.checks._check import ControllerCheck
+from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.plots._coefficients import NAMED, draw_coefficients, structure_names
 from rcac_numeric.plots._library import Axes, Figure
 from rcac_numeric.plots._margins import draw_nyquist, loop_curve
@@ -50,7 +51,7 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
         draw_history(upper, log.y, "measurement $y$", "y")
     draw_history(lower, log.u, "control $u$", "u")
     for axis in (upper, lower):
-        axis.set_xlabel("step $k$")
+        _label_steps(axis, log)
     replay = check.replay
     if replay is not None:
         for i, column in enumerate(replay.u.T):
@@ -65,12 +66,22 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
         )  # fmt: skip
 
 
+def _label_steps(axis: Axes, log: ControllerLog) -> None:
+    """Label an axis of steps, in seconds where the sample time is known."""
+    period = log.sample_time
+    if period is None:
+        axis.set_xlabel("step $k$")
+        return
+    axis.set_xlabel("time $t$, s")
+    axis.xaxis.set_major_formatter(lambda k, _: f"{k * period:.4g}")
+
+
 def _coefficients(axis: Axes, check: ControllerCheck) -> None:
     log, drift = check.log, check.drift
     if log.theta is not None and log.theta.ndim == 2:
         k = np.arange(log.steps)
         draw_coefficients(axis, k, log.theta, _names(check, log.theta.shape[1]))
-        axis.set_xlabel("step $k$")
+        _label_steps(axis, log)
         if drift is not None:
             axis.axvspan(drift.start, log.steps - 1, color=INK, alpha=0.08, linewidth=0)
             axis.set_title(f"last tenth: moved by {drift.relative:.1g} of its size", fontsize=10,

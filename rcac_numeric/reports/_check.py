@@ -90,12 +90,16 @@ def _log(check: ControllerCheck) -> Section:
     blocks: list[Block] = []
     record: dict[str, Any] = {
         "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
+        "sample_time": check.log.sample_time, "clock": check.log.clock or None,
+        "notes": list(check.log.notes),
         "problem": None if check.decision is None else _decided(check.decision),
         "plant_residual": None if residual is None else {
             name: getattr(residual, name)
             for name in ("rms", "change", "best", "relative", "is_doubtful")
         },
     }  # fmt: skip
+    blocks += [Text(f"Clock: {check.log.clock}")] if check.log.clock else []
+    blocks += [Text(f"Log: {note}", "warning") for note in check.log.notes]
     if residual is not None and not residual.is_doubtful:
         blocks.append(Text(str(residual)))
     if replay is not None:

@@ -36,7 +36,7 @@ def reading(file: Path, subject: str) -> Iterator[None]:
     except (CompensatorError, MemoryError):
         raise
     except Exception as error:  # each library raises its own, and that of its libraries
-        words = shortened(" ".join(str(error).split()) or type(error).__name__, 200)
+        words = shortened(str(error) or type(error).__name__, 200)
         raise InputError(f"{file} is not {subject} that can be read: {words}.") from None
 
 

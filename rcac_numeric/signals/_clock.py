@@ -13,7 +13,7 @@ import numpy as np
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._rounding import rounding_of
 from rcac_numeric.arrays._validation import array_like
-from rcac_numeric.arrays._values import Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.signals._text_tables import MISSING
 
 SECONDS = {
@@ -45,7 +45,7 @@ DURATION = re.compile(
 
 
 @attrs.frozen(eq=False, slots=False)
-class Clock(Value):
+class Clock(Result):
     """What the stamps of a log say about its steps.
 
     Attributes

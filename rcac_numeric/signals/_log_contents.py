@@ -14,7 +14,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._rounding import Rounding, rounding_of
 from rcac_numeric.arrays._showing import report_of
 from rcac_numeric.arrays._validation import optional_array_like
-from rcac_numeric.arrays._values import Result, Value
+from rcac_numeric.arrays._values import Result
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.signals._clock import (
     TIMES,
@@ -37,7 +37,7 @@ MOST_STAMPS = 2**22  # texts that are kept as possible stamps
 
 
 @attrs.frozen(eq=False, slots=False)
-class LogColumn(Value):
+class LogColumn(Result):
     """One column or variable of a log.
 
     Attributes
@@ -165,7 +165,7 @@ class LogContents(Result):
             return folded if len(folded) == 1 else _one_topic(self, name, folded)
         return _numbered(self.columns, name, fold=True)
 
-    def signal(self, name: str) -> tuple[Array, str] | None:
+    def numbers_of(self, name: str) -> tuple[Array, str] | None:
         """The numbers of a name, shape (rows,) or (rows, width), with their topic; or None."""
         columns = self.named(name)
         if not columns:

@@ -170,7 +170,7 @@ def _chosen(contents: LogContents, names: Names) -> LogSignals:
                 if role in names or role in ("u", "y"):
                     raise InputError(_missing(contents, role, part, names))
                 break
-            found = contents.signal(part)
+            found = contents.numbers_of(part)
             assert found is not None
             parts.append((*found, columns))
         if not parts:

@@ -13,6 +13,7 @@ import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.designing._logs import plant_from_log
+from rcac_numeric.signals._clock import clock_of
 from rcac_numeric.signals._signal import Scaled, Sum
 from tests.support.equality import SEEDS
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
@@ -386,6 +387,10 @@ SAMPLES = {
     ),
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
     # checks
+    results.Rounding: lambda seed: results.Rounding("fixed point", 0.5 + seed, "decimals", 4),
+    results.Clock: lambda seed: clock_of(0.1 * np.arange(5 + seed), "t"),
+    results.LogColumn: lambda seed: results.LogColumn("u", random(seed, 5), unit="V"),
+    results.LogContents: lambda seed: rcac.inspect_log({"u": random(seed, 5), "y": random(1, 5)}),
     rcac.ControllerLog: log,
     results.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
     results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),

@@ -97,7 +97,7 @@ def test_resampling_fills_gaps_and_states_its_error():
 def test_irregular_times_are_resampled_on_request_only():
     t = np.cumsum(np.random.default_rng(3).exponential(0.1, 500))
     table = {"t": t, "u": np.sign(np.sin(t)), "y": np.sin(t)}
-    with pytest.raises(InputError, match="irregular.*resample="):
+    with pytest.raises(InputError, match=r"irregular.*resample="):
         read_log(table)
     log = read_log(table, resample=0.05)
     steps = t[0] + 0.05 * np.arange(log.steps)

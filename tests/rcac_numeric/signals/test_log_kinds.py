@@ -176,8 +176,8 @@ log("pandas", "to_excel with stamps", ".xlsx", tolerance=1e-9)(DATED.to_excel)
 log("pandas", "to_parquet", ".parquet")(FRAME.to_parquet)
 log("pandas", "to_parquet with a DatetimeIndex", ".parquet")(DATED.to_parquet)
 FRAMES = {
-    "DataFrame": (FRAME, 0.1), "DatetimeIndex": (DATED, 0.1), "RangeIndex": (FRAME[["u", "y"]], None),
-    "float index": (FRAME.set_index("t"), 0.1),
+    "DataFrame": (FRAME, 0.1), "DatetimeIndex": (DATED, 0.1),
+    "RangeIndex": (FRAME[["u", "y"]], None), "float index": (FRAME.set_index("t"), 0.1),
     "TimedeltaIndex": (FRAME[["u", "y"]].set_axis(pd.to_timedelta(T, unit="s")), 0.1),
     "index of texts": (FRAME[["u", "y"]].set_axis([f"row {k}" for k in range(N)]), None),
     "nullable types": (FRAME.convert_dtypes().assign(mode="AUTO"), 0.1),
@@ -240,8 +240,10 @@ SERIES = [{"Name": n, "Values": {"Time": T[:, None], "Data": v}} for n, v in (("
 log("SciPy", "Simulink's structure with time", ".mat")(
     lambda p: scipy.io.savemat(p, {"u": with_time(U[:, None]), "y": with_time(Y[:, None])})
 )
+OUT = {"a": with_time(U.reshape(1, 1, N), "u"), "b": with_time(Y.reshape(1, 1, N), "y")}
 log("SciPy", "structure with time, labels and 1 x 1 x N", ".mat")(
-    lambda p: scipy.io.savemat(p, {"out": {"a": with_time(U.reshape(1, 1, N), "u"), "b": with_time(Y.reshape(1, 1, N), "y")}}))  # fmt: skip
+    lambda p: scipy.io.savemat(p, {"out": OUT})
+)
 log("SciPy", "logsout as structs", ".mat")(lambda p: scipy.io.savemat(p, {"logsout": SERIES}))
 log("SciPy", "logsout as a cell of structs", ".mat")(
     lambda p: scipy.io.savemat(p, {"logsout": np.array(SERIES, dtype=object)})

@@ -1,0 +1,92 @@
+"""The command `rcac log`, and logs at the commands that read them."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from rcac_experiments.cli._main import main
+
+
+def rcac(*arguments):
+    return CliRunner().invoke(main, [str(one) for one in arguments])
+
+
+@pytest.fixture
+def heater(tmp_path):
+    """A spreadsheet in German: stamps, units, decimal comma, a column of texts."""
+    rng, y = np.random.default_rng(0), 0.0
+    lines = ["Zeit;Modus;Heizung [%];Temperatur [°C]"]
+    for k in range(60):
+        u = float(rng.integers(0, 100))
+        y += 0.1 * (u / 10 - y)
+        stamp = f"01.02.2024 10:{k // 60:02}:{k % 60:02}"
+        lines.append(f"{stamp};AUTO;{u:g};" + f"{y:.2f}".replace(".", ","))
+    path = tmp_path / "heater.csv"
+    path.write_text("\n".join(lines), encoding="latin-1")
+    return path
+
+
+def test_the_report_and_its_record(heater):
+    result = rcac("log", heater)
+    assert result.exit_code == 1 and "has no 'u'" in result.output
+    assert "decimal comma" in result.output and "latin-1" in result.output
+    result = rcac("log", heater, "--names", "u=Heizung,y=Temperatur", "--json")
+    assert result.exit_code == 0, result.output
+    record = json.loads(result.output)["log"]
+    assert record["clocks"][""]["sample_time"] == 1.0 and record["refused"] is None
+    columns = {column["name"]: column for column in record["columns"]}
+    assert columns["Heizung"]["unit"] == "%" and columns["Heizung"]["used_as"] == "u"
+    assert columns["Temperatur"]["rounding"]["quantum"] == 0.01
+    assert columns["Modus"]["problem"] and columns["Zeit"]["used_as"] == "time"
+
+
+@pytest.mark.parametrize(
+    ("contents", "options", "words"),
+    [
+        ("1,2\n3,4\n", (), "--columns t,u,y"),
+        ("1,2\n3,4\n", ("--columns", "u"), "has 2 columns, and 1 names"),
+        ("1,2\n3,4\n", ("--columns", "u,u"), "a name of its own"),
+        ("t,u,y\n0,1,2\n1,2,3\n", ("--time", "clock"), "no column 'clock' with times"),
+        ("", (), "is empty"),
+        ("\0\1\2" * 99, (), "null characters"),
+    ],
+)
+def test_bad_logs(tmp_path, contents, options, words):
+    path = tmp_path / "log.csv"
+    path.write_text(contents)
+    result = rcac("log", path, *options)
+    assert result.exit_code in {1, 2} and words in result.output, result.output
+
+
+def test_the_shell_is_told_its_own_options(tmp_path):
+    t = np.cumsum(np.random.default_rng(1).exponential(0.1, 300))
+    path = tmp_path / "log.csv"
+    np.savetxt(
+        path, np.c_[t, np.sign(np.sin(t)), np.sin(t)], delimiter=",", header="t,u,y", comments=""
+    )
+    for command in (("check", "--controller", "0.5/q"), ("design", "--assume")):
+        result = rcac(command[0], path, *command[1:])
+        assert result.exit_code == 2 and "--resample" in result.output, result.output
+        assert "--time none" in result.output
+    result = rcac("check", path, "--controller", "0.5/q", "--resample", 0.05)
+    assert "interpolated" in result.output and result.exit_code == 1
+
+
+def test_a_check_has_the_time_of_the_log(tmp_path):
+    """A contradicting sample time is refused; without one margins have seconds."""
+    rng, y, rows = np.random.default_rng(2), 0.3, []
+    for k in range(80):
+        u = -1.9 * y
+        rows.append((0.02 * k, u, y))
+        y = 2 * y + u + 0.01 * rng.standard_normal()
+    path = tmp_path / "log.csv"
+    np.savetxt(path, rows, delimiter=",", header="t [s],u,y", comments="", fmt="%.17g")
+    options = ("--controller", "-1.9", "--plant", "1/(q - 2)", "--problem", "standard")
+    result = rcac("check", path, *options)
+    assert result.exit_code == 0, result.output
+    assert "sample time 0.02 s, from t [s]" in result.output
+    assert " s" in result.output.split("delay")[1].split("\n")[0]
+    result = rcac("check", path, *options, "--sample-time", 0.2)
+    assert result.exit_code == 2 and "is sampled every 0.02 s" in result.output
