@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -26,11 +27,13 @@ from rcac_numeric.arrays._record_files import is_record
 from rcac_numeric.arrays._values import replaced
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.checks._check import ControllerCheck, check_controller
+from rcac_numeric.checks._convention_search import is_same
+from rcac_numeric.checks._conventions import convention_of
 from rcac_numeric.checks._hypotheses import Decision, decide_problem
 from rcac_numeric.checks._logs import ControllerLog, read_log
 from rcac_numeric.controllers._compensator import compensator_of
 from rcac_numeric.engine._runs import Run, load_run
-from rcac_numeric.plants._foreign import linear_plant
+from rcac_numeric.plants._foreign import linear_plant, plant_of
 from rcac_numeric.plants._linear import MATRICES, Plant
 from rcac_numeric.plants._problems import servo_plant, standard_plant
 from rcac_numeric.reports._check import check_sheet
@@ -52,8 +55,8 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 )
 @click.option(
     "--problem", type=click.Choice(["standard", "servo"], case_sensitive=False),
-    help="Convention of a transfer function: y = z = G (u + w), or with a command the error "
-    "y = z = r - G (u + d) - v. Default: identified from the log.",
+    help="Convention of a transfer function or of A, B, C: y = z = G (u + w), or with a command "
+    "the error y = z = r - G (u + d) - v. Default: identified from the log.",
 )  # fmt: skip
 @log_options
 @click.option(
@@ -80,6 +83,12 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     help="Largest relative difference between u and Phi theta. Default: the rounding of the "
     "digits of LOG.",
 )  # fmt: skip
+@click.option(
+    "--convention",
+    help='How the program of LOG differs from u = Phi theta, joined by commas: "-y, y first". '
+    "Default: as here; the check names the one that replays.",
+)
+@click.option("--u-limits", help="Actuator limits LOW,HIGH, if u is limited.")
 @picture_option("Draw signals, coefficients, poles, match and Nyquist curve into this file.")
 @budget_option()
 @as_json_option
@@ -102,6 +111,8 @@ def check(
     noise: str,
     sample_time: float | None,
     tolerance: float | None,
+    convention: str | None,
+    u_limits: str | None,
     picture: Path | None,
     as_json: bool,
 ) -> int:
@@ -113,13 +124,18 @@ def check(
     logged u is not the output of the logged theta or compensator, or if the log contradicts the
     plant; 7 if the log does not decide the --problem of a transfer function; 5 for an unstable
     loop; 6 for a loop that misses the poles of its target model. The report names a theta that
-    still changes; this is no error.
+    still changes; this is no error. If u is not the output of theta, it names the --convention of
+    another program by which u is.
     """
     with np.errstate(all="ignore"):  # an overflow is reported, without a warning of NumPy
-        model, table = read_case(plant, problem or "standard")
+        model, table = read_case(plant, problem, sample_time)
         described = names or structure is not None or controller is not None
         structure_of_log = _saved_run(log) if plant is None and not described else None
         if structure_of_log is not None:
+            if problem is not None:
+                raise InputError(
+                    f"{log} is a saved run, which contains its plant; remove --problem."
+                )
             result = check_controller(
                 structure_of_log, target=None if target is None else target_model(target),
                 noise=parse_noise(noise), k_w=k_w, sample_time=sample_time, tolerance=tolerance,
@@ -135,11 +151,21 @@ def check(
             log, parse_names(names), transpose=transpose, sample_time=sample_time,
             **log_arguments(columns, time, resample),
         ).longest_part()  # fmt: skip
+        limits = parse_limits(u_limits)
+        holds_arrays = plant is None and log.suffix.lower() in ARRAYS
+        inside = read_variables(log) if holds_arrays else None
+        if inside is not None and plant_in(inside, str(log)) is None:
+            inside = None
+        if inside is not None:
+            model = _of_matrices(inside, str(log), problem)
+        elif plant is None and problem is not None:
+            raise InputError("--problem is the convention of a plant; give --plant too.")
         decision: Decision | str | None = None
-        if problem is None and is_transfer_function(plant) and plant is not None:
-            decision, model = _decided(recorded, plant)
-        if model is None and log.suffix.lower() in ARRAYS:
-            model = plant_in(read_variables(log), str(log))
+        if problem is None and (plants := _plants(plant, inside, str(log), sample_time)):
+            seen = recorded.reading(convention_of(convention))
+            if limits is not None:
+                seen = replaced(seen, u=np.clip(seen.u, *limits))
+            decision, model = _decided(seen, plants)
         if k_w is None:
             k_w = k_w_of(table) if controller is None else 0
         widths = (recorded.u.shape[1], recorded.y.shape[1])
@@ -160,6 +186,8 @@ def check(
             k_w=k_w,
             sample_time=sample_time,
             tolerance=tolerance,
+            convention=convention,
+            u_limits=limits,
         )
         result = replace(result, decision=decision)
         show(check_sheet(result), as_json, picture, result.plot)
@@ -180,19 +208,43 @@ def _status(result: ControllerCheck) -> int:
     return MISSED
 
 
-def _decided(log: ControllerLog, plant: str) -> tuple[Decision | str, Plant]:
+def _plants(
+    plant: str | None, inside: Mapping[str, Any] | None, log: str, sample_time: float | None
+) -> dict[str, Plant]:
+    """Return the plants of both problems, for a plant that does not say its problem."""
+    known: dict[str, Plant | None] = {}
+    for name in ("standard", "servo"):
+        if inside is not None:
+            known[name] = None if _is_complete(inside) else _of_matrices(inside, log, name)
+        elif plant is not None and Path(plant).suffix.lower() in READ:
+            variables = read_variables(plant)
+            known[name] = None if _is_complete(variables) else _of_matrices(variables, plant, name)
+        elif is_transfer_function(plant):
+            known[name] = read_case(plant, name, sample_time)[0]
+    return {name: one for name, one in known.items() if one is not None}
+
+
+def _decided(log: ControllerLog, plants: dict[str, Plant]) -> tuple[Decision | str, Plant]:
     """Return the problem of the log and its plant; the standard one if the log is undecided."""
-    plants = {name: read_case(plant, name)[0] for name in ("standard", "servo")}
-    known = {name: one for name, one in plants.items() if one is not None}
+    if log.r is None and log.z is not None and is_same(log.z, -log.y):
+        # z is no error of a command: the controller reads -z.
+        plants = {"standard": plants["standard"], "negated": _negated(plants["standard"])}
     decision: Decision | str
     try:
-        decision = decide_problem(log, known)
+        decision = decide_problem(log, plants)
     except CompensatorError as error:
         decision = f"UNDECIDED: standard or servo problem: {error}"
     if isinstance(decision, str) or decision.decided is None:
         _require_problem(log)
-        return decision, known["standard"]
-    return decision, known[decision.decided.problem]
+        return decision, plants["standard"]
+    return decision, plants[decision.decided.problem]
+
+
+def _negated(plant: Plant) -> Plant:
+    """Return the plant with the output y = -z."""
+    matrices = {name: getattr(plant, name) for name in MATRICES}
+    signs = {name: -matrices[name] for name in ("C", "D_0", "D_2")}
+    return Plant(**{**matrices, **signs}, sample_time=plant.sample_time)
 
 
 def _saved_run(log: Path) -> Run | None:
@@ -307,26 +359,85 @@ def parse_noise(text: str) -> dict[str, float] | None:
     return noise or None
 
 
-def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
-    """Return the plant of --plant, and the tables of its experiment file, if any."""
+def parse_limits(text: str | None) -> tuple[float, float] | None:
+    """Return the option --u-limits LOW,HIGH.
+
+    Examples
+    --------
+    >>> from rcac_experiments.cli._check import parse_limits
+    >>> parse_limits("-0.2, inf")
+    (-0.2, inf)
+    """
+    if text is None:
+        return None
+    numbers = [as_number(part.strip()) for part in text.split(",")]
+    if len(numbers) != 2 or numbers[0] is None or numbers[1] is None:
+        raise InputError(f"--u-limits {text!r} must be LOW,HIGH, for instance -0.2,0.2.")
+    return numbers[0], numbers[1]
+
+
+def read_case(
+    plant: str | None, problem: str | None, sample_time: float | None = None
+) -> tuple[Plant | None, Raw]:
+    """Return the plant of --plant by a problem, and the tables of its experiment file, if any.
+
+    Raises
+    ------
+    InputError
+        Where the plant says its problem, and it is another one.
+    """
     if plant is None:
         return None, {}
     suffix = Path(plant).suffix.lower()
     if suffix == ".toml":
-        return plant_and_tables(plant)
-    if suffix in READ:
-        variables = read_variables(plant)
-        plant_of_file = plant_in(variables, plant)
-        if plant_of_file is None:
+        model, table = plant_and_tables(plant)
+        stated = table.get("plant", {}).get("problem")
+        if problem is not None and problem != stated:
             raise InputError(
-                f"{plant} has no plant: it needs A, B and C, and contains "
-                f"{shortened(', '.join(variables))}."
+                f"--problem {problem}: {plant} states its plant, problem = {stated!r}; change "
+                "it there."
             )
-        return plant_of_file, {}
-    G = written_system(plant)
+        return model, table
+    if suffix in READ:
+        return _of_matrices(read_variables(plant), plant, problem), {}
+    G: Any = _sampled(written_system(plant), sample_time)
     if problem == "servo":
         return servo_plant(G), {}
     return standard_plant(G) if isinstance(G, str) else linear_plant(G), {}
+
+
+def _of_matrices(variables: Mapping[str, Any], file: str, problem: str | None) -> Plant:
+    """Return the plant of a file's matrices by a problem."""
+    plant = plant_in(variables, file)
+    if plant is None:
+        raise InputError(
+            f"{file} has no plant: it needs A, B and C, and contains "
+            f"{shortened(', '.join(variables))}."
+        )
+    if problem is not None and (complete := _is_complete(variables)):
+        raise InputError(
+            f"--problem {problem}: {file} contains {', '.join(complete)} beside A, B, C, and so "
+            "states w and z itself; remove --problem, or these matrices."
+        )
+    return servo_plant(plant) if problem == "servo" else plant
+
+
+def _is_complete(variables: Mapping[str, Any]) -> list[str]:
+    """The matrices of w and z in a file: with them it states its problem itself."""
+    return [name for name in ("D_1", "D_2", "E_1", "E_2", "E_0") if name in variables]
+
+
+def _sampled(G: str | list[list[str]], sample_time: float | None) -> Any:
+    """Return a transfer function in s by a zero-order hold, as `rcac design` reads it."""
+    entries = [G] if isinstance(G, str) else [entry for row in G for entry in row]
+    if not any(re.search(r"(?<![A-Za-z_])s(?![A-Za-z_(])", entry) for entry in entries):
+        return G
+    if sample_time is None:
+        raise InputError(
+            "--plant is in s, and RCAC runs in discrete time; give --sample-time, in seconds, to "
+            "sample it with a zero-order hold."
+        )
+    return plant_of(G, sample_time=sample_time)
 
 
 def written_system(text: str) -> str | list[list[str]]:

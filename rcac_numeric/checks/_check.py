@@ -25,12 +25,18 @@ from rcac_numeric.analysis._noise import NoiseIntensities
 from rcac_numeric.arrays._array_types import ComplexArray
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
 from rcac_numeric.arrays._validation import instance_of, integer
-from rcac_numeric.arrays._values import Result
+from rcac_numeric.arrays._values import Result, replaced
+from rcac_numeric.checks._convention_search import (
+    ConventionSearch,
+    search_conventions,
+    search_signs,
+)
+from rcac_numeric.checks._conventions import OURS, OWN_U, Convention, convention_of
 from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks._regressor import require_fit
-from rcac_numeric.checks._replays import ControlReplay, replay, replay_compensator
+from rcac_numeric.checks._replays import ControlReplay, limits_of_u, replay, replay_compensator
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -41,6 +47,7 @@ from rcac_numeric.engine._runs import Run
 from rcac_numeric.plants._foreign import agreed_times, linear_plant
 from rcac_numeric.plants._functions import FunctionPlant
 from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._saturation import Saturation
 from rcac_numeric.plants._schedules import plant_at
 from rcac_numeric.targets._model import TargetModel
 
@@ -90,6 +97,9 @@ class ControllerCheck(Result):
         Which problem the log is of, where that was to be decided; a text says why it could not be.
     is_fixed : bool
         Whether the controller is one that does not adapt: given as a compensator, or a run's.
+    conventions : ConventionSearch or None
+        Where the logged u is not the output of the logged coefficients: the conventions of other
+        programs by which it is.
     unanswered : mapping
         The reason for each result that was not evaluated.
     """
@@ -110,6 +120,7 @@ class ControllerCheck(Result):
     unanswered: dict[str, str]
     is_fixed: bool = False
     decision: Decision | str | None = None
+    conventions: ConventionSearch | None = None
 
     @property
     def plant(self) -> Plant | None:
@@ -189,6 +200,8 @@ class ControllerCheck(Result):
     def __repr__(self) -> str:
         verdict = "consistent" if self.is_consistent else "u is not the controller's output"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
+        if self.loop is not None and not self.is_consistent:
+            loop = "the loop is not that of the log"
         return f"ControllerCheck({verdict}, {loop}, {len(self.unanswered)} unanswered)"
 
     def _repr_html_(self) -> str:
@@ -218,8 +231,13 @@ def check_controller(
     k_w: int | None = None,
     sample_time: float | None = None,
     tolerance: float | None = None,
+    convention: str | Convention | None = None,
+    u_limits: Saturation | tuple[float, float] | None = None,
 ) -> ControllerCheck:
     """Analyse the final controller of a log from any program.
+
+    If the logged u is not the output of the logged coefficients, the conventions that differ
+    between programs are tried, and `conventions` has the one that replays.
 
     Parameters
     ----------
@@ -247,6 +265,11 @@ def check_controller(
     tolerance : float, optional
         The relative difference between u and Phi theta that counts as none; by default what the
         digits of the log leave open.
+    convention : str, optional
+        What differs from u = Phi theta in the program that wrote the log, as for
+        `ControllerLog.converted` and `replay`: "-y, y first" for instance.
+    u_limits : (low, high) or Saturation, optional
+        Limits of the actuator; the plant receives u within them.
 
     Returns
     -------
@@ -296,12 +319,29 @@ def check_controller(
     agreed_times([plant, compensator], sample_time)
     if k_w is not None:
         integer(k_w, "k_w")
+    known = convention_of(convention)
+    has_theta = compensator is None and log.theta is not None and structure is not None
+    if has_theta and structure is not None:
+        require_fit(log, structure)
+        log = log.converted(known, structure)
     fixed = fixed_compensator(log, structure, compensator)
+    if not has_theta:
+        log, fixed = log.reading(known), known.compensator(fixed)
     _require_bounded(log, fixed)
-    used = None if compensator is not None else structure
-    if compensator is None and (log.theta is None or structure is None):
+    if compensator is None and not has_theta:
         k_w = None  # polynomials of a log are those that it ended with
-    replayed, drift, unanswered = _of_log(log, fixed, used, k_w, tolerance)
+    options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
+    replayed, drift, unanswered = _of_log(
+        log, fixed, structure if has_theta else None, own_u=known.own_u, **options
+    )
+    conventions = None
+    if replayed is not None and not replayed.agrees and known in (OURS, OWN_U):
+        if has_theta and structure is not None:
+            conventions = search_conventions(log, structure, replayed, **options)
+        else:
+            conventions = search_signs(log, fixed, replayed, **options)
+    if u_limits is not None and (limits := limits_of_u(log, u_limits)) is not None:
+        log = replaced(log, u=np.clip(log.u, *limits))
     analysis, residual, costs, disk = None, None, None, None
     margins: dict[str, Margins] = {}
     if plant is None:
@@ -322,7 +362,7 @@ def check_controller(
         disk = multivariable_disk_margin(loop) if plant.l_u > 1 and loop.is_stable else None
     return ControllerCheck(
         log, structure, fixed, target, analysis, replayed, drift, residual, costs, margins, disk,
-        unanswered, is_fixed,
+        unanswered, is_fixed, conventions=conventions,
     )  # fmt: skip
 
 
@@ -347,18 +387,19 @@ def _of_log(
     log: ControllerLog,
     fixed: Compensator,
     structure: Structure | None,
-    k_w: int | None,
-    tolerance: float | None,
+    *,
+    own_u: bool,
+    **options: Any,
 ) -> tuple[ControlReplay | None, Drift | None, dict[str, str]]:
     """Replay and drift from the log alone, with theta of a structure or with a compensator."""
     if log.theta is not None and structure is not None:
-        replayed = replay(log, structure, k_w=k_w, tolerance=tolerance)
+        replayed = replay(log, structure, convention=Convention(own_u=own_u), **options)
         if log.theta.ndim == 2:
             return replayed, drift_of(log.theta), {}
         return replayed, None, {"convergence": "theta was logged only once"}
     reason = "no theta was logged" if log.theta is None else "theta was not used"
     if log.steps > len(fixed.past_u):
-        replayed = replay_compensator(log, fixed, k_w=k_w, tolerance=tolerance)
+        replayed = replay_compensator(log, fixed, **options)
         return replayed, None, {"convergence": reason}
     short = f"the log of {log.steps} steps does not fill the controller's memory"
     return None, None, {"convergence": reason, "replay": short}

@@ -27,6 +27,8 @@ from rcac_numeric.engine._compatibility import controllers_of
 from rcac_numeric.engine._controller import Controller
 from rcac_numeric.engine._runs import Run
 
+NO_LOOP = "the logged u is not the output of the logged controller"
+
 
 @runtime_checkable
 class HasMainLoop(Protocol):
@@ -134,7 +136,9 @@ def _of_check(check: ControllerCheck) -> LoopHealth:
         signals = {"z": signal_health(log.z, start), **signals}
     elif log.y is not None:
         signals = {"y": signal_health(log.y, start), **signals}
-    loop = check.loop
+    loop, obstacle = check.loop, "the plant is not known"
+    if loop is not None and not check.is_consistent:
+        loop, obstacle = None, NO_LOOP
     health = LoopHealth(
         is_stable=None if loop is None else loop.is_stable,
         spectral_radius=None if loop is None else loop.spectral_radius,
@@ -142,8 +146,8 @@ def _of_check(check: ControllerCheck) -> LoopHealth:
         steps=log.steps,
         k_w=start,
         signals=signals,
-        margins=check.margins,
-        obstacle="" if loop is not None else "the plant is not known",
+        margins={} if loop is None else check.margins,
+        obstacle=obstacle if loop is None else "",
     )
     return replace(health, warnings=warnings_of_check(health, check))
 

@@ -18,7 +18,11 @@ AR = 8  # past errors that a disturbance may be predicted from
 BLOCKS, DECISIVE = 20, 4.0  # of the paired comparison; its Student's t
 CLEARLY = 3.0  # rms over rms that decides by itself
 FEWEST = 60  # steps
-EQUATIONS = {"standard": "y = z = G(u + w)", "servo": "y = z = r - G(u + d) - v"}
+EQUATIONS = {
+    "standard": "y = z = G(u + w)",
+    "servo": "y = z = r - G(u + d) - v",
+    "negated": "y = -z = -G(u + w)",
+}
 
 
 @dataclass(frozen=True)

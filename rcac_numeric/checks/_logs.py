@@ -20,6 +20,8 @@ from rcac_numeric.arrays._validation import (
     real_array,
 )
 from rcac_numeric.arrays._values import Value, replaced
+from rcac_numeric.checks._conventions import Convention, convention_of
+from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.signals._log_signals import SIGNALS, read_signals
 
 
@@ -166,6 +168,54 @@ class ControllerLog(Value):
         rows = np.flatnonzero(~np.isnan(self.theta).any(axis=1))
         last: Array = self.theta[rows[-1] if len(rows) else -1]
         return last
+
+    def converted(self, convention: str | Convention, structure: Structure) -> ControllerLog:
+        """Return the log in our convention, u = Phi theta of the `structure`.
+
+        Parameters
+        ----------
+        convention : str
+            What differs in the program that wrote the log, joined by commas: "-u", "-y", "z for y",
+            "r - y for y", "r + y for y", "y first", "interleaved", "oldest first", "by component",
+            "by rows", "lags by rows". `check_controller` names the one that replays.
+        structure : Structure
+
+        Raises
+        ------
+        InputError
+            Where a word is not known, or the log does not hold the signal that the controller
+            reads.
+
+        Examples
+        --------
+        >>> from rcac_numeric import ControllerLog, iir
+        >>> log = ControllerLog(u=[0.0, -1.0], y=[2.0, 0.0], theta=[0.5, 0.1])
+        >>> log.converted("-y, y first", iir(n_c=1)).theta      # [y, u] on -y to [u, y] on y
+        array([ 0.1, -0.5])
+        """
+        known = convention_of(convention)
+        log = self.reading(known)
+        if log.theta is None:
+            return log
+        return replaced(log, theta=known.theta(log.theta, structure))
+
+    def reading(self, convention: Convention) -> ControllerLog:
+        """Return the log with y the signal that the controller reads by a convention."""
+        return self if convention.signal == "y" else replaced(self, y=self.read_signal(convention))
+
+    def read_signal(self, convention: Convention) -> Array:
+        """The signal that the controller reads by a convention."""
+        name = convention.signal
+        if name == "y":
+            return self.y
+        other = self.z if name == "z" else self.r
+        if other is None or other.shape != self.y.shape:
+            size = "no" if other is None else f"{other.shape[1]} components of"
+            raise InputError(
+                f"{self.source}: convention = {str(convention)!r}, and the log has {size} "
+                f"{name[0]} where y has {self.y.shape[1]} components."
+            )
+        return {"z": other, "r - y": other - self.y, "r + y": other + self.y}[name]
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
         value = gaps_as_nan(value)

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import number
-from rcac_numeric.arrays._values import Result
+from rcac_numeric.arrays._values import Result, replaced
+from rcac_numeric.checks._conventions import Convention, convention_of
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._regressor import regressor, require_fit
+from rcac_numeric.checks._resolution import resolutions_of
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._regressor import regressor_of
 from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.plants._saturation import Saturation, limits_of
 
 # Rounding of the same sum in float64, added in another order.
 ROUNDING = 1e-9
 # Coefficients that were logged only once may have moved by as much in the last tenth.
 STILL = 1e-5
+# Rows of theta that made u(k), from row k on: k - 1 where row k is the result of step k, k + 1
+# where theta is logged one step late.
+SHIFTS = (0, 1, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,25 +35,29 @@ class ControlReplay(Result):
     Attributes
     ----------
     u : array, shape (steps, l_u)
-        Phi(k) theta(k) from the logged u, y and r; for coefficients that were logged only once,
-        Phi(k) theta.
+        Phi(k) theta(k) from the logged u, y and r, within the limits of u; for coefficients that
+        were logged only once, Phi(k) theta.
     start : int
         The first step that is compared: k_w, or where the regressor is filled; for coefficients
         that were logged only once, the last tenth.
     shift : int
         0 if row k of theta made u(k); 1 if row k is the result of the update of step k, so that
-        row k - 1 made u(k). The better fit decides.
+        row k - 1 made u(k); -1 if row k + 1 made it. The better fit decides.
     worst : float
-        Largest abs(u - Phi theta) from `start` on, relative to the largest abs(Phi) abs(theta)
-        there: the terms that u is the sum of, which may be much larger than u.
+        abs(u - Phi theta) at `worst_step`, relative to the largest abs(Phi) abs(theta) from `start`
+        on: the terms that u is the sum of, which may be much larger than u.
     worst_step : int
+        The step with the largest difference in units of what the digits leave open there.
     of : {"theta", "the compensator"}
         What u was computed from.
     tolerance : float
-        The largest `worst` that counts as the same u: what the digits of the log leave open,
-        carried through Phi theta; 1e-9 for a log in float64, 1e-5 where theta was logged once.
+        The largest `worst` that counts as the same u at that step: what the roundings of the log
+        leave open, carried through Phi theta; 1e-9 for a log in float64, 1e-5 where theta was
+        logged once.
     resolution : str
-        The digits of the log in words; empty where they do not matter.
+        The roundings of the log in words; empty where they do not matter.
+    limited : int
+        The number of steps at which the limits of u decide.
     """
 
     _ANSWER = "agrees"
@@ -60,6 +70,7 @@ class ControlReplay(Result):
     of: str = "theta"
     tolerance: float = STILL
     resolution: str = ""
+    limited: int = 0
 
     @property
     def agrees(self) -> bool:
@@ -68,16 +79,20 @@ class ControlReplay(Result):
 
     def __str__(self) -> str:
         rows = ""
-        if self.shift and self.agrees:
+        if self.shift > 0:
             rows = "; row k of theta is updated at step k and used at step k + 1"
-        elif self.shift:
-            rows = ", with row k - 1 of theta for step k; with row k the difference is larger"
+        elif self.shift < 0:
+            rows = "; row k of theta is that of step k - 1"
+        if self.shift and not self.agrees:
+            row = "k - 1" if self.shift > 0 else "k + 1"
+            rows = f", with row {row} of theta for step k; with row k the difference is larger"
         verdict = "is" if self.agrees else "is NOT"
         why = f" from the digits of the log: {self.resolution}" if self.resolution else ""
         allowed = f" (tolerance {self.tolerance:.1g}{why})" if why or not self.agrees else ""
+        limits = f"; limited at {self.limited} steps" if self.limited else ""
         return (
             f"u {verdict} the output of {self.of}: worst relative difference {self.worst:.2g} at "
-            f"step {self.worst_step}{allowed}, from step {self.start} on{rows}"
+            f"step {self.worst_step}{allowed}, from step {self.start} on{rows}{limits}"
         )
 
 
@@ -87,6 +102,8 @@ def replay(
     *,
     k_w: int | None = None,
     tolerance: float | None = None,
+    convention: str | Convention | None = None,
+    u_limits: Saturation | tuple[float, float] | None = None,
 ) -> ControlReplay:
     """Compute the controller's output from the log, and compare the logged u with it.
 
@@ -99,11 +116,17 @@ def replay(
         First step with u = Phi theta; by default where the regressor is filled.
     tolerance : float, optional
         The relative difference that counts as none; by default what the log's digits leave open.
+    convention : str, optional
+        What differs from u = Phi theta in the program that wrote the log, as for
+        `ControllerLog.converted`; "own u" besides, where Phi holds u before its limits.
+    u_limits : (low, high) or Saturation, optional
+        Limits of the actuator. Phi holds the limited u; the logged u may be the one before or
+        after the limits.
 
     Raises
     ------
     InputError
-        Where sizes do not fit the structure.
+        Where sizes do not fit the structure, or the limits have a rate.
 
     Examples
     --------
@@ -113,32 +136,154 @@ def replay(
     >>> replay(log, iir(n_c=1)).agrees     # u(k) = u(k-1)/2 + y(k-1)/2
     True
     """
+    known = convention_of(convention)
     require_fit(log, structure)
-    assert log.theta is not None
-    taps, first = len(structure.taps), structure.n_c if k_w is None else max(k_w, 0)
-    errors = LogErrors(log, tolerance)
-    phi = regressor(structure, log)
-    off = regressor_of(structure, errors.signals, np.abs)
-    if not log.has_history:
-        start = max(first, log.steps - max(log.steps // 10, 1))
-        shape: tuple[int, ...] = (taps, structure.l_u)
-        Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
-        terms = np.abs(phi) @ np.abs(Theta)
-        bound = np.abs(phi) @ moved + off @ (np.abs(Theta) + moved)
-        return errors.compared(phi @ Theta, terms, bound, start, floor=STILL)
-    shape = (log.steps, taps, structure.l_u)
-    Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
-    candidates = []
-    for shift in (0, 1):
-        rows, rows_off = (v[: log.steps - shift] for v in (Theta, moved))
-        u, terms, bound = (np.zeros_like(log.u) for _ in range(3))
-        past, past_off = phi[shift:], off[shift:]
-        u[shift:] = _row_by_row(past, rows)
-        terms[shift:] = _row_by_row(np.abs(past), np.abs(rows))
-        bound[shift:] = _row_by_row(np.abs(past), rows_off)
-        bound[shift:] += _row_by_row(past_off, np.abs(rows) + rows_off)
-        candidates.append(errors.compared(u, terms, bound, max(first, shift), shift=shift))
-    return min(candidates, key=lambda each: (each.worst, each.shift))
+    limits = limits_of_u(log, u_limits)
+    return Replayer(log, structure, k_w, LogErrors(log, tolerance)).replay(known, limits)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A converted log, and the coefficients that made u(k) if theta is shifted by some rows."""
+
+    log: ControllerLog
+    errors: dict[str, Array | None]
+    Theta: Array
+    moved: Array
+    start: int
+    shift: int
+
+    def computed(self, structure: Structure, sum_unit: float) -> tuple[Array, Array, Array]:
+        """Phi Theta(k), the size of its terms, and the bound of its error."""
+        phi = regressor(structure, self.log)
+        off = regressor_of(structure, self.errors, np.abs)
+        for column, tap in enumerate(structure.taps):
+            if tap.signal == "derived" and structure.derived[tap.component].pole:
+                # A running sum adds its roundings up.
+                off[:, column] += np.cumsum(sum_unit * np.abs(phi[:, column]))
+        size = np.abs(self.Theta)
+        bound = row_by_row(np.abs(phi), self.moved) + row_by_row(off, size + self.moved)
+        return row_by_row(phi, self.Theta), row_by_row(np.abs(phi), size), bound
+
+
+class Replayer:
+    """Replays of one log by several conventions: its roundings are found once."""
+
+    def __init__(
+        self, log: ControllerLog, structure: Structure, k_w: int | None, errors: LogErrors
+    ) -> None:
+        self.log, self.structure, self.errors = log, structure, errors
+        self.first = structure.n_c if k_w is None else max(k_w, 0)
+
+    def replay(
+        self, convention: Convention, limits: tuple[Array, Array] | None = None
+    ) -> ControlReplay:
+        """Compare the logged u with Phi theta by a convention and with limits of u."""
+        log, is_after = within(self.log, self.errors, limits)
+        replays = []
+        own_u = convention.own_u and is_after
+        for given in self.rows(convention, log):
+            rows = given
+            if own_u and limits is not None:
+                rows = _with_own_u(given, self.structure, limits)
+            replays.append(
+                self.errors.compared(
+                    *rows.computed(self.structure, self.errors.sum_unit),
+                    rows.start,
+                    shift=rows.shift,
+                    floor=ROUNDING if log.has_history else STILL,
+                    count=len(self.structure.taps),
+                    limits=limits if is_after else None,
+                )
+            )
+        agreeing = [each for each in replays if each.agrees]
+        return agreeing[0] if agreeing else min(replays, key=lambda each: each.worst)
+
+    def rows(self, convention: Convention, log: ControllerLog | None = None) -> list[Rows]:
+        """The log by a convention, for each row of theta that may have made u(k)."""
+        log = (self.log if log is None else log).converted(convention, self.structure)
+        assert log.theta is not None
+        moved = np.abs(convention.theta(self.errors.theta, self.structure))
+        errors = self.errors.of(convention)
+        shape = (log.steps, len(self.structure.taps), self.structure.l_u)
+        Theta, moved = (
+            np.broadcast_to(v, (log.steps, v.shape[-1])).reshape(shape) for v in (log.theta, moved)
+        )
+        if not log.has_history:
+            start = max(self.first, log.steps - max(log.steps // 10, 1))
+            self.errors.require_steps(start)
+            return [Rows(log, errors, Theta, moved, start, 0)]
+        self.errors.require_steps(self.first)
+        return [
+            Rows(
+                log, errors, shifted(Theta, shift), shifted(moved, shift),
+                max(self.first, shift), shift,
+            )
+            for shift in SHIFTS
+            if log.steps - (shift < 0) > max(self.first, shift)
+        ]  # fmt: skip
+
+
+def shifted(rows: Array, shift: int) -> Array:
+    """The row of theta that made u(k), for each k; the end is repeated."""
+    if shift > 0:
+        return np.concatenate([rows[:shift], rows[:-shift]])[: len(rows)]
+    return np.concatenate([rows[-shift:], rows[shift:]])[: len(rows)] if shift else rows
+
+
+def limits_of_u(
+    log: ControllerLog, u_limits: Saturation | tuple[float, float] | None
+) -> tuple[Array, Array] | None:
+    """The limits of each component of u; None without limits."""
+    saturation = limits_of(u_limits)
+    if saturation is None:
+        return None
+    low, high, rate = saturation.bounds(log.u.shape[1])
+    if np.isfinite(rate).any():
+        raise InputError(
+            "u_limits has a rate; a log is compared with limits of u alone. Give (low, high)."
+        )
+    return low, high
+
+
+def within(
+    log: ControllerLog, errors: LogErrors, limits: tuple[Array, Array] | None
+) -> tuple[ControllerLog, bool]:
+    """The log with u within the limits, and whether it was logged after them."""
+    error = errors.signals["u"]
+    if limits is None or error is None:
+        return log, True
+    applied = np.clip(log.u, *limits)
+    is_after = bool(np.all(np.abs(applied - log.u) <= error))
+    return replaced(log, u=applied), is_after
+
+
+def _with_own_u(rows: Rows, structure: Structure, limits: tuple[Array, Array]) -> Rows:
+    """The rows with u as it was before the limits, where they decide, and a bound of its error."""
+    u, error = rows.log.u.copy(), rows.errors["u"]
+    assert error is not None
+    error = error.copy()
+    phi = regressor(structure, rows.log)
+    off = regressor_of(structure, rows.errors, np.abs)
+    past = [(j, tap) for j, tap in enumerate(structure.taps) if tap.signal == "u"]
+    is_limited = at_limits(u, error, limits).any(axis=1)
+    for k in np.flatnonzero(is_limited):
+        for j, tap in past:
+            if tap.delay <= k:
+                phi[k, j] = u[k - tap.delay, tap.component]
+                off[k, j] = error[k - tap.delay, tap.component]
+        computed = phi[k] @ rows.Theta[k]
+        is_beyond = np.clip(computed, *limits) != computed
+        u[k] = np.where(is_beyond, computed, u[k])
+        bound = np.abs(phi[k]) @ rows.moved[k] + off[k] @ (np.abs(rows.Theta[k]) + rows.moved[k])
+        error[k] = np.where(is_beyond, bound, error[k])
+    return replace(rows, log=replaced(rows.log, u=u), errors={**rows.errors, "u": error})
+
+
+def at_limits(u: Array, error: Array, limits: tuple[Array, Array]) -> Array:
+    """Whether each u is at a limit, within its rounding."""
+    low, high = limits
+    return np.asarray((u <= low + error) | (u >= high - error))
 
 
 def replay_compensator(
@@ -147,11 +292,14 @@ def replay_compensator(
     *,
     k_w: int | None = None,
     tolerance: float | None = None,
+    u_limits: Saturation | tuple[float, float] | None = None,
 ) -> ControlReplay:
     """Replay a compensator that is constant since k_w, by default over the last tenth."""
-    errors = LogErrors(log, tolerance)
+    errors, limits = LogErrors(log, tolerance), limits_of_u(log, u_limits)
     reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
+    log, is_after = within(log, errors, limits)
     outputs, terms, bound = (np.zeros_like(log.u) for _ in range(3))
+    count = 0
     for name, coefficients, first in (("u", compensator.past_u, 1), ("y", compensator.past_y, 0)):
         names = ("y", "r") if name == "y" and reads_r else (name,)
         signal = np.hstack([getattr(log, each) for each in names])
@@ -161,9 +309,13 @@ def replay_compensator(
             outputs[lag:] += signal[past] @ matrix.T
             terms[lag:] += np.abs(signal[past]) @ np.abs(matrix).T
             bound[lag:] += off[past] @ np.abs(matrix).T
+            count += matrix.shape[1]
     since = log.steps - max(log.steps // 10, 1) if k_w is None else k_w
     start = max(len(compensator.past_u), since)
-    return errors.compared(outputs, terms, bound, start, of="the compensator", floor=STILL)
+    return errors.compared(
+        outputs, terms, bound, start, of="the compensator", floor=STILL, count=count,
+        limits=limits if is_after else None,
+    )  # fmt: skip
 
 
 class LogErrors:
@@ -173,13 +325,33 @@ class LogErrors:
         if tolerance is not None and not number(tolerance, "tolerance") > 0:
             raise InputError(f"tolerance = {tolerance} must be positive.")
         self.log, self.tolerance = log, tolerance
-        self.digits: dict[str, Resolution] = {}
-        self.signals: dict[str, Array | None] = {}
-        for name in ("u", "y", "r", "theta"):
-            values = getattr(log, name)
-            if values is not None:
-                self.digits[name] = resolution_of(values)
-            self.signals[name] = None if values is None else self.digits[name].error(values)
+        names = ("u", "y", "z", "r", "theta")
+        values = {name: getattr(log, name) for name in names}
+        self.digits = resolutions_of({n: v for n, v in values.items() if v is not None})
+        self.signals: dict[str, Array | None] = {
+            name: None if value is None else self._error(name, value)
+            for name, value in values.items()
+        }
+
+    def _error(self, name: str, values: Array) -> Array:
+        is_measured = name in ("y", "z", "r")
+        parts = [values] if values.ndim == 1 else list(values.T)
+        bounds = [
+            one.error(part, is_measured=is_measured)
+            for one, part in zip(self.digits[name], parts, strict=True)
+        ]
+        return bounds[0] if values.ndim == 1 else np.column_stack(bounds)
+
+    def of(self, convention: Convention) -> dict[str, Array | None]:
+        """The bounds of u, of the signal that a convention reads, and of r."""
+        errors = self.signals
+        y = errors["y"]
+        if convention.signal == "z":
+            y = errors["z"]
+        elif convention.signal != "y":
+            assert y is not None and errors["r"] is not None
+            y = y + errors["r"]
+        return {"u": errors["u"], "y": y, "r": errors["r"]}
 
     @property
     def theta(self) -> Array:
@@ -187,6 +359,22 @@ class LogErrors:
         error = self.signals["theta"]
         assert error is not None
         return error
+
+    @property
+    def sum_unit(self) -> float:
+        """The relative rounding of an addition in the arithmetic that the numbers show."""
+        if self.tolerance is not None:
+            return 0.0
+        names = ("u", "theta") if "theta" in self.digits else ("u",)
+        return max(one.sum_unit for name in names for one in self.digits[name])
+
+    def require_steps(self, start: int) -> None:
+        """Raise an error if no step from `start` on was logged."""
+        if start >= self.log.steps:
+            raise InputError(
+                f"the log of {self.log.steps} steps ends before step {start}, from which u could "
+                "be compared with Phi theta; a longer log is needed."
+            )
 
     def compared(
         self,
@@ -198,104 +386,46 @@ class LogErrors:
         shift: int = 0,
         of: str = "theta",
         floor: float = ROUNDING,
+        count: int = 1,
+        limits: tuple[Array, Array] | None = None,
     ) -> ControlReplay:
-        """Compare the logged u with the computed one, within the rounding of the log."""
-        u, steps = self.log.u, self.log.steps
-        if start >= steps:
-            raise InputError(
-                f"the log of {steps} steps ends before step {start}, from which u could be "
-                "compared with Phi theta; a longer log is needed."
-            )
-        size = max(float(np.abs(u[start:]).max()), float(terms[start:].max())) or 1.0
-        gaps = np.abs(u - u_computed)[start:].max(axis=1)
-        tolerance, words = self.tolerance, ""
-        if tolerance is None:
-            used = {n: d for n, d in self.digits.items() if n != "theta" or of == "theta"}
-            if any(digits.kind == "single" for digits in used.values()):
-                floor = max(floor, 64 * HALF_SINGLE)  # the controller summed in single precision
-            left_open = float((bound + self.digits["u"].error(u))[start:].max()) / size
-            tolerance = floor + left_open
-            if left_open > floor:
-                words = ", ".join(f"{n} {d}" for n, d in used.items() if d.kind != "exact")
+        """Compare the logged u with the computed one, step by step, within the roundings."""
+        self.require_steps(start)
+        u, error, limited = self.log.u, self.signals["u"], 0
+        assert error is not None
+        compared = slice(start, self.log.steps - (shift < 0))  # the last row has no row after it
+        if limits is not None:
+            inside = np.clip(u_computed, *limits)
+            limited = int(np.any(inside != u_computed, axis=1)[compared].sum())
+            u_computed = inside
+        size = max(float(np.abs(u[compared]).max()), float(terms[compared].max())) or 1.0
+        gaps, words = np.abs(u - u_computed) / size, ""
+        if self.tolerance is not None:
+            allowed = np.full_like(gaps, self.tolerance)
+        else:
+            left_open = (bound + error + (2 * count + 8) * self.sum_unit * terms) / size
+            allowed = floor + left_open
+            if float(left_open[compared].max()) > floor:
+                words = self._words(of)
+        excess = (gaps / allowed)[compared].max(axis=1)
+        step = start + int(np.argmax(excess))
+        component = int(np.argmax(gaps[step] / allowed[step]))
         return ControlReplay(
-            u=u_computed, start=start, shift=shift, worst=float(gaps.max()) / size,
-            worst_step=start + int(np.argmax(gaps)), of=of, tolerance=tolerance, resolution=words,
+            u=u_computed, start=start, shift=shift, worst=float(gaps[step, component]),
+            worst_step=step, of=of, tolerance=float(allowed[step, component]), resolution=words,
+            limited=limited,
         )  # fmt: skip
 
+    def _words(self, of: str) -> str:
+        names = [n for n in ("u", "y", "r", "theta") if n in self.digits]
+        words = []
+        for name in names:
+            kinds = list(dict.fromkeys(str(d) for d in self.digits[name] if not d.is_exact))
+            if kinds and (name != "theta" or of == "theta"):
+                words.append(f"{name} {' or '.join(kinds)}")
+        return ", ".join(words)
 
-def _row_by_row(phi: Array, Theta: Array) -> Array:
+
+def row_by_row(phi: Array, Theta: Array) -> Array:
     """phi(k) Theta(k) at every step."""
     return np.asarray(np.einsum("kj,kji->ki", phi, Theta))
-
-
-# A log with more digits than these is as good as float64.
-MOST_DIGITS = 11
-# Fewer values than these may have few digits by themselves, as those of a step have.
-EVIDENCE = 10
-# At most so many numbers of a signal are looked at.
-SAMPLE = 20_000
-HALF_SINGLE = 2.0**-24
-
-
-@dataclass(frozen=True)
-class Resolution:
-    """The rounding of logged numbers.
-
-    Attributes
-    ----------
-    kind : {"exact", "single", "decimals", "digits"}
-        float64, single precision, a fixed number of decimals, or of significant digits.
-    digits : int
-        How many.
-    """
-
-    kind: str = "exact"
-    digits: int = 0
-
-    def error(self, values: Array) -> Array:
-        """A bound of the error of each value."""
-        size = np.abs(values)
-        if self.kind == "decimals":
-            return np.full_like(size, 0.5 * 10.0**-self.digits)
-        if self.kind == "digits":
-            place = np.floor(np.log10(np.where(size > 0, size, 1.0)))
-            return np.where(size > 0, 0.5 * 10.0 ** (place + 1 - self.digits), 0.0)
-        return size * (HALF_SINGLE if self.kind == "single" else 0.0)
-
-    def __str__(self) -> str:
-        if self.kind in ("exact", "single"):
-            return {"exact": "in float64", "single": "in single precision"}[self.kind]
-        return f"to {self.digits} {self.kind}"
-
-
-def resolution_of(values: Array) -> Resolution:
-    """The coarsest rounding that all of these numbers are consistent with.
-
-    The chance that numbers which were not rounded look as if they were is nil from ten different
-    ones on. With fewer, those of a step for example, nothing is concluded.
-    """
-    flat = np.abs(values).ravel()
-    flat = np.unique(flat[:: max(flat.size // SAMPLE, 1)])
-    flat = flat[(flat > 1e-280) & (flat < 1e280)]
-    if flat.size < EVIDENCE:
-        return Resolution()
-    exponents = np.floor(np.log10(flat)).astype(int)
-    whole = max(int(exponents.max()) + 1, 0)
-    digits = next((d for d in range(1, MOST_DIGITS + 1) if _fit(flat, d - 1 - exponents)), None)
-    decimals = next((d for d in range(MOST_DIGITS + 1) if _fit(flat, d)), None)
-    if decimals == 0:
-        return Resolution()  # counts, of an analog-to-digital converter for example
-    if decimals is not None and (digits is None or decimals + whole <= max(digits, whole)):
-        return Resolution("decimals", decimals)
-    if digits is not None:
-        return Resolution("digits", digits)
-    with np.errstate(over="ignore", under="ignore"):
-        is_single = np.array_equal(flat.astype(np.float32).astype(np.float64), flat)
-    return Resolution("single") if is_single else Resolution()
-
-
-def _fit(values: Array, places: int | Array) -> bool:
-    """Whether every value has no more than these decimal places."""
-    scaled = values * 10.0 ** np.asarray(places, dtype=np.float64)
-    off = np.abs(scaled - np.rint(scaled))
-    return bool(np.all((off <= 4e-15 * scaled) & (scaled < 1e12)))

@@ -145,7 +145,11 @@ def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[Healt
     """Every warning of a logged controller, the grave ones first."""
     warnings = [*_unstable(health), *_margins(health), *_slow(health)]
     if not check.is_consistent:
-        warnings.append(("inconsistent log", {}))
+        search = check.conventions
+        numbers = {}
+        if search is not None and search.is_unique:
+            numbers["next_step"] = f"the check with {search.matches[0].options}"
+        warnings.append(("inconsistent log", numbers))
     if check.drift is not None and check.drift.relative > UNSETTLED:
         warnings.append(("unsettled", {"moved": check.drift.relative}))
     return _by_gravity([warning_of(one, is_fixed=check.is_fixed) for one in warnings])

@@ -243,10 +243,10 @@ def warning_of(
     rule = RULES[key]
     named = {"": (), "errors": errors, "sampling zeros": (*sampling_zeros, *errors)}[rule.first]
     steps = [*named, *(step.format_map(numbers) for step in rule.steps)]
-    if is_fixed and rule.fixed:
-        steps = [rule.fixed]
-    elif "next_step" in numbers:
+    if "next_step" in numbers:
         steps = [numbers["next_step"]]
+    elif is_fixed and rule.fixed:
+        steps = [rule.fixed]
     return HealthWarning(
         key.partition(":")[0],
         rule.sentence.format_map(numbers),

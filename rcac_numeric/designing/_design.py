@@ -18,7 +18,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
-from rcac_numeric.arrays._validation import instance_of, integer, items, number
+from rcac_numeric.arrays._validation import instance_of, integer, number
 from rcac_numeric.arrays._values import Result
 from rcac_numeric.checks._diagnosis import loop_health
 from rcac_numeric.checks._health import LoopHealth
@@ -61,7 +61,7 @@ from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._simulation import simulate
 from rcac_numeric.plants._linear import Plant
-from rcac_numeric.plants._saturation import Saturation
+from rcac_numeric.plants._saturation import Saturation, limits_of
 
 WORTH = 0.95  # of the fixed controller's rms: RCAC must be below it, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: the largest one allowed for RCAC
@@ -381,7 +381,7 @@ def design(
         instance_of(uncertainty, "uncertainty", Uncertainty)
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
-    saturation = _limits(u_limits)
+    saturation = limits_of(u_limits)
     if not _range(saturation) > 0:
         raise InputError(f"u_limits = {u_limits!r} leave u no choice: give low < high.")
     if structure is not None:
@@ -573,15 +573,6 @@ def _expected(
         *(["size"] if is_unspecified else []),
         *(["noise"] * (noise is None)),
     )
-
-
-def _limits(u_limits: Any) -> Saturation | None:
-    if u_limits is None or isinstance(u_limits, Saturation):
-        return u_limits
-    limits = items(u_limits, "u_limits")
-    if len(limits) != 2:
-        raise InputError(f"u_limits = {u_limits!r}: give (low, high), or a Saturation with rates.")
-    return Saturation(low=number(limits[0], "low of u"), high=number(limits[1], "high of u"))
 
 
 def _range(saturation: Saturation | None) -> float:

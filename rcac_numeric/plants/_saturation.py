@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._validation import optional_array_like, reads, real_array, with_checks
+from rcac_numeric.arrays._validation import (
+    items,
+    number,
+    optional_array_like,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays._values import Value
 
 
@@ -76,3 +86,17 @@ def _sized(value: Array | None, name: str, default: float, l_u: int) -> Array:
     if value.size not in (1, l_u):
         raise InputError(f"{name} has {value.size} entries; l_u = {l_u}.")
     return np.broadcast_to(value, l_u).copy()
+
+
+def limits_of(u_limits: Any) -> Saturation | None:
+    """Read the limits of u from (low, high) or a Saturation."""
+    if u_limits is None or isinstance(u_limits, Saturation):
+        return u_limits
+    limits = items(u_limits, "u_limits")
+    if len(limits) != 2:
+        raise InputError(f"u_limits = {u_limits!r}: give (low, high), or a Saturation with rates.")
+    low, high = (
+        None if limit in (-math.inf, math.inf) else number(limit, f"{side} of u")
+        for limit, side in zip(limits, ("low", "high"), strict=True)
+    )
+    return Saturation(low=low, high=high)

@@ -27,7 +27,7 @@ def plot_check(check: ControllerCheck) -> Figure:
 
     What cannot be said is left out, and the sheet is as wide as what is left.
     """
-    knows = check.loop is not None
+    knows = check.loop is not None and check.is_consistent
     figure = Figure(figsize=(15 if knows else 9, 9), layout="constrained")
     draw_title(figure, check.log.source.rsplit("/", 1)[-1])
     grid = figure.add_gridspec(6, 3 if knows else 1)

@@ -10,8 +10,8 @@ from rcac_numeric.analysis._boundaries import StabilityBoundary
 from rcac_numeric.analysis._classical import Margins
 from rcac_numeric.analysis._disk import DiskMargin
 from rcac_numeric.analysis._exact_comparison import ExactComparison
-from rcac_numeric.checks._check import ControllerCheck
-from rcac_numeric.checks._diagnosis import loop_health
+from rcac_numeric.checks._check import NEED_THE_TARGET, ControllerCheck
+from rcac_numeric.checks._diagnosis import NO_LOOP, loop_health
 from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.reports._loop import (
     health_lines,
@@ -40,7 +40,8 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     """The report of a controller check: log, controller, loop, and what was not evaluated."""
     health = loop_health(check)
     sections = [Section(record=health_record(health)), _log(check), _controller(check)]
-    if check.loop is not None:
+    is_known = check.loop is not None and check.is_consistent
+    if is_known:
         sections += [_loop(check), *(margins_section(n, m) for n, m in check.margins.items())]
         sections += [_disk(check), _costs(check)]
         if check.target is not None:
@@ -51,7 +52,8 @@ def check_sheet(check: ControllerCheck) -> Sheet:
         health=(
             *_doubt(check),
             *poles_and_health(
-                missed_poles(check.comparison, check.structure), health_lines(health)
+                missed_poles(check.comparison, check.structure) if is_known else (),
+                health_lines(health),
             ),
         ),
         sections=(*sections, _unanswered(check)),
@@ -59,13 +61,16 @@ def check_sheet(check: ControllerCheck) -> Sheet:
 
 
 def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
-    """The doubts about plant and log, which a reader must see first."""
+    """The doubts about controller, plant and log, which a reader must see first."""
     residual, decision = check.plant_residual, check.decision
     lines = []
+    if not check.is_consistent:
+        doubt = check.replay if check.conventions is None else check.conventions
+        lines.append(Text(str(doubt), "bad"))
     if residual is not None and residual.is_doubtful:
         lines.append(Text(str(residual), "bad"))
     if decision is not None:
-        words = decision if isinstance(decision, str) else str(decision)
+        words = str(decision)
         if check.is_undecided:
             words += " The standard problem is assumed; give --problem."
         lines.append(Text(words, "bad" if check.is_undecided else "plain"))
@@ -102,8 +107,18 @@ def _log(check: ControllerCheck) -> Section:
     blocks += [Text(f"Log: {note}", "warning") for note in check.log.notes]
     if residual is not None and not residual.is_doubtful:
         blocks.append(Text(str(residual)))
+    if check.conventions is not None:
+        record["conventions"] = {
+            "tried": check.conventions.tried,
+            "matches": [
+                {"convention": str(one.convention), "u_limits": one.u_limits,
+                 "shift": one.replay.shift, "worst": one.replay.worst}
+                for one in check.conventions.matches
+            ],
+        }  # fmt: skip
     if replay is not None:
-        blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
+        if replay.agrees or check.conventions is not None:
+            blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
         record["replay"] = {
             name: getattr(replay, name)
             for name in ("of", "agrees", "worst", "worst_step", "start", "shift", "tolerance")
@@ -125,7 +140,8 @@ def _controller(check: ControllerCheck) -> Section:
         words = f"the controller itself is unstable: spectral radius {largest:.6g}"
         blocks.append(Text(words, "warning"))
     for model in check.internal_models:
-        gains = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
+        known = model.gains if check.is_consistent else {}
+        gains = ", ".join(f"{gain:.2g} from {name}" for name, gain in known.items())
         gains = f"; gain to z there: {gains}" if gains else ""
         pole = complex_list([model.pole])
         blocks.append(
@@ -229,8 +245,12 @@ def _comparison(comparison: ExactComparison) -> Section:
 
 
 def _unanswered(check: ControllerCheck) -> Section:
-    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unanswered.items())
-    return Section("Not evaluated" if lines else "", lines, {"unanswered": check.unanswered})
+    reasons = check.unanswered
+    if check.loop is not None and not check.is_consistent:
+        names = "poles", "costs", "margins", *(NEED_THE_TARGET if check.target is not None else ())
+        reasons = {**dict.fromkeys(names, NO_LOOP), **reasons}
+    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in reasons.items())
+    return Section("Not evaluated" if lines else "", lines, {"unanswered": reasons})
 
 
 # The margins of a loop as a section of a report.

@@ -355,7 +355,7 @@ GIVEN = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
         ("log", ("--structure", "IIR"), r"--structure iir needs its order n_c: give --n-c"),
         ("log", ("--structure", "irr"), r"Did you mean|is not one of 'iir'"),
         ("servo", ("--plant", "1/(q - 2)"), r"servo.csv has no theta"),
-        ("log", (*GIVEN, "--plant", "1/(s - 2)"), r"c2d of MATLAB"),
+        ("log", (*GIVEN, "--plant", "1/(s - 2)"), r"give --sample-time"),
         ("log", (*GIVEN, "--plant", "2"), r"written in q"),
     ],
 )
@@ -400,3 +400,98 @@ def test_a_fixed_controller_is_given_as_its_transfer_function(tmp_path):
     assert "in continuous time" in run(*options, "--controller", "1/(s + 1)").output
     both = run(*options, "--controller", pi, "--structure", "iir", "--n-c", "1")
     assert both.exit_code == 2 and "the complete controller" in both.output
+
+
+def other_program(words, theta, y):
+    """A program in another convention: u, and theta as it logs it (one u, one y, two lags)."""
+    u = np.zeros(len(y))
+    for k in range(2, len(y)):
+        part_u, part_y = [u[k - 1], u[k - 2]], [y[k - 1], y[k - 2]]
+        if "-y" in words:
+            part_y = [-one for one in part_y]
+        phi = [*part_y, *part_u] if "y first" in words else [*part_u, *part_y]
+        u[k] = theta[k] @ phi
+    return u
+
+
+@pytest.mark.parametrize("words", ["-y", "y first", "-y, y first"])
+def test_a_foreign_convention_is_named_with_the_option_that_reads_it(tmp_path, words):
+    """The first line names it, no stability is claimed, and the option gives the same verdict."""
+    rng = np.random.default_rng(0)
+    y = rng.standard_normal(200)
+    theta = rng.uniform(-0.3, 0.3, (200, 4))
+    log = write_csv(tmp_path / "log.csv", {
+        "u": other_program(words, theta, y)[:, None], "y": y[:, None], "theta": theta})  # fmt: skip
+    plain = run(log, "--n-c", 2, "--plant", "1/(q - 0.5)", "--problem", "standard")
+    first = plain.output.splitlines()[1]
+    assert plain.exit_code == 1 and f'--convention "{words}"' in first
+    assert "UNSTABLE" not in plain.output and "closed loop is stable" not in plain.output
+    answer = strict(run(log, "--n-c", 2, "--plant", "1/(q - 0.5)", "--json").output)
+    assert answer["conventions"]["matches"][0]["convention"] == words
+    assert answer["health"]["is_stable"] is None and "loop" not in answer
+    right = strict(run(log, "--n-c", 2, "--convention", words, "--json").output)
+    assert right["replay"]["agrees"] and "conventions" not in right
+
+
+def test_a_log_that_no_convention_explains_has_no_verdict_on_stability(tmp_path, signals):
+    damaged = {**signals, "theta": signals["theta"] * np.linspace(1, 1.01, 300)[:, None]}
+    result = run(write_csv(tmp_path / "log.csv", damaged), "--n-c", 4, "--plant", PLANT)
+    assert result.exit_code == 1 and "under any of" in result.output.splitlines()[1]
+    assert "UNSTABLE" not in result.output and "closed loop is stable" not in result.output
+
+
+def test_the_problem_is_honoured_for_matrices_or_refused(tmp_path):
+    """A servo log of a 2 x 2 plant: the option, the log and the file say the same."""
+    A, B, C = np.diag([0.5, 0.3]), np.eye(2), np.array([[1.0, 0.2], [0.0, 1.0]])
+    np.savez(tmp_path / "plant.npz", A=A, B=B, C=C)
+    np.savez(tmp_path / "complete.npz", A=A, B=B, C=C, D_1=B)
+    (tmp_path / "plant.toml").write_text(
+        f'[plant]\nproblem = "servo"\nA = {A.tolist()}\nB = {B.tolist()}\nC = {C.tolist()}\n'
+    )
+    plant = rn.servo_plant(rn.Plant(A=A, B=B, D_1=B, C=C))
+    theta = np.concatenate([0.1 * np.eye(2).ravel(), 0.2 * np.eye(2).ravel()])
+    controller = rn.FixedController(rn.iir(1, 2, 2).compensator(theta))
+    w = rn.exogenous([rn.WhiteNoise()] * 2 + [rn.Step(0)] * 4, 300, 0)
+    loop = rn.simulate(plant, controller, w)
+    log = tmp_path / "log.npz"
+    np.savez(log, u=loop.u, y=loop.y, r=loop.w[:, :2], theta=np.tile(theta, (300, 1)))
+    given = [run(log, "--n-c", 1, "--json", *options) for options in (
+        ("--plant", tmp_path / "plant.npz", "--problem", "servo"),
+        ("--plant", tmp_path / "plant.npz"),
+        ("--plant", tmp_path / "plant.toml"),
+        ("--plant", tmp_path / "plant.toml", "--problem", "servo"),
+    )]  # fmt: skip
+    radii = {strict(one.output)["loop"]["spectral_radius"] for one in given}
+    assert len(radii) == 1
+    for options in (
+        ("--plant", tmp_path / "plant.toml", "--problem", "standard"),
+        ("--plant", tmp_path / "complete.npz", "--problem", "servo"),
+        ("--problem", "servo"),
+    ):
+        refused = run(log, "--n-c", 1, *options)
+        assert refused.exit_code == 2 and "--problem" in refused.output
+
+
+def test_minus_z_as_y_costs_what_y_equal_to_z_costs(tmp_path):
+    """One loop logged twice: a controller on -z, theta with the other sign of its y part."""
+    plant = rn.standard_plant("1/(q - 0.5)")
+    settings = rn.ControllerSettings(
+        structure=rn.iir(2), target=rn.fir_target(plant), update=rn.UD(1e-2)
+    )
+    loop = rn.simulate(plant, settings, rn.exogenous([rn.Step()], 300))
+    answers = []
+    for sign in (1, -1):
+        log = tmp_path / f"log{sign}.npz"
+        theta = loop.theta * [1, 1, sign, sign]
+        np.savez(log, u=loop.u, y=sign * loop.y, z=loop.z, theta=theta)
+        answers.append(strict(run(log, "--n-c", 2, "--plant", "1/(q - 0.5)", "--json").output))
+    first, second = answers
+    assert second["problem"]["decided"] == "negated" and first["problem"]["decided"] == "standard"
+    assert np.isclose(first["h2"]["cost"], second["h2"]["cost"], rtol=1e-12)
+    assert np.isclose(first["h2"]["lqg"], second["h2"]["lqg"], rtol=1e-9)
+
+
+def test_a_plant_in_s_is_sampled_as_by_design(signals):
+    given = read_case("1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", "standard", 0.1)[0]
+    rows = [["1/(s + 1)", "0"], ["0.2/(s + 1)", "2/(s + 3)"]]
+    assert given == rn.plant_of(rows, sample_time=0.1)
