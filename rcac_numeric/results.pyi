@@ -14,6 +14,9 @@ from .analysis._placement_conditioning import PlacementConditioning as Placement
 from .analysis._solutions import StabilisingSolution as StabilisingSolution
 from .arrays._rounding import Rounding as Rounding
 from .checks._check import ControllerCheck as ControllerCheck
+from .checks._convention_search import ConventionMatch as ConventionMatch
+from .checks._convention_search import ConventionSearch as ConventionSearch
+from .checks._conventions import Convention as Convention
 from .checks._health import LoopHealth as LoopHealth
 from .checks._plant_residual import PlantResidual as PlantResidual
 from .checks._replays import ControlReplay as ControlReplay

@@ -242,9 +242,7 @@ def _decided(log: ControllerLog, plants: dict[str, Plant]) -> tuple[Decision | s
 
 def _negated(plant: Plant) -> Plant:
     """Return the plant with the output y = -z."""
-    matrices = {name: getattr(plant, name) for name in MATRICES}
-    signs = {name: -matrices[name] for name in ("C", "D_0", "D_2")}
-    return Plant(**{**matrices, **signs}, sample_time=plant.sample_time)
+    return replaced(plant, C=-plant.C, D_0=-plant.D_0, D_2=-plant.D_2)
 
 
 def _saved_run(log: Path) -> Run | None:

@@ -29,7 +29,7 @@ from rcac_numeric.checks._replays import (
     ControlReplay,
     LogErrors,
     Replayer,
-    Rows,
+    ThetaRows,
     at_limits,
     limits_of_u,
     replay_compensator,
@@ -115,8 +115,6 @@ class ConventionSearch(Result):
         The replay by our convention.
     of : {"theta", "the compensator"}
     """
-
-    _ANSWER = "is_unique"
 
     matches: tuple[ConventionMatch, ...]
     tried: int
@@ -404,7 +402,7 @@ def _limited(replayer: Replayer, convention: Convention) -> Iterator[ConventionM
             yield _match(replayer, convention, limits, before)
 
 
-def _limits_before(replayer: Replayer, rows: Rows, last: int) -> Limits | None:
+def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> Limits | None:
     """The limits that Phi obeys where u was logged before them, of one input.
 
     At the first step at which u differs from Phi theta, u(k-1) is the only past value beyond a
@@ -447,7 +445,7 @@ def _limits_before(replayer: Replayer, rows: Rows, last: int) -> Limits | None:
     return low, high
 
 
-def _gaps(replayer: Replayer, rows: Rows, limits: Array, open_: Array) -> tuple[Array, Array]:
+def _gaps(replayer: Replayer, rows: ThetaRows, limits: Array, open_: Array) -> tuple[Array, Array]:
     """U - Phi theta with u within limits of some error, and the size that is rounding."""
     u, error = replayer.log.u, replayer.errors.signals["u"]
     assert error is not None

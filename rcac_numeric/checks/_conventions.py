@@ -11,7 +11,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
-from rcac_numeric.arrays._values import replaced
+from rcac_numeric.arrays._values import Result, replaced
 from rcac_numeric.arrays._wording import shortened
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._structure import Structure, Tap
@@ -24,7 +24,7 @@ STACKINGS: tuple[Stacking, ...] = ("columns", "rows", "rows of each lag")
 
 
 @dataclass(frozen=True)
-class Convention:
+class Convention(Result):
     """How another program arranges theta and Phi; by default as we do.
 
     Ours is u(k) = Phi(k) theta(k), Phi(k) = [u(k-1) ... u(k-n_c)  y(k-1) ... y(k-n_c)] for one
@@ -207,8 +207,10 @@ def convention_of(text: str | Convention | None) -> Convention:
     InputError
         Where a word is not known, or two contradict each other.
     """
-    if text is None or isinstance(text, Convention):
-        return text or OURS
+    if isinstance(text, Convention):
+        return text
+    if text is None:
+        return OURS
     if not isinstance(text, str):
         raise InputError(f"convention = {text!r} must be a text such as '-y, y first'.")
     convention = OURS

@@ -23,7 +23,7 @@ from rcac_numeric.plants._saturation import Saturation, limits_of
 ROUNDING = 1e-9
 # Coefficients that were logged only once may have moved by as much in the last tenth.
 STILL = 1e-5
-# Rows of theta that made u(k), from row k on: k - 1 where row k is the result of step k, k + 1
+# ThetaRows of theta that made u(k), from row k on: k - 1 where row k is the result of step k, k + 1
 # where theta is logged one step late.
 SHIFTS = (0, 1, -1)
 
@@ -143,7 +143,7 @@ def replay(
 
 
 @dataclass(frozen=True)
-class Rows:
+class ThetaRows:
     """A converted log, and the coefficients that made u(k) if theta is shifted by some rows."""
 
     log: ControllerLog
@@ -199,7 +199,7 @@ class Replayer:
         agreeing = [each for each in replays if each.agrees]
         return agreeing[0] if agreeing else min(replays, key=lambda each: each.worst)
 
-    def rows(self, convention: Convention, log: ControllerLog | None = None) -> list[Rows]:
+    def rows(self, convention: Convention, log: ControllerLog | None = None) -> list[ThetaRows]:
         """The log by a convention, for each row of theta that may have made u(k)."""
         log = (self.log if log is None else log).converted(convention, self.structure)
         assert log.theta is not None
@@ -212,10 +212,10 @@ class Replayer:
         if not log.has_history:
             start = max(self.first, log.steps - max(log.steps // 10, 1))
             self.errors.require_steps(start)
-            return [Rows(log, errors, Theta, moved, start, 0)]
+            return [ThetaRows(log, errors, Theta, moved, start, 0)]
         self.errors.require_steps(self.first)
         return [
-            Rows(
+            ThetaRows(
                 log, errors, shifted(Theta, shift), shifted(moved, shift),
                 max(self.first, shift), shift,
             )
@@ -258,7 +258,7 @@ def within(
     return replaced(log, u=applied), is_after
 
 
-def _with_own_u(rows: Rows, structure: Structure, limits: tuple[Array, Array]) -> Rows:
+def _with_own_u(rows: ThetaRows, structure: Structure, limits: tuple[Array, Array]) -> ThetaRows:
     """The rows with u as it was before the limits, where they decide, and a bound of its error."""
     u, error = rows.log.u.copy(), rows.errors["u"]
     assert error is not None

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results
 from rcac_numeric.arrays._values import replaced as replace
+from rcac_numeric.checks._convention_search import search_conventions
 from rcac_numeric.designing._logs import plant_from_log
 from rcac_numeric.signals._clock import clock_of
 from rcac_numeric.signals._signal import Scaled, Sum
@@ -163,6 +164,11 @@ def signals(seed, steps=40):
 
 def log(seed):
     return rcac.ControllerLog(**signals(seed), theta=random(seed + 1, 2), source=f"flight {seed}")
+
+
+def search(seed):
+    recorded = log(seed)
+    return search_conventions(recorded, rcac.iir(1), rcac.replay(recorded, rcac.iir(1)))
 
 
 def check(seed):
@@ -393,6 +399,9 @@ SAMPLES = {
     results.LogContents: lambda seed: rcac.inspect_log({"u": random(seed, 5), "y": random(1, 5)}),
     rcac.ControllerLog: log,
     results.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
+    results.Convention: lambda seed: results.Convention(negative_y=bool(seed % 2), y_first=True),
+    results.ConventionMatch: lambda seed: search(seed).closest,
+    results.ConventionSearch: search,
     results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),
     results.ControllerCheck: check,
 }
