@@ -286,7 +286,7 @@ def _distinct(
         log = replayer.log.converted(one.convention, replayer.structure)
         assert log.theta is not None
         own_u = one.convention.own_u and one.replay.limited > 0
-        key = log.theta.tobytes() + log.y.tobytes() + bytes([own_u])
+        key = (log.theta + 0.0).tobytes() + log.y.tobytes() + bytes([own_u])
         distinct.setdefault(key, one)
     return tuple(distinct.values())
 
