@@ -20,10 +20,7 @@ import numpy as np
 
 from rcac_numeric import ControllerLog, check_controller, fir, iir
 
-FORMATS = {
-    "%.6g": 6, "%.7g": 7, "%.8g": 8, "%.9g": 9, "%.12g": 12, "%.15g": 15, "%.17g": 17,
-    "shortest": 0,
-}  # fmt: skip
+FORMATS = ("%.6g", "%.7g", "%.8g", "%.9g", "%.12g", "%.15g", "%.17g", "shortest")
 
 
 @dataclass(frozen=True)
@@ -196,28 +193,26 @@ def changed(logged: dict, seed: int) -> dict:
     return {**logged, "theta": theta}
 
 
-def measure(logs: int, seed: int) -> dict[str, Outcome]:
-    """Every kind by every precision, format and log."""
-    outcomes: dict[str, Outcome] = {}
-    for number, kind in enumerate(KINDS):
-        one = outcomes[kind.name] = Outcome()
-        for trial in range(logs):
-            for dtype in (np.float64, np.float32):
-                made = log_of(kind, seed + 1000 * number + trial, dtype)
-                faulty = changed(made, seed + trial)
-                for text in FORMATS:
-                    words = verdict(kind, {n: written(v, text, dtype) for n, v in made.items()})
-                    one.logs += 1
-                    one.named += words == "right"
-                    one.ambiguous += words.startswith("ambiguous")
-                    one.wrong += words != "right" and not words.startswith("ambiguous")
-                    if words != "right":
-                        one.examples.append(f"{trial} {dtype.__name__} {text}: {words}")
-                    words = verdict(kind, {n: written(v, text, dtype) for n, v in faulty.items()})
-                    one.missed += words != "none"
-                    if words != "none":
-                        one.examples.append(f"0.1 %: {trial} {dtype.__name__} {text}: {words}")
-    return outcomes
+def measure(number: int, logs: int, seed: int) -> Outcome:
+    """One kind by every precision, format and log."""
+    kind, one = KINDS[number], Outcome()
+    for trial in range(logs):
+        for dtype in (np.float64, np.float32):
+            made = log_of(kind, seed + 1000 * number + trial, dtype)
+            faulty = changed(made, seed + trial)
+            for text in FORMATS:
+                words = verdict(kind, {n: written(v, text, dtype) for n, v in made.items()})
+                one.logs += 1
+                one.named += words == "right"
+                one.ambiguous += words.startswith("ambiguous")
+                one.wrong += words != "right" and not words.startswith("ambiguous")
+                if words != "right":
+                    one.examples.append(f"{trial} {dtype.__name__} {text}: {words}")
+                words = verdict(kind, {n: written(v, text, dtype) for n, v in faulty.items()})
+                one.missed += words != "none"
+                if words != "none":
+                    one.examples.append(f"0.1 %: {trial} {dtype.__name__} {text}: {words}")
+    return one
 
 
 def main() -> None:
@@ -227,10 +222,10 @@ def main() -> None:
     start = time.perf_counter()
     total: Counter[str] = Counter()
     print(f"{'kind':26} {'logs':>6} {'named':>6} {'two':>5} {'wrong':>6} {'missed 0.1 %':>13}")
-    for name, one in measure(logs, seed).items():
-        print(
-            f"{name:26} {one.logs:6} {one.named:6} {one.ambiguous:5} {one.wrong:6} {one.missed:13}"
-        )
+    for number, kind in enumerate(KINDS):
+        one = measure(number, logs, seed)
+        counts = f"{one.logs:6} {one.named:6} {one.ambiguous:5} {one.wrong:6} {one.missed:13}"
+        print(f"{kind.name:26} {counts}", flush=True)
         for example in one.examples[:3]:
             print("    ", example)
         total.update(logs=one.logs, named=one.named, ambiguous=one.ambiguous, wrong=one.wrong,

@@ -36,7 +36,7 @@ from rcac_numeric.checks._hypotheses import Decision
 from rcac_numeric.checks._logs import ControllerLog
 from rcac_numeric.checks._plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks._regressor import require_fit
-from rcac_numeric.checks._replays import ControlReplay, limits_of_u, replay, replay_compensator
+from rcac_numeric.checks._replays import ControlReplay, Replayer, limits_of_u, replay_compensator
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -330,17 +330,32 @@ def check_controller(
     _require_bounded(log, fixed)
     if compensator is None and not has_theta:
         k_w = None  # polynomials of a log are those that it ended with
-    options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
-    replayed, drift, unanswered = _of_log(
-        log, fixed, structure if has_theta else None, own_u=known.own_u, **options
-    )
-    conventions = None
-    if replayed is not None and not replayed.agrees and known in (OURS, OWN_U):
-        if has_theta and structure is not None:
-            conventions = search_conventions(log, structure, replayed, **options)
+    limits = limits_of_u(log, u_limits)
+    conventions, drift, unanswered = None, None, {}
+    replayed: ControlReplay | None = None
+    is_default = known in (OURS, OWN_U)
+    if has_theta and structure is not None:
+        replayer = Replayer(log, structure, k_w=k_w, tolerance=tolerance)
+        replayed = replayer.replay(OWN_U if known.own_u else OURS, limits)
+        if not replayed.agrees and is_default:
+            conventions = search_conventions(replayer, replayed, limits)
+        if log.has_history:
+            assert log.theta is not None
+            drift = drift_of(log.theta)
         else:
-            conventions = search_signs(log, fixed, replayed, **options)
-    if u_limits is not None and (limits := limits_of_u(log, u_limits)) is not None:
+            unanswered["convergence"] = "theta was logged only once"
+    else:
+        reason = "no theta was logged" if log.theta is None else "theta was not used"
+        unanswered["convergence"] = reason
+        options: dict[str, Any] = {"k_w": k_w, "tolerance": tolerance, "u_limits": u_limits}
+        if log.steps > len(fixed.past_u):
+            replayed = replay_compensator(log, fixed, **options)
+            if not replayed.agrees and is_default:
+                conventions = search_signs(log, fixed, replayed, **options)
+        else:
+            short = f"the log of {log.steps} steps does not fill the controller's memory"
+            unanswered["replay"] = short
+    if limits is not None:
         log = replaced(log, u=np.clip(log.u, *limits))
     analysis, residual, costs, disk = None, None, None, None
     margins: dict[str, Margins] = {}
@@ -381,28 +396,6 @@ def _require_bounded(log: ControllerLog, fixed: Compensator) -> None:
             f"{log.source}: the controller has a coefficient of size {largest:.3g}: the loop has "
             "diverged. Cut the log before that."
         )
-
-
-def _of_log(
-    log: ControllerLog,
-    fixed: Compensator,
-    structure: Structure | None,
-    *,
-    own_u: bool,
-    **options: Any,
-) -> tuple[ControlReplay | None, Drift | None, dict[str, str]]:
-    """Replay and drift from the log alone, with theta of a structure or with a compensator."""
-    if log.theta is not None and structure is not None:
-        replayed = replay(log, structure, convention=Convention(own_u=own_u), **options)
-        if log.theta.ndim == 2:
-            return replayed, drift_of(log.theta), {}
-        return replayed, None, {"convergence": "theta was logged only once"}
-    reason = "no theta was logged" if log.theta is None else "theta was not used"
-    if log.steps > len(fixed.past_u):
-        replayed = replay_compensator(log, fixed, **options)
-        return replayed, None, {"convergence": reason}
-    short = f"the log of {log.steps} steps does not fill the controller's memory"
-    return None, None, {"convergence": reason, "replay": short}
 
 
 def _unanswered(log: ControllerLog, analysis: LoopAnalysis) -> dict[str, str]:

@@ -27,11 +27,9 @@ from rcac_numeric.checks._replays import (
     ROUNDING,
     SHIFTS,
     ControlReplay,
-    LogErrors,
     Replayer,
     ThetaRows,
     at_limits,
-    limits_of_u,
     replay_compensator,
     row_by_row,
     shifted,
@@ -41,7 +39,7 @@ from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.plants._saturation import Saturation
 
 Limits = tuple[float, float]
-ROWS = 600  # steps that screen the conventions
+ROWS = 200  # steps that screen the conventions
 REPLAYED = 8  # conventions with the least residual, which are replayed
 # A step tells conventions apart where abs(Phi) abs(theta) is so large beside its median.
 MOVING = 1e-3
@@ -154,13 +152,7 @@ class ConventionSearch(Result):
 
 
 def search_conventions(
-    log: ControllerLog,
-    structure: Structure,
-    ours: ControlReplay,
-    *,
-    k_w: int | None = None,
-    tolerance: float | None = None,
-    u_limits: Saturation | Limits | None = None,
+    replayer: Replayer, ours: ControlReplay, limits: tuple[Array, Array] | None = None
 ) -> ConventionSearch:
     """Try the conventions that differ between programs on a log.
 
@@ -171,30 +163,30 @@ def search_conventions(
 
     Parameters
     ----------
-    log : ControllerLog
-        With theta.
-    structure : Structure
+    replayer : Replayer
+        The log with its structure.
     ours : ControlReplay
         The replay by our convention.
-    k_w, tolerance, u_limits
-        As for `replay`.
+    limits : (low, high), optional
+        Known limits of each component of u.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import ControllerLog, iir, replay
+    >>> from rcac_numeric import ControllerLog, iir
     >>> from rcac_numeric.checks._convention_search import search_conventions
+    >>> from rcac_numeric.checks._conventions import OURS
+    >>> from rcac_numeric.checks._replays import Replayer
     >>> rng = np.random.default_rng(0)
     >>> y, u, theta = rng.standard_normal(40), np.zeros(40), rng.uniform(-0.5, 0.5, (40, 2))
     >>> for k in range(1, 40):
     ...     u[k] = theta[k] @ [-y[k - 1], u[k - 1]]
-    >>> log = ControllerLog(u, y, theta=theta)
-    >>> search = search_conventions(log, iir(1), replay(log, iir(1)))
+    >>> replayer = Replayer(ControllerLog(u, y, theta=theta), iir(1))
+    >>> search = search_conventions(replayer, replayer.replay(OURS))
     >>> str(search.matches[0].convention)
     '-y, y first'
     """
-    errors = LogErrors(log, tolerance)
-    replayer, screen = Replayer(log, structure, k_w, errors), _Screen(log, structure, k_w)
+    screen = _Screen(replayer.log, replayer.structure, replayer.first)
     candidates = screen.candidates()
     likely = sorted(
         {
@@ -203,7 +195,6 @@ def search_conventions(
             for index in np.argsort(scores, kind="stable")[:REPLAYED]
         }
     )
-    limits = limits_of_u(log, u_limits)
     replays = [_match(replayer, candidates[index], limits) for index in likely]
     if limits is None and not any(one.replay.agrees for one in replays):
         replays += [one for index in likely for one in _limited(replayer, candidates[index])]
@@ -294,10 +285,10 @@ def _distinct(
 class _Screen:
     """The residual u - Phi theta of many conventions at some steps of a log."""
 
-    def __init__(self, log: ControllerLog, structure: Structure, k_w: int | None) -> None:
+    def __init__(self, log: ControllerLog, structure: Structure, first: int) -> None:
         assert log.theta is not None
         self.log, self.structure = log, structure
-        first = max(structure.n_c if k_w is None else k_w, 1)
+        first = max(first, 1)
         if not log.has_history:
             first = max(first, log.steps - max(log.steps // 10, 1))
         steps = self._usual(np.arange(first, log.steps - log.has_history))

@@ -139,7 +139,7 @@ def replay(
     known = convention_of(convention)
     require_fit(log, structure)
     limits = limits_of_u(log, u_limits)
-    return Replayer(log, structure, k_w, LogErrors(log, tolerance)).replay(known, limits)
+    return Replayer(log, structure, k_w=k_w, tolerance=tolerance).replay(known, limits)
 
 
 @dataclass(frozen=True)
@@ -170,9 +170,14 @@ class Replayer:
     """Replays of one log by several conventions: its roundings are found once."""
 
     def __init__(
-        self, log: ControllerLog, structure: Structure, k_w: int | None, errors: LogErrors
+        self,
+        log: ControllerLog,
+        structure: Structure,
+        *,
+        k_w: int | None = None,
+        tolerance: float | None = None,
     ) -> None:
-        self.log, self.structure, self.errors = log, structure, errors
+        self.log, self.structure, self.errors = log, structure, LogErrors(log, tolerance)
         self.first = structure.n_c if k_w is None else max(k_w, 0)
 
     def replay(

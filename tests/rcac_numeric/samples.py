@@ -13,6 +13,8 @@ import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results
 from rcac_numeric.arrays._values import replaced as replace
 from rcac_numeric.checks._convention_search import search_conventions
+from rcac_numeric.checks._conventions import OURS
+from rcac_numeric.checks._replays import Replayer
 from rcac_numeric.designing._logs import plant_from_log
 from rcac_numeric.signals._clock import clock_of
 from rcac_numeric.signals._signal import Scaled, Sum
@@ -167,8 +169,8 @@ def log(seed):
 
 
 def search(seed):
-    recorded = log(seed)
-    return search_conventions(recorded, rcac.iir(1), rcac.replay(recorded, rcac.iir(1)))
+    replayer = Replayer(log(seed), rcac.iir(1))
+    return search_conventions(replayer, replayer.replay(OURS))
 
 
 def check(seed):
