@@ -27,6 +27,7 @@ from .checks._logs import ControllerLog as ControllerLog
 from .checks._logs import read_log as read_log
 from .checks._plant_residual import plant_residual as plant_residual
 from .checks._replays import replay as replay
+from .controllers._bounds import CertifiedBounds as CertifiedBounds
 from .controllers._bounds import CoefficientBounds as CoefficientBounds
 from .controllers._bounds import coefficient_names as coefficient_names
 from .controllers._compensator import Compensator as Compensator

@@ -8,22 +8,26 @@ from typing import Literal, cast
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import solve_triangular
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._validation import (
+    array_like,
     has_mask,
     instance_of,
     integer,
     number,
     one_of,
     reads,
+    real_array,
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._structure import Structure
 
 METHODS = ("metric", "clip")
+MOST_LOST = 1e-3  # share of the radius that float64 may cost
 Range = tuple[float | None, float | None]
 
 
@@ -163,6 +167,114 @@ class CoefficientBounds(Value):
                 "exceeds high."
             )
         return low, high
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
+class CertifiedBounds(Value):
+    """theta(k) = center + factor v with |v| <= 1, kept after every update.
+
+    The ellipsoid (theta - center)' M^-1 (theta - center) <= 1 with M = factor factor'. In the loop
+    of theta = center a change of theta is a memoryless gain around T, from the intercalated
+    injection to the regressor; if T* M T < 1 on the unit circle, no motion of theta in the
+    ellipsoid destabilises the loop. The certificate of the set proves that; the bounds keep theta
+    in the ellipsoid.
+
+    Parameters
+    ----------
+    center : array, shape (l_theta,)
+    factor : array, shape (l_theta, l_theta)
+        Lower triangular with a positive diagonal: the Cholesky factor of M.
+
+    Raises
+    ------
+    InputError
+        Where a shape or the triangle is wrong, or float64 cannot tell inside from outside to a
+        thousandth of the radius.
+
+    Notes
+    -----
+    Source of the projection: the minimiser of (t - theta)' P^-1 (t - theta) over the ellipsoid, by
+    four linearised constraints n'(t - center) <= (e^2 + 1) / 2, n = M^-1 (theta - center), each
+    met in the metric of P (Goodwin and Sin, 1984, section 3.7), and what these leave along the
+    radius. Updates without a P, or with one that is not of theta alone, project along the radius.
+
+    Examples
+    --------
+    >>> from rcac_numeric import CertifiedBounds
+    >>> bounds = CertifiedBounds([0.5, -1.0], [[0.5, 0.0], [0.25, 0.5]])
+    >>> float(bounds.radius_of([0.75, -0.875])), bounds.contains([0.75, -0.875])
+    (0.5, True)
+    """
+
+    center: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    factor: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+
+    def __attrs_post_init__(self) -> None:
+        size, shape = self.center.size, self.factor.shape
+        if self.center.ndim != 1 or not size:
+            raise InputError(
+                f"center has the shape {self.center.shape}; a vector of l_theta entries is needed."
+            )
+        if shape != (size, size):
+            raise InputError(f"factor has the shape {shape}; {(size, size)} is needed, as center.")
+        if np.triu(self.factor, 1).any():
+            raise InputError(
+                "factor is not lower triangular; use np.linalg.cholesky of the ellipsoid's M."
+            )
+        if not (least := self.factor.diagonal().min()) > 0:
+            raise InputError(f"factor has {least:g} on its diagonal; positive entries are needed.")
+        error = 1 - kept_radii(self)[1]
+        if not error <= MOST_LOST:
+            raise InputError(
+                f"in float64 the radius of a theta on the boundary has an error of up to "
+                f"{error:.1g}; {MOST_LOST:g} is allowed. The ellipsoid's axes are too unequal, or "
+                "too short for the size of center: cap the largest axes, or scale the signals."
+            )
+
+    def radius_of(self, theta: ArrayLike) -> Array:
+        """Return |factor^-1 (theta - center)|: 0 at the center, 1 on the boundary.
+
+        Parameters
+        ----------
+        theta : array, shape (..., l_theta)
+
+        Returns
+        -------
+        array, shape (...)
+
+        Raises
+        ------
+        InputError
+            Where theta has another number of coefficients.
+        """
+        thetas, size = real_array(theta, "theta"), self.center.size
+        if thetas.ndim == 0 or thetas.shape[-1] != size:
+            raise InputError(f"theta has the shape {thetas.shape}; (..., {size}) is needed.")
+        moved = (thetas - self.center).reshape(-1, size).T
+        v = solve_triangular(self.factor, moved, lower=True)
+        return cast(Array, np.linalg.norm(v, axis=0).reshape(thetas.shape[:-1])[()])
+
+    def contains(self, theta: ArrayLike) -> bool:
+        """Whether theta, or every theta of an array (..., l_theta), lies in the ellipsoid."""
+        return bool((self.radius_of(theta) <= 1).all())
+
+
+def kept_radii(bounds: CertifiedBounds, eps: float = 2.0**-52) -> tuple[float, float]:
+    """Return (limit, aim): the computed radius that proves the true one <= 1, and its set point.
+
+    By substitution it has an error of at most (2 l_theta + 4) u cond, cond = | |L^-1| |L| | and
+    u = eps/2 (Higham 2002, theorem 8.5); twice that stays, so that any other check of |v| <= 1
+    passes too. A projected theta is rounded to the nearest number.
+    """
+    center, factor = bounds.center, bounds.factor
+    size = len(center)
+    with np.errstate(over="ignore", invalid="ignore"):
+        inverse = np.abs(solve_triangular(factor, np.eye(size), lower=True))
+        condition = float(np.linalg.norm(inverse @ np.abs(factor)))
+        widths = np.linalg.norm(factor, axis=1)
+        grain = float(np.linalg.norm(inverse @ (np.abs(center) + widths)))
+    limit = 1 - 2 * (size + 4) * eps * condition
+    return limit, limit - 2 * eps * grain
 
 
 def coefficient_names(structure: Structure) -> tuple[str, ...]:

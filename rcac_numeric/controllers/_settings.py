@@ -25,7 +25,7 @@ from rcac_numeric.arrays._validation import (
     with_checks,
 )
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator, parallel
 from rcac_numeric.controllers._joint import JointUD
 from rcac_numeric.controllers._normalization import Normalization
@@ -113,7 +113,7 @@ class ControllerSettings(Value):
         step k beside that of Phi_f theta, which R_u weighs; zero by default.
     z_normalization : Normalization, optional
         z in the cost becomes f(z); rules and weights see z itself.
-    bounds : CoefficientBounds, optional
+    bounds : CoefficientBounds or CertifiedBounds, optional
         Of theta, kept after every update.
     fixed : Compensator, optional
         From [y; r], in parallel and from step 0 on: u = v + Phi theta. The regressor and the
@@ -159,8 +159,9 @@ class ControllerSettings(Value):
     z_normalization: Normalization | None = attrs.field(
         default=None, metadata=reads(instance_of, optional=True, kind=Normalization)
     )
-    bounds: CoefficientBounds | None = attrs.field(
-        default=None, metadata=reads(instance_of, optional=True, kind=CoefficientBounds)
+    bounds: CoefficientBounds | CertifiedBounds | None = attrs.field(
+        default=None,
+        metadata=reads(instance_of, optional=True, kind=CoefficientBounds | CertifiedBounds),
     )
     fixed: Compensator | None = attrs.field(
         default=None, metadata=reads(instance_of, optional=True, kind=Compensator)
@@ -403,9 +404,20 @@ def interval(pair: tuple[int, int | None]) -> tuple[int, int | None]:
 
 
 def require_bounds(
-    bounds: CoefficientBounds, structure: Structure, update: Update, theta_0: Array, reflects: bool
+    bounds: CoefficientBounds | CertifiedBounds,
+    structure: Structure,
+    update: Update,
+    theta_0: Array,
+    reflects: bool,
 ) -> None:
     """Raise if bounds do not fit the structure, the update, theta(0) or pole reflection."""
+    if reflects:
+        raise InputError(
+            "reflect_poles may move the coefficients of u outside their bounds; use one of the two."
+        )
+    if isinstance(bounds, CertifiedBounds):
+        _require_inside(bounds, structure, theta_0)
+        return
     low, high = bounds.box(structure)
     outside = np.flatnonzero((theta_0 < low) | (theta_0 > high))
     if len(outside):
@@ -414,14 +426,24 @@ def require_bounds(
             f"theta_0[{i}] = {theta_0[i]:g} is outside its bounds {low[i]:g} and {high[i]:g}; "
             "start inside them."
         )
-    if reflects:
-        raise InputError(
-            "reflect_poles may move the coefficients of u outside their bounds; use one of the two."
-        )
     if isinstance(update, JointUD) and bounds.method == "metric":
         raise InputError(
             "JointUD fits D_f with theta, and the metric of P would move both; use bounds with "
             'method = "clip".'
+        )
+
+
+def _require_inside(bounds: CertifiedBounds, structure: Structure, theta_0: Array) -> None:
+    """Raise if an ellipsoid has another size than theta, or theta(0) is outside."""
+    size = bounds.center.size
+    if size != structure.l_theta:
+        raise InputError(
+            f"the bounds have a center of {size} entries; l_theta = {structure.l_theta} are needed."
+        )
+    if not bounds.contains(theta_0):
+        raise InputError(
+            f"theta_0 is outside its bounds, at {bounds.radius_of(theta_0):.3g} of their radius; "
+            "start inside them, for example at theta_0 = center."
         )
 
 

@@ -132,6 +132,10 @@ def bounds(seed):
     return rcac.CoefficientBounds(-1 - seed, [2.0] * 4, gains={"Q": (-3, None)}, sweeps=7)
 
 
+def ellipsoid(seed):
+    return rcac.CertifiedBounds(random(seed, 2), np.tril(random(seed, 2, 2), -1) + np.eye(2))
+
+
 def adaptive(seed):
     """Settings that everything runs with."""
     update = rcac.UD(1.0 + abs(random(seed)[()]))
@@ -327,6 +331,7 @@ SAMPLES = {
     rcac.SignalWeight: lambda seed: rcac.SignalWeight(abs(random(seed)[()]), 0.5),
     rcac.Normalization: lambda seed: rcac.Normalization(1 + seed, 0.5, "erf"),
     rcac.CoefficientBounds: bounds,
+    rcac.CertifiedBounds: ellipsoid,
     rcac.ControllerSettings: settings,
     rcac.Decentralized: lambda seed: rcac.Decentralized(
         [adaptive(seed), adaptive(seed + 1)], shared_u=seed % 2 == 0
