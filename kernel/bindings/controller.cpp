@@ -61,8 +61,8 @@ std::unique_ptr<OwnedController> make_controller(
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
     const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
     const Perturbation& dither, const Array& penalty, const Curve& normalization,
-    const nb::tuple& bounds, const nb::tuple& fixed, nb::object supervision,
-    const nb::tuple& limits, const std::string& instructions) {
+    const nb::tuple& bounds, const nb::tuple& ellipsoid, const nb::tuple& fixed,
+    nb::object supervision, const nb::tuple& limits, const std::string& instructions) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -100,6 +100,9 @@ std::unique_ptr<OwnedController> make_controller(
     const std::size_t l_theta = regressor.size() * l_u;
     const std::vector<double> P = covariance_of(P_0, l_theta);
     plan.bounds = bounds_of(bounds, l_theta);
+    plan.bounds.ellipsoid = ellipsoid_of(ellipsoid, l_theta);
+    refuse_unless(plan.bounds.low.empty() || plan.bounds.ellipsoid.center.empty(),
+                  "bounds are a box or an ellipsoid");
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
     std::vector<double> theta = copied(theta_0, l_theta, "theta_0");
@@ -137,7 +140,8 @@ nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::hand
 }
 
 // Counts by kind, (steps, episodes, first, last, worst), none where nothing was noted; the last entries, (step, kind, value); the
-// largest growth of a variance; whether theta is held, and whether the fallback runs.
+// largest growth of a variance; whether theta is held, and whether the fallback runs; the largest share
+// of the radius of an ellipsoid.
 nb::tuple troubles(const OwnedController& owned) {
     const Supervisor& supervisor = owned.controller.supervisor();
     nb::list counts, entries;
@@ -147,7 +151,7 @@ nb::tuple troubles(const OwnedController& owned) {
     for (const Supervisor::Entry& e : supervisor.entries())
         entries.append(nb::make_tuple(e.step, e.kind, e.value));
     return nb::make_tuple(counts, entries, supervisor.worst_growth(), owned.controller.stopped(),
-                          owned.controller.in_fallback());
+                          owned.controller.in_fallback(), supervisor.worst_radius());
 }
 
 // How far the filtered signals moved. The controller stays as it was where that is refused.
@@ -290,6 +294,7 @@ void bind_controller(nb::module_& m) {
           nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0}, nb::arg("penalty") = empty,
           nb::arg("normalization") = Curve{0, 1.0, 1.0},
           nb::arg("bounds") = nb::make_tuple(empty, empty, false, 0),
+          nb::arg("ellipsoid") = nb::make_tuple(empty, empty, false, 1.0, 1.0),
           nb::arg("fixed") = nb::make_tuple(empty, empty), nb::arg("supervision") = nb::none(),
           nb::arg("limits") = nb::make_tuple(empty, empty, empty, empty),
           nb::arg("instruction_set") = "");

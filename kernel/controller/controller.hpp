@@ -184,6 +184,8 @@ public:
         ++step_;
         if (supervisor_.is_on() && Supervisor::is_due(step_)) {
             if (supervisor_.is_wound_up(*update_, step_ - 1)) respond();
+            if (bounds_.ellipsoid().is_there())
+                supervisor_.see_radius(bounds_.ellipsoid().radius(theta_));
             if (keeps_going()) supervisor_.keep(theta_);
         }
     }
@@ -324,6 +326,7 @@ public:
         archive(resets_, 0, Archive::longest);
         archive(last_reset_, -1, Archive::longest);
         archive(bounded_, 0, Archive::longest);
+        if (bounds_.ellipsoid().is_there()) archive(supervisor_.worst_radius());
         archive(frozen_);
         archive(stopped_);
         archive(in_fallback_);

@@ -114,6 +114,10 @@ public:
 
     std::int64_t noted() const { return noted_; }
     double worst_growth() const { return worst_growth_; }
+    // The largest share of an ellipsoid's radius, at the same looks.
+    void see_radius(double radius) { worst_radius_ = std::max(worst_radius_, radius); }
+    double worst_radius() const { return worst_radius_; }
+    double& worst_radius() { return worst_radius_; }
 
     struct Count {
         std::int64_t steps = 0, episodes = 0, first = -1, last = -1;
@@ -164,7 +168,7 @@ private:
     std::array<Entry, remembered> ring_{};
     std::vector<double> good_;
     std::int64_t noted_ = 0, seen_ = 0, in_a_row_ = 0, saturated_ = 0;
-    double worst_growth_ = 0.0, power_ = 0.0;
+    double worst_growth_ = 0.0, worst_radius_ = 0.0, power_ = 0.0;
     bool wound_up_ = false;
 };
 

@@ -28,7 +28,7 @@ inline bool fits_lanes(Loop& loop) {
         c.frozen() || c.stopped() || c.supervisor().acts() || c.has_limits() ||
         plan.dither.is_on() || c.has_left_its_plan() || !plan.events.empty() || !plan.noise.empty() ||
         c.rows().penalises() || plan.normalization.function != Normalization::none ||
-        !plan.bounds.low.empty() || !plan.fixed.past_e.empty() || plan.R_z.nu != 0.0 ||
+        plan.bounds.are_there() || !plan.fixed.past_e.empty() || plan.R_z.nu != 0.0 ||
         plan.R_u.nu != 0.0 || !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||
         plan.reset.every > 0 || plan.reset.trace_below > 0.0 || plan.reset.growth > 0.0 ||
         plan.k_filter > 0 || plan.targets.size() > 1)

@@ -83,6 +83,11 @@ public:
     void covariance_column(std::size_t i, double* column) const override {
         for (std::size_t j = 0; j < n_; ++j) column[j] = P_[j * n_ + i];
     }
+    void covariance_times(const double* x, double* product) const override {
+        std::fill_n(product, n_, 0.0);
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = 0; j < n_; ++j) product[i] += P_[i * n_ + j] * x[j];
+    }
 
     void reset() override { P_ = P_0_; }
 

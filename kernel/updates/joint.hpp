@@ -61,6 +61,9 @@ public:
         std::fill_n(column, n_, 0.0);
         column[i] = 1.0;
     }
+    void covariance_times(const double* x, double* product) const override {
+        std::copy_n(x, n_, product);
+    }
 
     void visit(Archive& archive) override {
         Update::visit(archive);

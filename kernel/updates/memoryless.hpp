@@ -53,6 +53,11 @@ public:
     void covariance_column(std::size_t i, double* column) const override {
         for (std::size_t j = 0; j < n_; ++j) column[j] = P_[j * n_ + i];
     }
+    void covariance_times(const double* x, double* product) const override {
+        std::fill_n(product, n_, 0.0);
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = 0; j < n_; ++j) product[i] += P_[i * n_ + j] * x[j];
+    }
 
 private:
     std::size_t n_;
@@ -89,6 +94,9 @@ public:
     void covariance_column(std::size_t i, double* column) const override {
         std::fill_n(column, n_, 0.0);
         column[i] = step_size_;
+    }
+    void covariance_times(const double* x, double* product) const override {
+        for (std::size_t i = 0; i < n_; ++i) product[i] = step_size_ * x[i];
     }
 
 private:

@@ -42,6 +42,9 @@ public:
     void covariance_column(std::size_t i, double* column) const override {
         core_.covariance_column(i, column);
     }
+    void covariance_times(const double* x, double* product) const override {
+        core_.covariance_times(x, product);
+    }
     void reset() override { core_.reset(); }
     void doubt_past(double rho) override { core_.doubt_past(rho); }
     void inflate(const double* noise, std::size_t count) override { core_.inflate(noise, count); }

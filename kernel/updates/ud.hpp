@@ -151,6 +151,32 @@ public:
         }
     }
 
+    // U (D (U' x)); every sum runs upwards, a tile's eight side by side.
+    void covariance_times(const double* x, double* product) const override {
+        for (std::size_t J = 0; J < n_; J += tile_size) {
+            const std::size_t count = std::min(tile_size, n_ - J);
+            double sums[tile_size] = {};
+            std::copy_n(x + J, count, sums);
+            for (std::size_t i = 0; i < J; ++i) {
+                const double* row = U_.data() + place_in_tiles(i, J);
+                for (std::size_t c = 0; c < tile_size; ++c) sums[c] += row[c * tile_size] * x[i];
+            }
+            for (std::size_t c = 0; c < count; ++c) {
+                for (std::size_t i = J; i < J + c; ++i) sums[c] += u(i, J + c) * x[i];
+                product[J + c] = D_[J + c] * sums[c];
+            }
+        }
+        for (std::size_t m = 0; m < n_; ++m) {
+            const double weight = product[m];
+            const std::size_t J = m / tile_size * tile_size;
+            for (std::size_t I = 0; I < J; I += tile_size) {
+                const double* column = U_.data() + place_in_tiles(I, m);
+                for (std::size_t i = 0; i < tile_size; ++i) product[I + i] += column[i] * weight;
+            }
+            for (std::size_t i = J; i < m; ++i) product[i] += u(i, m) * weight;
+        }
+    }
+
     // P = U D U'; a diagonal P costs nothing.
     void factorise(const double* P0) {
         std::vector<double> P(P0, P0 + n_ * n_);

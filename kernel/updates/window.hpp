@@ -54,6 +54,9 @@ public:
     void covariance_column(std::size_t i, double* column) const override {
         arithmetic_.covariance_column(i, column);
     }
+    void covariance_times(const double* x, double* product) const override {
+        arithmetic_.covariance_times(x, product);
+    }
 
     void visit(Archive& archive) override {
         Update::visit(archive);

@@ -26,7 +26,7 @@ from rcac_numeric.compiled._updates import (
     kernel_update,
     require_kind,
 )
-from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds, kept_radii
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._fixed import FixedController
 from rcac_numeric.controllers._joint import JointUD
@@ -247,7 +247,7 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
         require_kind(settings.learning, "learning", (DataDriven,), who)
     parts = {
         "z_normalization": (Normalization,),
-        "bounds": (CoefficientBounds,),
+        "bounds": (CoefficientBounds, CertifiedBounds),
         "fixed": (Compensator,),
     }
     for name, kinds in parts.items():
@@ -296,8 +296,12 @@ def _additions(settings: ControllerSettings) -> dict[str, Any]:
     if (f := settings.z_normalization) is not None:
         additions["normalization"] = (1 + FUNCTIONS.index(f.function), f.limit, f.slope)
     if (bounds := settings.bounds) is not None:
-        low, high = bounds.box(settings.structure)
-        additions["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
+        if isinstance(bounds, CertifiedBounds):
+            in_metric = not isinstance(settings.update, JointUD)
+            additions["ellipsoid"] = (bounds.center, bounds.factor, in_metric, *kept_radii(bounds))
+        else:
+            low, high = bounds.box(settings.structure)
+            additions["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
     if (fixed := settings.fixed) is not None:
         additions["fixed"] = (fixed.past_u, fixed.past_y)
     return additions

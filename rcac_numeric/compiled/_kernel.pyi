@@ -153,6 +153,7 @@ def controller(
     penalty: Array = ...,
     normalization: tuple[int, float, float] = ...,
     bounds: tuple[Array, Array, bool, int] = ...,
+    ellipsoid: tuple[Array, Array, bool, float, float] = ...,
     fixed: tuple[Array, Array] = ...,
     supervision: tuple[Any, ...] | None = ...,
     limits: tuple[Array, Array, Array, Array] = ...,

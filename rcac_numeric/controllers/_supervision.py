@@ -191,6 +191,8 @@ class SupervisionRecord(Truth):
         The largest growth of a variance over P(0), at any look; 0 before the first.
     is_frozen, in_fallback : bool
         Whether theta is held by the policy, and whether the fallback makes u.
+    radius : float
+        With `CertifiedBounds` the largest share of the radius that theta used, at any look.
 
     Examples
     --------
@@ -208,13 +210,14 @@ class SupervisionRecord(Truth):
     growth: float
     is_frozen: bool = False
     in_fallback: bool = False
+    radius: float = 0.0
 
     @classmethod
     def of(cls, noted: Sequence[Any]) -> SupervisionRecord:
         """Return the record of a compiled controller."""
-        counts, entries, growth, frozen, fallback = noted
+        counts, entries, growth, frozen, fallback, radius = noted
         if not counts:
-            return cls({}, (), growth, frozen, fallback)
+            return cls({}, (), growth, frozen, fallback, radius)
         names = (*TROUBLES, *ACTIONS)
         counts_of = {
             name: TroubleCount(*count)
@@ -222,7 +225,7 @@ class SupervisionRecord(Truth):
             if count[0]
         }
         events = tuple(SupervisionEvent(k, names[kind], value) for k, kind, value in entries)
-        return cls(counts_of, events, growth, frozen, fallback)
+        return cls(counts_of, events, growth, frozen, fallback, radius)
 
     def __str__(self) -> str:
         if not self.troubles:

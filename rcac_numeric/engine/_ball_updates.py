@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._definite_matrices import constant_weight
+from rcac_numeric.controllers._bounds import CertifiedBounds, kept_radii
 from rcac_numeric.controllers._forgetting import (
     ScheduledForgetting,
 )
@@ -36,6 +37,40 @@ def held(value: arb, low: float, high: float, k: int) -> arb:
     raise DivergedError(
         f"at step {k} a ball lies across a bound, {low:g} or {high:g}, so that the clamp is "
         f"undecided. Use more digits."
+    )
+
+
+CUTS, NEARLY = 4, 1e-6  # as in kernel/controller/coefficient_bounds.hpp
+
+
+def inside(
+    theta: arb_mat, bounds: CertifiedBounds, times: Callable[[arb_mat], arb_mat], k: int
+) -> arb_mat:
+    """Return theta moved into the ellipsoid: four cuts in the metric of P, then the radius."""
+    center, L = balls(bounds.center.reshape(-1, 1)), balls(bounds.factor)
+    limit, aim = map(arb, kept_radii(bounds))
+    delta = theta - center
+    v = L.solve(delta)
+    square = (v.transpose() * v)[0, 0]
+    if not _exceeds(square, limit**2, k):
+        return theta
+    for _ in range(CUTS):
+        if not _exceeds(square, limit**2 * (1 + arb(NEARLY)), k):
+            break
+        normal = L.transpose().solve(v)
+        moved = times(normal)
+        delta = delta - moved * ((square - limit**2) / (2 * (normal.transpose() * moved)[0, 0]))
+        v = L.solve(delta)
+        square = (v.transpose() * v)[0, 0]
+    return center + delta * (aim / square.sqrt())
+
+
+def _exceeds(value: arb, bound: arb, k: int) -> bool:
+    if value > bound or value <= bound:
+        return bool(value > bound)
+    raise DivergedError(
+        f"at step {k} a ball lies across the boundary of the ellipsoid of theta, so that the "
+        "projection is undecided. Use more digits."
     )
 
 
@@ -99,6 +134,9 @@ class BallUpdate(Protocol):
     def step(self, data: BallData, theta: arb_mat) -> arb_mat:
         """theta(k+1) from theta(k)."""
 
+    def times(self, x: arb_mat) -> arb_mat:
+        """P(k) x, for the gradient its step size times x."""
+
 
 def ball_update(update: Update, l_theta: int) -> BallUpdate:
     """An update in balls."""
@@ -157,6 +195,10 @@ class BallRecursion:
             self._P = self._P + self._noise
         return theta
 
+    def times(self, x: arb_mat) -> arb_mat:
+        """P(k) x."""
+        return self._P * x
+
     def _factor(self, k: int) -> float:
         if not isinstance(self._rule, ScheduledForgetting):
             return self._rule
@@ -176,6 +218,10 @@ class BallInstantaneous:
         """The minimiser of the cost of one step."""
         return _corrected(self._P, arb(1), data, theta)[0]
 
+    def times(self, x: arb_mat) -> arb_mat:
+        """P(0) x."""
+        return self._P * x
+
 
 class BallGradient:
     """A step down the slope of the cost of one step."""
@@ -191,6 +237,10 @@ class BallGradient:
         F = data.Phi_f
         slope = F.transpose() * (data.W * F * theta + data.R_z * data.residual)
         return theta - slope * self._step_size
+
+    def times(self, x: arb_mat) -> arb_mat:
+        """The step size times x."""
+        return x * self._step_size
 
 
 BALL_UPDATES: dict[type[Update], Callable[[Any, int], BallUpdate]] = {

@@ -16,6 +16,7 @@ from rcac_numeric.arrays._validation import integer, real_array, signal_array
 from rcac_numeric.compiled._controllers import require_parts
 from rcac_numeric.compiled._plants import initial_state, require_linear
 from rcac_numeric.compiled._updates import require_kind
+from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._weights import SignalWeight, Weight
@@ -24,6 +25,7 @@ from rcac_numeric.engine._ball_updates import (
     ball_update,
     balls,
     held,
+    inside,
     latest,
     normalized,
 )
@@ -155,7 +157,9 @@ class BallController:
             R_z, W = _diagonal(R_z, R), _diagonal(W, R)
         data = BallData(k, k - s.k_update, Phi_f, R_z, W, residual)
         self.theta = self._update.step(data, self.theta)
-        if s.bounds is not None:  # "clip" only: `require_supported` refuses "metric"
+        if isinstance(s.bounds, CertifiedBounds):
+            self.theta = inside(self.theta, s.bounds, self._update.times, k)
+        elif s.bounds is not None:  # "clip" only: `require_supported` refuses "metric"
             rows = zip(self.theta.entries(), *s.bounds.box(s.structure), strict=True)
             theta = [held(value, float(low), float(high), k) for value, low, high in rows]
             self.theta = arb_mat(len(theta), 1, theta)
@@ -257,7 +261,7 @@ def simulate_reference(
     InputError
         Where sizes do not fit, or for what the reference does not do: functions as plants or
         weights, several controllers, the sliding window, variable-rate forgetting, resets that
-        watch the run, pole reflection, bounds with method = "metric".
+        watch the run, pole reflection, `CoefficientBounds` with method = "metric".
     DivergedError
         Where the balls have lost every digit.
 
@@ -303,7 +307,8 @@ def require_supported(
         raise InputError("the reference learns no target model; give it one.")
     if controller.reflect_poles:
         raise InputError("the reference does not know reflect_poles; leave it out.")
-    if controller.bounds is not None and controller.bounds.method == "metric":
+    bounds = controller.bounds
+    if isinstance(bounds, CoefficientBounds) and bounds.method == "metric":
         raise InputError(
             'the reference does not know bounds with method = "metric"; use "clip", or leave them '
             "out."

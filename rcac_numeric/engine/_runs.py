@@ -27,7 +27,7 @@ from rcac_numeric.arrays._validation import (
 )
 from rcac_numeric.arrays._values import Value, replaced
 from rcac_numeric.arrays._wording import shortened
-from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -64,10 +64,10 @@ from rcac_numeric.targets._model import TargetModel
 
 # Classes that the file of a run may contain; no other class is constructed from a file.
 RECORDS = Records(
-    AppliedChange, CappedForgetting, CoefficientBounds, Compensator, ControllerChange,
-    ControllerSettings, Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal,
-    FixedController, GainSchedule, Gradient, Instantaneous, JointUD, Normalization, Plant,
-    PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting, SignalWeight,
+    AppliedChange, CappedForgetting, CertifiedBounds, CoefficientBounds, Compensator,
+    ControllerChange, ControllerSettings, Covariance, CovarianceReset, DataDriven, Decentralized,
+    DerivedSignal, FixedController, GainSchedule, Gradient, Instantaneous, JointUD, Normalization,
+    Plant, PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting, SignalWeight,
     SlidingWindow, Structure, SubspaceForgetting, SupervisionEvent, SupervisionRecord, Tap,
     TargetModel, TroubleCount, UD, VariableRateForgetting,
 )  # fmt: skip

@@ -167,9 +167,19 @@ def additions(draw, l_u, l_e, l_theta):
         "penalty": 0.1 * np.eye(l_u),
         "normalization": (draw(st.integers(1, 5)), 2.0, 1.0),
         "bounds": (-np.ones(l_theta), np.ones(l_theta), draw(st.booleans()), 9),
+        "ellipsoid": (
+            np.zeros(l_theta),
+            0.1 * np.tri(l_theta),
+            draw(st.booleans()),
+            1 - 1e-12,
+            1 - 2e-12,
+        ),
         "fixed": (np.full((1, l_u, l_u), 0.1), np.full((2, l_u, l_e), 0.2)),
     }
-    return {name: every[name] for name in draw(st.sets(st.sampled_from(sorted(every))))}
+    chosen = draw(st.sets(st.sampled_from(sorted(every))))
+    if "bounds" in chosen:  # a box or an ellipsoid
+        chosen = chosen - {"ellipsoid"}
+    return {name: every[name] for name in sorted(chosen)}
 
 
 def segment(rng, n, l_u, l_w, l_y, l_z):

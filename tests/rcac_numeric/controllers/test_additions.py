@@ -17,12 +17,19 @@ from tests.support.strategies import seeds, sizes
 
 PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
 FIXED = rn.Compensator([[[0.5]], [[-0.1]]], [[[0.0]], [[-0.2]], [[0.1]]])
+
+
+def ellipsoid(size):
+    return rn.CertifiedBounds(np.zeros(size), 0.04 * np.eye(size) + 0.01 * np.tri(size))
+
+
 ADDITIONS = {
     "R_u_unfiltered": {"R_u_unfiltered": 0.3},
     "z_normalization": {"z_normalization": rn.Normalization(limit=0.5)},
     "row weight": {"R_z": rn.SignalWeight(constant=1.0, nu=0.7)},
     "metric": {"bounds": rn.CoefficientBounds(-0.05, 0.05)},
     "clip": {"bounds": rn.CoefficientBounds(-0.05, 0.05, method="clip")},
+    "ellipsoid": {"bounds": ellipsoid(6)},
     "fixed": {"fixed": FIXED},
     "all": {
         "R_u_unfiltered": 0.3,
@@ -67,6 +74,10 @@ def additions(draw, settings):
     if draw(st.booleans()):
         size = np.abs(settings.theta_0).max(initial=0.0) + draw(st.floats(0.01, 0.5))
         more["bounds"] = rn.CoefficientBounds(-size, size, method="clip")
+        if draw(st.booleans()):
+            L = np.tril(rng.uniform(-size, size, (s.l_theta, s.l_theta)), -1) / s.l_theta
+            L += np.diag(size * rng.uniform(0.2, 1.0, s.l_theta))
+            more["bounds"] = rn.CertifiedBounds(settings.theta_0, L)
     if draw(st.booleans()):
         n, inputs = draw(st.integers(0, 2)), s.l_y + s.l_r
         P, Q = rng.standard_normal((n, s.l_u, s.l_u)), rng.standard_normal((n + 1, s.l_u, inputs))
@@ -110,7 +121,10 @@ def test_the_engine_follows_the_reference(data, l_u, l_y, l_z, rule, filter_form
 @pytest.mark.parametrize("name", ADDITIONS)
 def test_a_run_cut_in_two_is_the_run(name, update, structure):
     table = {"iir": rn.iir(3), "pid": rn.pid(k_c=0, integral_limit=0.4)}
-    settings = settings_of(structure=table[structure], update=UPDATES[update], **ADDITIONS[name])
+    more = ADDITIONS[name]
+    if name == "ellipsoid":
+        more = {"bounds": ellipsoid(table[structure].l_theta)}
+    settings = settings_of(structure=table[structure], update=UPDATES[update], **more)
     w = noise(5, 80, 1)
     whole = rn.simulate(PLANT, settings, w)
     plain = rn.simulate(PLANT, settings_of(structure=settings.structure, update=settings.update), w)
