@@ -30,10 +30,11 @@ struct BoundsPlan {
 class Ellipsoid {
 public:
     explicit Ellipsoid(const EllipsoidPlan& plan)
-        : plan_(plan), n_(plan.center.size()), columns_(n_ * n_), delta_(n_), v_(n_), row_(n_),
-          moved_(n_), near_(n_) {
+        : plan_(plan), n_(plan.center.size()), columns_(n_ * n_), inverse_(n_), delta_(n_), v_(n_),
+          row_(n_), moved_(n_), near_(n_) {
         for (std::size_t i = 0; i < n_; ++i)
             for (std::size_t j = 0; j <= i; ++j) columns_[j * n_ + i] = plan_.L[i * n_ + j];
+        for (std::size_t i = 0; i < n_; ++i) inverse_[i] = 1.0 / plan_.L[i * n_ + i];
     }
 
     bool is_there() const { return n_ > 0; }
@@ -73,9 +74,13 @@ private:
 
     // Whether theta has moved by less than lay between the last known radius and the limit.
     bool is_near(const std::vector<double>& theta) const {
-        double move = 0.0;
-        for (std::size_t i = 0; i < n_; ++i) move += plan_.reach[i] * std::fabs(theta[i] - near_[i]);
-        return move <= slack_;
+        double moves[4] = {};
+        std::size_t i = 0;
+        for (; i + 4 <= n_; i += 4)
+            for (std::size_t c = 0; c < 4; ++c)
+                moves[c] += plan_.reach[i + c] * std::fabs(theta[i + c] - near_[i + c]);
+        for (; i < n_; ++i) moves[0] += plan_.reach[i] * std::fabs(theta[i] - near_[i]);
+        return moves[0] + moves[1] + (moves[2] + moves[3]) <= slack_;
     }
 
     double locate(const std::vector<double>& theta) {
@@ -88,7 +93,7 @@ private:
         v_ = delta_;
         for (std::size_t j = 0; j < n_; ++j) {
             const double* column = columns_.data() + j * n_;
-            const double v = v_[j] / column[j];
+            const double v = v_[j] * inverse_[j];
             v_[j] = v;
             for (std::size_t i = j + 1; i < n_; ++i) v_[i] -= column[i] * v;
         }
@@ -103,8 +108,9 @@ private:
         for (int made = 0; made < cuts && square > limit * (1.0 + nearly); ++made) {
             for (std::size_t i = n_; i-- > 0;) {
                 const double* row = plan_.L.data() + i * n_;
-                v_[i] /= row[i];
-                for (std::size_t j = 0; j < i; ++j) v_[j] -= row[j] * v_[i];
+                const double normal = v_[i] * inverse_[i];
+                v_[i] = normal;
+                for (std::size_t j = 0; j < i; ++j) v_[j] -= row[j] * normal;
             }
             update.covariance_times(v_.data(), row_.data());
             double size = 0.0;
@@ -127,7 +133,7 @@ private:
 
     EllipsoidPlan plan_;
     std::size_t n_;
-    std::vector<double> columns_, delta_, v_, row_, moved_;
+    std::vector<double> columns_, inverse_, delta_, v_, row_, moved_;
     std::vector<double> near_;  // theta at the last look
     double slack_ = -1.0;       // that was left there; negative: not known
 };

@@ -196,6 +196,10 @@ static void look(rcac_state *s) {
     } else {
         for (j = 0; j < N; ++j) s->good[j] = s->theta[j];
     }
+#if RCAC_ELLIPSOID
+    growth = rcac_radius(s);
+    if (growth > s->worst_radius) s->worst_radius = growth;
+#endif
 }
 
 /* What is given of y or r, and what was known last of the rest; 1 where something was missing. */
@@ -572,7 +576,7 @@ static void project(rcac_state *s) {
 }
 #endif
 
-static void bound(rcac_state *s) {
+static void bound_in_box(rcac_state *s) {
     int i;
     if (keeps_bounds(s)) return;
 #if RCAC_SWEEPS
@@ -583,6 +587,103 @@ static void bound(rcac_state *s) {
     for (i = 0; i < N; ++i) s->carry[i] = 0;
 #endif
     ++s->bounded;
+}
+#endif
+
+#if RCAC_ELLIPSOID
+/* theta = center + L v with |v| <= 1; the factor row by row, with the inverse of its diagonal there. */
+
+/* v = L^{-1} delta; its square. */
+static rcac_real substitute(const rcac_real *delta, rcac_real *v) {
+    const rcac_real *row = rcac_factor;
+    rcac_real square = 0;
+    int i, j;
+    for (i = 0; i < N; ++i) {
+        v[i] = delta[i];
+        for (j = 0; j < i; ++j) v[i] -= row[j] * v[j];
+        v[i] *= row[i];
+        row += i + 1;
+    }
+    for (i = 0; i < N; ++i) square += v[i] * v[i];
+    return square;
+}
+
+static rcac_real locate(const rcac_real *theta, rcac_real *delta, rcac_real *v) {
+    int i;
+    for (i = 0; i < N; ++i) delta[i] = theta[i] - rcac_center[i];
+    return substitute(delta, v);
+}
+
+/* P x with P = U D U'; a sum over a column runs in eight parts up to a multiple of eight. */
+static void covariance_times(rcac_state *s, const rcac_real *x, rcac_real *product) {
+    int m, i, c;
+    for (m = 0; m < N; ++m) {
+        const rcac_real *U = column(s, m);
+        rcac_real part[8] = {0, 0, 0, 0, 0, 0, 0, 0}, sum;
+        const int own = m / 8 * 8;
+        for (i = 0; i < own; i += 8)
+            for (c = 0; c < 8; ++c) part[c] += U[i + c] * x[i + c];
+        sum = x[m] + (((part[0] + part[1]) + (part[2] + part[3])) +
+                      ((part[4] + part[5]) + (part[6] + part[7])));
+        for (i = own; i < m; ++i) sum += U[i] * x[i];
+        product[m] = s->D[m] * sum;
+    }
+    for (m = 0; m < N; ++m) {
+        const rcac_real *U = column(s, m), weight = product[m];
+        for (i = 0; i < m; ++i) product[i] += U[i] * weight;
+    }
+}
+
+/* With n = M^{-1} delta the half-space n't <= (e^2 + limit) / 2 holds the ellipsoid, and the nearest
+ * point of it in the metric of P is delta - P n (e^2 - limit) / (2 n'Pn): four times. */
+static rcac_real cut(rcac_state *s, rcac_real *delta, rcac_real *v, rcac_real square, rcac_real limit) {
+    rcac_real row[N], size, step;
+    int made, i, j;
+    for (made = 0; made < 4 && square > limit * (1 + RCAC_NUMBER(1e-6)); ++made) {
+        for (i = N; i-- > 0;) {
+            const rcac_real *L = rcac_factor + i * (i + 1) / 2;
+            v[i] *= L[i];
+            for (j = 0; j < i; ++j) v[j] -= L[j] * v[i];
+        }
+        covariance_times(s, v, row);
+        size = 0;
+        for (i = 0; i < N; ++i) size += v[i] * row[i];
+        step = (square - limit) / (2 * size);
+        if (!(size > 0) || !is_finite(step)) return square; /* rounding left P no metric */
+        for (i = 0; i < N; ++i) delta[i] -= step * row[i];
+        square = substitute(delta, v);
+    }
+    return square;
+}
+
+static void bound_in_ellipsoid(rcac_state *s) {
+    const rcac_real limit = rcac_radii[0] * rcac_radii[0], aim = rcac_radii[1];
+    rcac_real delta[N], moved[N], v[N], largest = 0, give = 1 - aim, scale = 0;
+    rcac_real square = locate(s->theta, moved, v);
+    int attempt, i;
+    if (square <= limit) return;
+    ++s->bounded;
+#if RCAC_CARRY
+    for (i = 0; i < N; ++i) s->carry[i] = 0;
+#endif
+    square = cut(s, moved, v, square, limit);
+    if (!is_finite(square)) { /* the direction alone */
+        for (i = 0; i < N; ++i)
+            if (magnitude(moved[i]) > largest) largest = magnitude(moved[i]);
+        for (i = 0; i < N; ++i) moved[i] /= largest;
+        square = substitute(moved, v);
+    }
+    if (is_finite(square)) {
+        scale = aim / RCAC_SQRT(square);
+        if (scale > 1) scale = 1;
+    }
+    for (attempt = 0; attempt < 8 && scale > 0; ++attempt) { /* with what rounding does to theta */
+        for (i = 0; i < N; ++i) s->theta[i] = rcac_center[i] + scale * moved[i];
+        if (locate(s->theta, delta, v) <= limit) return;
+        scale *= 1 - give;
+        give += give;
+    }
+    for (i = 0; i < N; ++i) s->theta[i] = rcac_center[i];
 }
 #endif
 
@@ -813,7 +914,10 @@ static int update(rcac_state *s, const rcac_real *z) {
     inflate(s);
 #endif
 #if RCAC_BOUNDS
-    bound(s);
+    bound_in_box(s);
+#endif
+#if RCAC_ELLIPSOID
+    bound_in_ellipsoid(s);
 #endif
     return 1;
 }
@@ -1244,6 +1348,16 @@ int rcac_status(const rcac_state *s) {
 int64_t rcac_guard_count(const rcac_state *s) {
 #if RCAC_ADAPTS
     return s->guard_count;
+#else
+    (void)s;
+    return 0;
+#endif
+}
+
+rcac_real rcac_radius(const rcac_state *s) {
+#if RCAC_ELLIPSOID
+    rcac_real delta[N], v[N];
+    return RCAC_SQRT(locate(s->theta, delta, v));
 #else
     (void)s;
     return 0;

@@ -90,6 +90,9 @@ typedef struct {
     rcac_trouble troubles[RCAC_TROUBLES];
     int64_t unapplied; /* steps in a row */
     rcac_real worst_growth;
+#if RCAC_ELLIPSOID
+    rcac_real worst_radius; /* the largest share of the ellipsoid's radius at a look */
+#endif
     rcac_real good[RCAC_L_THETA]; /* theta of the last look at which P was not wound up */
     rcac_real z[RCAC_L_Z];        /* of the last step */
     rcac_real held[RCAC_L_U];     /* u of the last step as it was applied */
@@ -138,6 +141,8 @@ int rcac_restore(rcac_state *s, const unsigned char *bytes); /* RCAC_REFUSED: no
  * rcac_init is s->troubles. */
 int rcac_status(const rcac_state *s);
 int64_t rcac_guard_count(const rcac_state *s);
+/* The share of its ellipsoid's radius that theta uses, at most 1; 0 where theta is kept in none. */
+rcac_real rcac_radius(const rcac_state *s);
 
 /* 0 where the compiler rounds as the language says; else bits: 1 sums are reordered, 2 products are
  * contracted, 4 NaN is not told from numbers, 8 numbers have more digits than their type, 16 what is

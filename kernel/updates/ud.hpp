@@ -151,20 +151,20 @@ public:
         }
     }
 
-    // U (D (U' x)); every sum runs upwards, a tile's eight side by side.
+    // U (D (U' x)); a sum over a column runs in eight parts through the tiles above its own.
     void covariance_times(const double* x, double* product) const override {
-        for (std::size_t J = 0; J < n_; J += tile_size) {
-            const std::size_t count = std::min(tile_size, n_ - J);
-            double sums[tile_size] = {};
-            std::copy_n(x + J, count, sums);
-            for (std::size_t i = 0; i < J; ++i) {
-                const double* row = U_.data() + place_in_tiles(i, J);
-                for (std::size_t c = 0; c < tile_size; ++c) sums[c] += row[c * tile_size] * x[i];
+        for (std::size_t m = 0; m < n_; ++m) {
+            const std::size_t J = m / tile_size * tile_size;
+            double parts[tile_size] = {};
+            for (std::size_t I = 0; I < J; I += tile_size) {
+                const double* column = U_.data() + place_in_tiles(I, m);
+                for (std::size_t i = 0; i < tile_size; ++i) parts[i] += column[i] * x[I + i];
             }
-            for (std::size_t c = 0; c < count; ++c) {
-                for (std::size_t i = J; i < J + c; ++i) sums[c] += u(i, J + c) * x[i];
-                product[J + c] = D_[J + c] * sums[c];
-            }
+            double sum = x[m] + ((parts[0] + parts[1]) + (parts[2] + parts[3]) +
+                                 ((parts[4] + parts[5]) + (parts[6] + parts[7])));
+            const double* own = U_.data() + place_in_tiles(J, m);
+            for (std::size_t i = J; i < m; ++i) sum += own[i - J] * x[i];
+            product[m] = D_[m] * sum;
         }
         for (std::size_t m = 0; m < n_; ++m) {
             const double weight = product[m];
@@ -173,7 +173,8 @@ public:
                 const double* column = U_.data() + place_in_tiles(I, m);
                 for (std::size_t i = 0; i < tile_size; ++i) product[I + i] += column[i] * weight;
             }
-            for (std::size_t i = J; i < m; ++i) product[i] += u(i, m) * weight;
+            const double* own = U_.data() + place_in_tiles(J, m);
+            for (std::size_t i = J; i < m; ++i) product[i] += own[i - J] * weight;
         }
     }
 

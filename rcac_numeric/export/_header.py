@@ -11,7 +11,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays._validation import one_of
 from rcac_numeric.export._recording import Recording
-from rcac_numeric.export._tables import CoreTables, Pairs, whitening
+from rcac_numeric.export._tables import CoreTables, Pairs, ellipsoid_constants, whitening
 
 REALS = ("float64", "float32")
 
@@ -131,6 +131,7 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "FIXED_ORDER": t.fixed_order,
         "BOUNDS": int(t.bounds is not None),
         "SWEEPS": t.bounds[2] if t.bounds else 0,
+        "ELLIPSOID": int(t.ellipsoid is not None),
         "TOLERANCE": "5e-7f" if single else "1e-15",
         "NOISE": len(t.noise) // t.l_theta,
         "EVENTS": len(t.events),
@@ -141,7 +142,10 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "TRACE_BELOW_RULE": int(trace_below > 0),
         "GROWTH_RULE": int(growth > 0),
         "RESET_SHORT": short, "RESET_LONG": long,
-        "NEEDS_ROOT": int(t.power_window > 0 or t.varying_weights or t.normalization[0] == 2),
+        "NEEDS_ROOT": int(
+            t.power_window > 0 or t.varying_weights or t.normalization[0] == 2
+            or t.ellipsoid is not None
+        ),
         "DENSE_P_0": int(bool(t.U_0)),
         "CARRY": int(single), "CAP": int(single and t.forgets),
         "SUPERVISED": int(t.supervision is not None),
@@ -192,6 +196,16 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
     if t.bounds:
         out.numbers("least", t.bounds[0])
         out.numbers("most", t.bounds[1])
+    if t.ellipsoid is not None:
+        center, factor, radii = ellipsoid_constants(t.ellipsoid, out.real)
+        if not t.ellipsoid.contains([float(out.real(v)) for v in t.theta_0]):
+            raise InputError(
+                f"theta_0, rounded to {np.dtype(out.real)}, is outside the CertifiedBounds; start "
+                "inside, for example at theta_0 = center."
+            )
+        out.numbers("center", center)
+        out.numbers("factor", factor)
+        out.numbers("radii", radii)
     if t.supervision:
         out.numbers("windup", [t.supervision[0], t.supervision[1]])
     out.numbers("noise", t.noise)

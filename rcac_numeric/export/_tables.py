@@ -18,6 +18,7 @@ from rcac_numeric.arrays._validation import integer
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._controllers import kernel_arguments
 from rcac_numeric.compiled._updates import require_kind
+from rcac_numeric.controllers._bounds import CertifiedBounds, kept_radii
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -60,6 +61,7 @@ class CoreTables:
     normalization : (number of the function, limit, slope)
     bounds : (low, high, sweeps) or None
         With sweeps = 0 entry by entry.
+    ellipsoid : CertifiedBounds or None
     forgetting : (short, long, gain, smallest)
     reset : (every, trace_below, growth, short, long)
     events : of (step, number of the kind, value)
@@ -90,6 +92,7 @@ class CoreTables:
     penalty: Numbers
     normalization: tuple[int, float, float]
     bounds: tuple[Numbers, Numbers, int] | None
+    ellipsoid: CertifiedBounds | None
     past_v: Numbers
     past_e: Numbers
     low: Numbers
@@ -190,7 +193,8 @@ class CoreTables:
             trouble = type("Trouble", (ctypes.Structure,), {
                 "_fields_": [("counts", i64 * 4), ("worst", number)]
             })  # fmt: skip
-            fields += [(trouble, 5), (i64, 1), (number, 1 + n + self.l_z + l_u), (i32, 3)]
+            looks = 1 + (self.ellipsoid is not None)
+            fields += [(trouble, 5), (i64, 1), (number, looks + n + self.l_z + l_u), (i32, 3)]
         members = [(f"_{i}", kind * count) for i, (kind, count) in enumerate(fields) if count]
         state = type("State", (ctypes.Structure,), {"_fields_": members})
         numbers = (
@@ -198,7 +202,10 @@ class CoreTables:
             self.noise, self.past_v, self.past_e,
         )  # fmt: skip
         pairs = len(self.regressor) + len(self.channels) + len(self.filtered) * self.adapts
-        constants = ctypes.sizeof(number) * sum(map(len, numbers)) + 4 * pairs
+        count = sum(map(len, numbers))
+        if self.ellipsoid is not None:
+            count += n + n * (n + 1) // 2 + 2
+        constants = ctypes.sizeof(number) * count + 4 * pairs
         return ctypes.sizeof(state), constants
 
     def operations(self) -> tuple[int, int]:
@@ -214,7 +221,13 @@ class CoreTables:
         filtered = len(self.channels) * block * taps
         inflated = len(self.noise) // n * (n * (n - 1) + 3 * n)
         divisions = self.rows * (2 * n + 1) + (n if self.forgets else 0) + len(self.noise) * 2
-        return control + filtered + self.rows * (row + whitened) + inflated, divisions
+        kept = 0
+        if (
+            self.ellipsoid is not None
+        ):  # where theta is outside: four cuts, and a look at the result
+            look = n * (n + 1) // 2 + 2 * n
+            kept, divisions = 2 * look + 4 * (n * n + 2 * look), divisions + 6
+        return control + filtered + self.rows * (row + whitened) + inflated + kept, divisions
 
     def stack(self, real: str) -> int:
         """Bytes of the stack that a step takes, about: its arrays, and what calls and registers do.
@@ -329,6 +342,9 @@ def _read(arguments: dict[str, Any], live_order: int | None, more: dict[str, Any
         bounds=None
         if not len(low)
         else (_numbers(low), _numbers(high), int(sweeps) if in_metric else 0),
+        ellipsoid=CertifiedBounds(*arguments["ellipsoid"][:2])
+        if "ellipsoid" in arguments
+        else None,
         past_v=_numbers(past_v),
         past_e=_numbers(past_e),
         lambda_=float(lambda_),
@@ -375,6 +391,33 @@ def _factors(P_0: Array) -> tuple[Numbers, Numbers]:
             for m in range(i + 1):
                 P[m][i] -= U[m][j] * D[j] * U[i][j]
     return tuple(U[i][j] for j in range(n) for i in range(j)), tuple(D)
+
+
+LEAST_KEPT = 0.9  # share of the radius that the core may lose to its numbers
+
+
+def ellipsoid_constants(bounds: CertifiedBounds, real: type) -> tuple[Numbers, Numbers, Numbers]:
+    """Return center, factor and (limit, aim) of an ellipsoid in the numbers of the core.
+
+    The factor is packed row by row, with the inverse of its diagonal. In float32 center and factor
+    are rounded, and the rounded ellipsoid is smaller by the share that keeps it in the exact one.
+    """
+    center: Any = bounds.center.astype(real)
+    factor: Any = bounds.factor.astype(real)
+    rows = [np.append(row[:i], 1 / row[i]) for i, row in enumerate(factor)]
+    share = 1.0
+    if real is not np.float64:
+        moved = float(bounds.radius_of(center.astype(np.float64)))
+        mapped = np.linalg.solve(bounds.factor, factor.astype(np.float64))
+        share = (1 - moved) / float(np.linalg.norm(mapped, 2))
+        bounds = CertifiedBounds(center, factor)
+    limit, aim = (share * radius for radius in kept_radii(bounds, float(np.finfo(real).eps)))
+    if not aim >= LEAST_KEPT:
+        raise InputError(
+            f"{np.dtype(real)} keeps {max(aim, 0):.2g} of the radius of CertifiedBounds, and "
+            f'{LEAST_KEPT} is needed: its axes are too unequal. Export with real = "float64".'
+        )
+    return _numbers(center), _numbers(np.concatenate(rows)), (limit, aim)
 
 
 def whitening(tables: CoreTables) -> tuple[Numbers, Numbers]:

@@ -69,8 +69,10 @@ def core_settings(draw, strictly_proper=False, **fixed):
         more |= {} if weight is None else {name: weight}
     settings = draw(settings_for(structure, l_z, **more | fixed))
     theta_0 = settings.theta_0
-    bounds = draw(st.one_of(st.none(), st.none(), box))
-    if bounds is not None:
+    L = np.tril(rng.uniform(-0.1, 0.1, (size, size)), -1) + np.diag(0.1 + 0.2 * rng.random(size))
+    ellipsoid = st.just(rn.CertifiedBounds(theta_0, L))
+    bounds = draw(st.one_of(st.none(), st.none(), box, ellipsoid))
+    if isinstance(bounds, rn.CoefficientBounds):
         theta_0 = np.clip(theta_0, *bounds.box(structure))
     changes = {}
     if "target_changes" not in fixed and draw(st.integers(0, 3)) == 0:
