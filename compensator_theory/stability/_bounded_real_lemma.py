@@ -1,0 +1,115 @@
+"""The strict bounded real lemma in discrete time: a matrix P, and the exact check of P."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import flint
+
+from compensator_theory.matrices._definiteness import is_positive_definite
+from compensator_theory.polynomials._ball_precision import ball_precision
+
+BITS = 448
+"""Bits of the balls whose midpoints the doubling takes."""
+
+DOUBLINGS = 60
+"""Largest number of doublings: 2^60 steps."""
+
+SETTLED = flint.arb(2) ** -300
+"""Relative change of the diagonal of P below which the doubling ends."""
+
+
+@dataclass(frozen=True)
+class GainBound:
+    r"""The bound :math:`T(z)^* T(z) < R` on the circle abs(z) = rate, T(z) = C (zI - A)^-1 B.
+
+    For R = I and rate = 1 it is an H-infinity norm below 1. It holds with every pole of A inside
+    that circle if and only if there is P > 0 with
+
+    .. math:: \begin{bmatrix} a^2 P - A'PA - a^2 C'C & -A'PB \\
+              -B'PA & a^2 R - B'PB \end{bmatrix} > 0, \qquad a = \mathrm{rate}
+
+    Attributes
+    ----------
+    A, B, C, R : flint.fmpq_mat
+        Sizes n x n, n x m, p x n and m x m; R symmetric and positive definite.
+    rate : flint.fmpq
+
+    Notes
+    -----
+    Source: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control (1996), lemma 21.9. P > 0
+    implies the bound and stability for every realisation; the converse holds for every strict one.
+    """
+
+    A: flint.fmpq_mat
+    B: flint.fmpq_mat
+    C: flint.fmpq_mat
+    R: flint.fmpq_mat
+    rate: flint.fmpq
+
+    def matrix(self, P: flint.fmpq_mat) -> flint.fmpq_mat:
+        """Return the matrix of the lemma, (n + m) x (n + m)."""
+        n, m, square = self.A.nrows(), self.B.ncols(), self.rate**2
+        rows = self.A.transpose() * P
+        inner = P * square - rows * self.A - (self.C.transpose() * self.C) * square
+        mixed = rows * self.B
+        outer = self.R * square - self.B.transpose() * P * self.B
+        entries = []
+        for row, beside in zip(inner.tolist(), mixed.tolist(), strict=True):
+            entries += row + [-entry for entry in beside]
+        for beside, row in zip(mixed.transpose().tolist(), outer.tolist(), strict=True):
+            entries += [-entry for entry in beside] + row
+        return flint.fmpq_mat(n + m, n + m, entries)
+
+    def is_proved_by(self, P: flint.fmpq_mat) -> bool:
+        """Whether P is positive definite, and the matrix of the lemma as well; exact."""
+        n = self.A.nrows()
+        if (P.nrows(), P.ncols()) != (n, n) or P.transpose() != P:
+            return False
+        return is_positive_definite(P) and is_positive_definite(self.matrix(P))
+
+    def certificate(self, slacks: tuple[float, ...] = (1e-22, 1e-27)) -> flint.fmpq_mat | None:
+        """Return a P that proves the bound, of dyadic rationals; None where none was found.
+
+        P solves the Riccati equation of the lemma with C'C + slack I in place of C'C, the slack
+        relative to the mean of the diagonal. None says nothing about the bound.
+        """
+        diagonal = self.C.transpose() * self.C
+        n = max(self.A.nrows(), 1)
+        mean = sum((diagonal[i, i] for i in range(self.A.nrows())), flint.fmpq(0)) / n
+        for slack in slacks:
+            P = self._riccati_solution(flint.arb(slack) * (flint.arb(mean) if mean else 1))
+            if P is not None and self.is_proved_by(P):
+                return P
+        return None
+
+    def _riccati_solution(self, slack: flint.arb) -> flint.fmpq_mat | None:
+        """Solve P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack I by doubling, rounded to BITS.
+
+        Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396 (2005) 55-80.
+        """
+        n = self.A.nrows()
+        with ball_precision(BITS):
+            identity = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+            scale = flint.arb(1) / flint.arb(self.rate)
+            A, B = flint.arb_mat(self.A) * scale, flint.arb_mat(self.B) * scale
+            C = flint.arb_mat(self.C)
+            G = (-(B * flint.arb_mat(self.R.inv()) * B.transpose())).mid()
+            H = (C.transpose() * C + identity * slack).mid()
+            A = A.mid()
+            for _ in range(DOUBLINGS):
+                try:
+                    within = (identity + G * H).inv().mid()
+                except ZeroDivisionError:  # its ball holds a singular matrix
+                    return None
+                forward = within * A
+                added = (A.transpose() * H * forward).mid()
+                G = (G + A * within * G * A.transpose()).mid()
+                H = ((H + added + (H + added).transpose()) / 2).mid()
+                A = (A * forward).mid()
+                if not all(H[i, i] > 0 for i in range(n)):
+                    return None
+                if all(abs(added[i, i]) <= SETTLED * H[i, i] for i in range(n)):
+                    upper = [H[min(i, j), max(i, j)].fmpq() for i in range(n) for j in range(n)]
+                    return flint.fmpq_mat(n, n, upper)
+        return None
