@@ -5,6 +5,8 @@ from . import identification as identification
 from . import plots as plots
 from . import results as results
 from . import targets as targets
+from .analysis._certified_set import certified_set as certified_set
+from .analysis._certified_tail import certified_from as certified_from
 from .analysis._classical import stability_margins as stability_margins
 from .analysis._closed_loop import ClosedLoop as ClosedLoop
 from .analysis._conversion import compensator_from_state_space as compensator_from_state_space

@@ -1,5 +1,8 @@
 from .analysis._agreement import ExactAgreement as ExactAgreement
 from .analysis._boundaries import StabilityBoundary as StabilityBoundary
+from .analysis._certified_set import CertifiedMember as CertifiedMember
+from .analysis._certified_set import CertifiedSet as CertifiedSet
+from .analysis._certified_tail import CertifiedTail as CertifiedTail
 from .analysis._classical import Margins as Margins
 from .analysis._continuous_equations import ContinuousSolution as ContinuousSolution
 from .analysis._conversion import ConversionCertificate as ConversionCertificate

@@ -256,6 +256,15 @@ class Design(Result):
         return _no_room(self.saturation, self.model, self.expected, self.runs[FIXED].w)
 
     @property
+    def family(self) -> dict[str, Plant]:
+        """The plants of the uncertainty by name, as `plant` is of the nominal one.
+
+        What `certified_set` takes as its uncertainty.
+        """
+        changes = variations(self.model, self.uncertainty)
+        return {v.name: self.model.servo(v) for v in changes[1:] if v.noise == 1}
+
+    @property
     def frozen(self) -> ControllerSettings:
         """The fixed controller as RCAC without updates of theta(0), for `Controller` and exports.
 

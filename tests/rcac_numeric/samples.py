@@ -78,6 +78,17 @@ def compensator(seed):
     return rcac.Compensator([[[-0.1 * np.tanh(random(seed)[()])]]], [[[0.0]], [[-0.1]]])
 
 
+def adapting(seed):
+    return rcac.ControllerSettings(
+        structure=rcac.iir(1), target=target(seed), update=rcac.UD(1e3),
+        theta_0=[0.1, -float(fraction(seed)) / 4],
+    )  # fmt: skip
+
+
+def certified(seed):
+    return rcac.certified_set("1/(q - 0.5)", adapting(seed))
+
+
 def target(seed):
     return rcac.TargetModel([0.0, *random(seed, 2)], [1.0, 0.0, 0.25])
 
@@ -368,6 +379,11 @@ SAMPLES = {
     # margins, costs
     results.Margins: lambda seed: rcac.stability_margins(loop(seed)),
     results.DiskMargin: lambda seed: rcac.multivariable_disk_margin(loop(seed)),
+    results.CertifiedSet: certified,
+    results.CertifiedTail: lambda seed: rcac.certified_from(
+        rcac.simulate("1/(q - 0.5)", adapting(seed), random(seed, 20, 1))
+    ),
+    results.CertifiedMember: lambda seed: certified(seed).members[0],
     results.StabilityBoundary: lambda seed: results.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
     results.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),
     rcac.LQG: lambda seed: rcac.lqg_controller(exact_plant(seed)),

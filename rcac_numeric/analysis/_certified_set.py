@@ -1,0 +1,586 @@
+"""A set of coefficients in which no motion destabilises the loop, proved exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import ArrayLike
+
+from compensator_theory import figures
+from compensator_theory.errors import IllConditionedError, InputError, NoSolutionError
+from compensator_theory.stability._bounded_real_lemma import GainBound
+from rcac_numeric.analysis._ellipsoids import largest_for_matrices, responses_on_grid
+from rcac_numeric.analysis._peaks import hinf_norm
+from rcac_numeric.analysis._regressor_system import (
+    RegressorSystem,
+    exact,
+    rational_matrix,
+    regressor_system,
+)
+from rcac_numeric.analysis._stability import is_schur_stable
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._showing import notebook_of, report_of
+from rcac_numeric.arrays._validation import instance_of, number, one_of
+from rcac_numeric.arrays._values import Result
+from rcac_numeric.controllers._bounds import CertifiedBounds, coefficient_names
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.plants._foreign import agreed_times, linear_plant
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule
+
+SHAPES = ("prior", "volume")
+MARGINS = (1e-4, 1e-3, 1e-2, 0.1)  # shares of the radius that the exact check may cost
+CAPPED = 0.98  # least norm that is scaled to 1; below it the caps bound the set
+CAP = 3.0  # of the largest coefficient of a signal: half of the longest interval
+DEPENDENT = 1e-9  # of the largest singular value, below which a direction counts as dependent
+SMALL, TERMS = 1e-3, 8  # of a direction: entries that are left out, and those written at most
+RATES = (1.0, 0.99, 0.98, 0.95, 0.9, 0.8)
+Storage = tuple[tuple[Fraction, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CenteredLoop:
+    """The loop of the center in float64: A = A_o + B Theta_0 C, and T = C (zI - A)^-1 B."""
+
+    A: Array
+    B: Array
+    C: Array
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest modulus of a computed pole."""
+        return float(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0))
+
+    def peak(self, K: Array, scale: Array, rate: float) -> float:
+        """Return sup |K' T R^-1/2| on |z| = rate; infinite where a pole lies outside."""
+        if not self.spectral_radius < rate:
+            return np.inf
+        C = K.T @ self.C
+        none = np.zeros((len(C), len(scale)))
+        return hinf_norm((self.A / rate, self.B * scale / rate, C, none))[0]
+
+    def responses(self, rate: float) -> ComplexArray:
+        """Return T on a grid of |z| = rate."""
+        return responses_on_grid(self.A / rate, self.B / rate, self.C)
+
+
+def centered_loop(system: RegressorSystem, center: Array) -> CenteredLoop:
+    """Return the loop of the center, each entry rounded once."""
+    return CenteredLoop(system.loop_matrix(center), system.inputs, system.outputs)
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedMember(Result):
+    """One plant of a certified set with its certificate.
+
+    Attributes
+    ----------
+    name : str
+    plant : Plant
+    P : tuple of tuples of Fraction, n x n
+        Of the bounded real lemma: x'Px decreases at every step, whatever theta in the set is. x is
+        the state of the plant, then past u, y and derived signals, and those of a fixed
+        compensator in parallel.
+    """
+
+    name: str
+    plant: Plant
+    P: Storage = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedSet(Result):
+    """An ellipsoid of coefficients: theta may move in it in any way, and the loop stays stable.
+
+    {center + factor v, |v| <= 1}. Every sequence theta(k) in it, whatever made it, leaves the loop
+    uniformly exponentially stable on every member, if T(z)* M T(z) < R on the unit circle, with T
+    from the intercalated injection to the regressor in the loop of `center`, and
+    factor factor' = M (x) R^-1. `is_verified` proves that in exact arithmetic.
+
+    Attributes
+    ----------
+    structure : Structure
+    fixed : Compensator or None
+        In parallel.
+    center : array, shape (l_theta,)
+        theta_0 of the settings.
+    regressor_factor : array, shape (l_phi, l_phi)
+        Lower triangular; times its transpose it is M.
+    input_scale : array, shape (l_u,)
+        Powers of two; R = diag(input_scale)^-2.
+    rate : float
+        x(k) decays as rate^k or faster.
+    shape : {"prior", "volume", "tail"}
+        In which sense the ellipsoid is the largest; "tail": it holds the thetas of a run.
+    members : tuple of CertifiedMember
+        The plants, the nominal one first.
+    uncovered : tuple of str
+        What the proof does not cover.
+    dependent : array, shape (directions, l_phi)
+        Directions of theta that move no pole: entries of the regressor depend on each other. The
+        set is capped there.
+
+    Notes
+    -----
+    Source: small gain with one storage function (strict bounded real lemma) for the intercalated
+    injection (4.14)-(4.18). Along a direction of `dependent` stability needs no bound.
+    """
+
+    structure: Structure
+    fixed: Compensator | None
+    center: Array
+    regressor_factor: Array
+    input_scale: Array
+    rate: float
+    shape: str
+    members: tuple[CertifiedMember, ...]
+    uncovered: tuple[str, ...]
+    dependent: Array
+
+    @cached_property
+    def factor(self) -> Array:
+        """The lower triangular factor of the ellipsoid, shape (l_theta, l_theta)."""
+        return np.asarray(np.kron(self.regressor_factor, np.diag(self.input_scale)), np.float64)
+
+    @cached_property
+    def bounds(self) -> CertifiedBounds:
+        """The set as `ControllerSettings.bounds`, which keep theta in it."""
+        return CertifiedBounds(self.center, self.factor)
+
+    def radius_of(self, theta: ArrayLike) -> Array:
+        """Return |factor^-1 (theta - center)|: 0 at the center, 1 on the boundary.
+
+        Parameters
+        ----------
+        theta : array, shape (..., l_theta)
+        """
+        return self.bounds.radius_of(theta)
+
+    def contains(self, theta: ArrayLike) -> bool:
+        """Whether theta, or every theta of an array (..., l_theta), lies in the set."""
+        return self.bounds.contains(theta)
+
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Return (low, high) of each coefficient over the set, by its name.
+
+        Where a name stands for a matrix, as Q_1 of several inputs and outputs, Q_1[i,j] is its
+        entry in row i and column j.
+        """
+        half = np.linalg.norm(self.factor, axis=1)
+        low, high = self.center - half, self.center + half
+        return dict(zip(entry_names(self.structure), zip(low.tolist(), high.tolist(), strict=True),
+                        strict=True))  # fmt: skip
+
+    def decay(self, rates: Sequence[float] = RATES) -> dict[float, float]:
+        """Return the share of the radius within which x decays as rate^k, computed in float64.
+
+        0 where the loop of theta_0 itself decays more slowly. `certified_set` with this `rate`
+        proves a set of its own.
+        """
+        shares = {}
+        for value in rates:
+            rate = _rate(value)
+            peak = max(
+                loop.peak(self.regressor_factor, self.input_scale, rate) for loop in self._loops
+            )
+            shares[rate] = 1 / max(peak, 1e-300) if np.isfinite(peak) else 0.0
+        return shares
+
+    @cached_property
+    def peaks(self) -> dict[str, float]:
+        """Norms of T of each member in the metric of the set, in float64; 1 is the bound."""
+        return {
+            member.name: loop.peak(self.regressor_factor, self.input_scale, self.rate)
+            for member, loop in zip(self.members, self._loops, strict=True)
+        }
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether P of every member proves the set, in exact arithmetic, from the fields alone.
+
+        The matrix of the bounded real lemma is formed in rational numbers of the float64 plant,
+        center and factor; LDL' in balls proves that it and P are positive definite. Seconds for
+        40 coefficients.
+        """
+        if not self._is_ellipsoid():
+            return False
+        K, scale = self.regressor_factor, self.input_scale
+        return all(
+            bound_of(
+                regressor_system(member.plant, self.structure, self.fixed),
+                self.center, K, scale, self.rate,
+            ).is_proved_by(matrix_of(member.P))
+            for member in self.members
+        )  # fmt: skip
+
+    def _is_ellipsoid(self) -> bool:
+        K, scale = self.regressor_factor, self.input_scale
+        return bool(
+            K.shape == (len(self.structure.taps),) * 2
+            and scale.shape == (self.structure.l_u,)
+            and not np.triu(K, 1).any()
+            and (np.diag(K) > 0).all()
+            and (scale > 0).all()
+            and self.center.shape == (self.structure.l_theta,)
+            and 0 < self.rate <= 1
+            and self.members
+        )
+
+    @cached_property
+    def _loops(self) -> list[CenteredLoop]:
+        """The loop of `center` on every member."""
+        systems = [regressor_system(m.plant, self.structure, self.fixed) for m in self.members]
+        return [centered_loop(system, self.center) for system in systems]
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest modulus of a pole of the loops of `center`, in float64."""
+        return max(loop.spectral_radius for loop in self._loops)
+
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._certified import certified_sheet
+
+        return certified_sheet(self)
+
+    def report(self) -> str:
+        """Return the report: what is not covered, then the proof, members, intervals and decay."""
+        return report_of(self._sheet())
+
+    def plot(self, *, width: float = 9.0) -> figures.Figure:
+        """Plot the interval of each coefficient, and the share of the radius over the decay.
+
+        Parameters
+        ----------
+        width : float
+            In inches.
+        """
+        from rcac_numeric.plots._certified import plot_certified_set
+
+        return plot_certified_set(self, width=width)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        names = ", ".join(member.name for member in self.members)
+        return f"CertifiedSet({self.structure.name}, l_theta={len(self.center)}, {names})"
+
+    def _repr_html_(self) -> str:
+        """The report and the picture as HTML for a notebook."""
+        return notebook_of(self._sheet(), self.plot)
+
+
+def certified_set(
+    plant: Any,
+    settings: ControllerSettings,
+    *,
+    uncertainty: Mapping[str, Any] | Sequence[Any] | None = None,
+    shape: Literal["prior", "volume"] = "prior",
+    rate: float = 1.0,
+) -> CertifiedSet:
+    """Find and prove an ellipsoid around theta_0 in which no motion of theta loses the loop.
+
+    T(z)* M T(z) < R for all |z| = rate, on the nominal plant and on every other one.
+
+    Parameters
+    ----------
+    plant : Plant, or a discrete system that `plant_of` reads
+        With y that does not follow u at once. A `Plant` of the servo problem has y = e.
+    settings : ControllerSettings
+        Structure, theta_0, and R_theta for the shape "prior". A fixed compensator in parallel is a
+        part of the loop.
+    uncertainty : mapping from names to plants, or sequence of plants, optional
+        Further plants for which the same set is proved, each with its own certificate. What lies
+        between two of them is not covered, nor two changes at once unless they are listed.
+    shape : {"prior", "volume"}
+        "prior": the ellipsoid that is the largest in the metric of P(0) = R_theta^-1, where RCAC is
+        going to move: it minimises tr(M^-1 P(0)). "volume": the one of the largest volume.
+    rate : float
+        At most 1: |x(k)| decays as rate^k or faster.
+
+    Returns
+    -------
+    CertifiedSet
+
+    Raises
+    ------
+    NoSolutionError
+        Where theta_0 itself does not stabilise one of the plants, which is named: no set contains
+        it then, and `CoefficientBounds` let theta leave it. Where no proof was found.
+    ImproperError, BudgetError
+        Where y follows u at once, or the loop has too many states.
+    InputError
+        Where the plant is in continuous time, nonlinear or changes with time, or the controller is
+        not one `ControllerSettings`.
+
+    Notes
+    -----
+    The float64 numbers of plant, theta_0 and factor are dyadic rationals, so that what is proved is
+    the loop of exactly these numbers. The matrix P of each plant follows by doubling in 448 bits;
+    the radius shrinks by 1e-4 to 0.1 until LDL' in balls proves it.
+
+    Examples
+    --------
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, TargetModel, certified_set, iir, standard_plant)
+    >>> plant = standard_plant("1/(q - 0.9)")
+    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]),
+    ...     update=UD(R_theta=100.0), theta_0=[0.2, -0.3])
+    >>> region = certified_set(plant, settings, uncertainty={"gain x 1.25": "1.25/(q - 0.9)"})
+    >>> region.is_verified, region.contains([0.25, -0.32])
+    (True, True)
+    >>> [name for name in region.intervals()]
+    ['P_1', 'Q_1']
+    """
+    instance_of(settings, "settings", ControllerSettings)
+    one_of(shape, "shape", SHAPES)
+    rate = _rate(rate)
+    plants = _plants(plant, uncertainty)
+    structure, fixed, center = settings.structure, settings.fixed, settings.theta_0
+    prior = _prior(settings) if shape == "prior" else None
+    systems = {name: regressor_system(one, structure, fixed) for name, one in plants.items()}
+    loops = {name: centered_loop(system, center) for name, system in systems.items()}
+    _require_stable(loops, rate)
+    responses = np.concatenate([loop.responses(rate) for loop in loops.values()])
+    scale = _input_scale(responses, prior)
+    caps = _caps(structure, center, scale, prior)
+    metric = None if prior is None else _regressor_metric(prior, scale)
+    K = largest_for_matrices(np.asarray(responses * scale, np.complex128), caps, metric)
+    peak = max(loop.peak(K, scale, rate) for loop in loops.values())
+    K, storages = proved(list(systems.values()), center, K / max(peak, CAPPED), scale, rate)
+    return CertifiedSet(
+        structure=structure,
+        fixed=fixed,
+        center=center,
+        regressor_factor=K,
+        input_scale=scale,
+        rate=rate,
+        shape=shape,
+        members=tuple(
+            CertifiedMember(name, one, P)
+            for (name, one), P in zip(plants.items(), storages, strict=True)
+        ),
+        uncovered=_uncovered(settings, len(plants)),
+        dependent=dependent_directions(responses),
+    )
+
+
+def _rate(value: object) -> float:
+    rate = number(value, "rate")
+    if not 0 < rate <= 1:
+        raise InputError(f"rate = {rate:g} must be positive and at most 1: x decays as rate^k.")
+    return rate
+
+
+def _plants(plant: Any, uncertainty: Any) -> dict[str, Plant]:
+    """Return the plants by name, the nominal one first."""
+    plants = {"nominal": _fixed_plant(plant, "plant")}
+    if uncertainty is None:
+        return plants
+    if isinstance(uncertainty, Mapping):
+        named = [(instance_of(n, "the name of a plant", str), p) for n, p in uncertainty.items()]
+    elif isinstance(uncertainty, Sequence) and not isinstance(uncertainty, str):
+        named = [(f"plant {i}", p) for i, p in enumerate(uncertainty, start=2)]
+    else:
+        raise InputError(
+            f"uncertainty = {type(uncertainty).__name__} must be a list of plants, or a mapping "
+            "from names to plants: the set is proved for each plant of a list, and not for what "
+            "lies between them. Design.family holds those of a design."
+        )
+    for name, one in named:
+        if name in plants and one != plants[name]:
+            raise InputError(
+                f"uncertainty has a plant called {name!r}, as plant itself is; rename it."
+            )
+        plants[name] = _fixed_plant(one, f"the plant {name!r} of uncertainty")
+    agreed_times(list(plants.values()))
+    return plants
+
+
+def _fixed_plant(plant: Any, name: str) -> Plant:
+    if isinstance(plant, PlantSchedule):
+        raise InputError(
+            f"{name} changes with time, and each plant of a certified set has its own certificate, "
+            "which does not cover the change. Give its plants as uncertainty={...}."
+        )
+    return linear_plant(plant, name)
+
+
+def _prior(settings: ControllerSettings) -> Array:
+    """Return P(0), shape (l_theta, l_theta)."""
+    weight: float | Array | None = getattr(settings.update, "R_theta", None)
+    if weight is None:
+        raise InputError(
+            f"the update {type(settings.update).__name__} has no R_theta, whose inverse is the "
+            'metric of the shape "prior"; use shape="volume".'
+        )
+    if not isinstance(weight, np.ndarray):
+        return np.eye(settings.l_theta) / weight
+    d = 1 / np.sqrt(np.diag(weight))
+    return np.asarray(np.linalg.inv(weight * np.outer(d, d)) * np.outer(d, d))
+
+
+def _require_stable(loops: Mapping[str, CenteredLoop], rate: float) -> None:
+    """Raise if theta_0 does not stabilise every plant."""
+    lost = []
+    for name, loop in loops.items():
+        try:
+            stable = is_schur_stable(loop.A / rate)
+        except IllConditionedError:
+            stable = False
+        if not stable:
+            lost.append(f"{name} (spectral radius {loop.spectral_radius:.6g})")
+    if lost:
+        decay = "" if rate == 1 else f" with the decay rate {rate:g}"
+        raise NoSolutionError(
+            f"theta_0 itself does not stabilise the loop{decay} on {', '.join(lost)}, so that no "
+            "set around it is certified. Choose another theta_0, leave these plants out of "
+            "uncertainty, or bound theta by CoefficientBounds, which let it leave theta_0."
+        )
+
+
+def _input_scale(responses: ComplexArray, prior: Array | None) -> Array:
+    """Return the size of a change of each row of Theta relative to the largest, powers of two."""
+    inputs = responses.shape[2]
+    if inputs == 1:
+        return np.ones(1)
+    if prior is not None:
+        sizes = np.exp(np.log(np.diag(prior)).reshape(-1, inputs).mean(axis=0) / 2)
+    else:
+        power = (np.abs(responses) ** 2).mean(axis=(0, 2))
+        weighted = np.abs(responses) ** 2 / np.where(power > 0, power, 1.0)[None, :, None]
+        sizes = 1 / np.sqrt(weighted.mean(axis=(0, 1)).clip(1e-300))
+    return np.asarray(np.exp2(np.round(np.log2(sizes / sizes.max()))), np.float64)
+
+
+def _caps(structure: Structure, center: Array, scale: Array, prior: Array | None) -> Array:
+    """Return the largest sqrt(M_ii) for each entry of the regressor, by the size of theta_0."""
+    Theta = np.abs(center.reshape(-1, structure.l_u)) / scale
+    signals = np.array([tap.signal for tap in structure.taps])
+    spread = np.zeros(len(signals))
+    if prior is not None:
+        spread = (np.sqrt(np.diag(prior)).reshape(-1, structure.l_u) / scale).max(axis=1)
+    caps = np.empty(len(signals))
+    largest = float(Theta.max(initial=0.0))
+    for signal in set(signals):
+        rows = signals == signal
+        size = float(Theta[rows].max())
+        caps[rows] = CAP * (size or float(spread[rows].max()) or largest or 1.0)
+    return caps
+
+
+def _regressor_metric(prior: Array, scale: Array) -> Array:
+    """Return Sigma with tr(M^-1 Sigma) = tr((M^-1 (x) R) P(0))."""
+    l_u = len(scale)
+    blocks = prior.reshape(len(prior) // l_u, l_u, len(prior) // l_u, l_u)
+    return np.asarray(np.einsum("iaja,a->ij", blocks, scale**-2.0))
+
+
+def bound_of(
+    system: RegressorSystem, center: Array, K: Array, scale: Array, rate: float
+) -> GainBound:
+    """Return the bound T* M T < R of a loop, exact."""
+    C = rational_matrix(exact(K.T)) * system.C
+    m = len(scale)
+    R = fmpq_mat(m, m)
+    for i, entry in enumerate(exact(scale)):
+        R[i, i] = 1 / entry**2
+    return GainBound(system.loop(center), system.B, C, R, fmpq(*rate.as_integer_ratio()))
+
+
+def proved(
+    systems: Sequence[RegressorSystem], center: Array, K: Array, scale: Array, rate: float
+) -> tuple[Array, list[Storage]]:
+    """Shrink K until each system has a proof; return it and the matrices P."""
+    storages: list[fmpq_mat | None] = [None] * len(systems)
+    for margin in MARGINS:
+        smaller = K * (1 - margin)
+        for i, system in enumerate(systems):
+            if storages[i] is None:  # a P of a larger set proves the smaller one
+                storages[i] = bound_of(system, center, smaller, scale, rate).certificate()
+        if all(P is not None for P in storages):
+            return smaller, [fractions_of(P) for P in storages if P is not None]
+    raise NoSolutionError(
+        f"no proof was found for {sum(P is None for P in storages)} of {len(storages)} plants at "
+        f"{1 - MARGINS[-1]:g} of the computed radius: the loop of theta_0 is at the edge of "
+        "stability. Choose another theta_0 or scale the signals."
+    )
+
+
+def fractions_of(matrix: fmpq_mat) -> Storage:
+    """Return a rational matrix as rows of fractions."""
+    rows = matrix.tolist() if matrix.nrows() else []
+    return tuple(tuple(Fraction(int(e.p), int(e.q)) for e in row) for row in rows)
+
+
+def matrix_of(rows: Storage) -> fmpq_mat:
+    """Return rows of fractions as a rational matrix."""
+    entries = [fmpq(e.numerator, e.denominator) for row in rows for e in row]
+    n = len(rows)
+    return fmpq_mat(n, len(entries) // n if n else 0, entries)
+
+
+def dependent_directions(responses: ComplexArray) -> Array:
+    """Return an orthonormal basis of the directions a with a'T = 0, up to rounding."""
+    taps = responses.shape[1]
+    rows = responses.transpose(0, 2, 1).reshape(-1, taps)
+    stacked = np.concatenate([rows.real, rows.imag])
+    size = np.sqrt((stacked**2).mean(axis=0))
+    size[size == 0] = 1.0
+    _, singular, V = np.linalg.svd(stacked / size, full_matrices=False)
+    rank = int((singular > DEPENDENT * singular[0]).sum()) if singular[0] > 0 else 0
+    directions = V[rank:] / size
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+
+
+def _uncovered(settings: ControllerSettings, plants: int) -> tuple[str, ...]:
+    """Return what the proof does not cover."""
+    listed = (
+        "other plants than the nominal one: give them as uncertainty"
+        if plants == 1
+        else f"plants beside the {plants} of the list: what lies between two of them, two changes "
+        "at once, and a plant that moves among them"
+    )
+    entries = [
+        "limits of u: at a limit the loop is another one",
+        listed,
+        "the plant between its samples, and the rounding of a continuous plant to these samples",
+        "performance: the loop is stable in the whole set, and may be poor near its boundary",
+    ]
+    if any(np.isfinite(signal.limit) for signal in settings.structure.derived):
+        entries.insert(1, "limits of integrators: at a limit the loop is another one")
+    if settings.k_w > 0:
+        entries.append(f"steps before k_w = {settings.k_w}, where u = 0")
+    return tuple(entries)
+
+
+def entry_names(structure: Structure) -> tuple[str, ...]:
+    """Return a name of each entry of theta; entries of a matrix have their row and column."""
+    base = coefficient_names(structure)[:: structure.l_u]
+    words = []
+    for i, name in enumerate(base):
+        column = [str(base[:i].count(name) + 1)] if base.count(name) > 1 else []
+        for row in range(structure.l_u):
+            place = ([str(row + 1)] if structure.l_u > 1 else []) + column
+            words.append(f"{name}[{','.join(place)}]" if place else name)
+    return tuple(words)
+
+
+def direction_texts(directions: Array, structure: Structure) -> tuple[str, ...]:
+    """Return each direction of the regressor as a sum of coefficients, its largest entry 1."""
+    base = coefficient_names(structure)[:: structure.l_u]
+    words = []
+    for direction in directions:
+        scaled = direction / direction[np.abs(direction).argmax()]
+        order = [i for i in np.argsort(-np.abs(scaled)) if abs(scaled[i]) > SMALL]
+        terms = [f"{scaled[i]:+.3g} {base[i]}" for i in order[:TERMS]]
+        words.append(" ".join(terms) + (" ..." if len(order) > TERMS else ""))
+    return tuple(words)

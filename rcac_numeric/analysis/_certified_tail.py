@@ -1,0 +1,378 @@
+"""From which step on a finished run is proved stable as a time-varying loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_mat
+
+from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
+from compensator_theory.matrices._definiteness import pivots_are_positive
+from compensator_theory.polynomials._ball_precision import ball_precision
+from rcac_numeric.analysis._certified_set import (
+    CAP,
+    CertifiedMember,
+    CertifiedSet,
+    centered_loop,
+    dependent_directions,
+    proved,
+)
+from rcac_numeric.analysis._ellipsoids import (
+    WeightedPoints,
+    geometric_mean,
+    lower_factor,
+    weighted_points,
+)
+from rcac_numeric.analysis._regressor_system import exact, rational_matrix, regressor_system
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.arrays._showing import report_of
+from rcac_numeric.arrays._validation import instance_of
+from rcac_numeric.arrays._values import Result
+from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._structure import Structure
+from rcac_numeric.engine._runs import Run
+from rcac_numeric.plants._linear import Plant
+from rcac_numeric.plants._schedules import PlantSchedule, plant_at
+
+BITS = 256  # of the balls that hold theta - center in coordinates of the ellipsoid
+REACH = 1 - 6e-4  # square of the radius that the search gives to the farthest theta
+ITERATIONS = 60  # most updates of the weights for one step
+ROWS = 150  # thetas that a search begins with
+WORST = 20  # thetas that join them at a time
+ROUND = 1e-10  # of the mean, added to the second moment of the changes of theta
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedTail(Result):
+    """The proof that a run is stable as a time-varying loop, from a step on.
+
+    Every theta(k) from k0 on lies in one certified set around the last theta. So the loop of the
+    run from there on is uniformly exponentially stable while theta moves, and stays so if the run
+    is continued as long as theta stays in the set.
+
+    Attributes
+    ----------
+    start, stop : int
+        The steps of the run in which the plant is the same: start <= k < stop.
+    k0 : int or None
+        First step of the proof; None where there is none.
+    set : CertifiedSet or None
+        Its center is the last theta.
+    theta : array, shape (steps, l_theta)
+        theta(k0), ..., with the one after the last step.
+    reason : str
+        Why there is no proof; empty where there is one.
+    earlier : tuple of CertifiedTail
+        The same for the plants before, where the plant changes.
+    """
+
+    start: int
+    stop: int
+    k0: int | None
+    set: CertifiedSet | None
+    theta: Array
+    reason: str = ""
+    earlier: tuple[CertifiedTail, ...] = ()
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether there is a proof, and it holds: the set, and theta(k) inside it, both exact."""
+        return (
+            self.set is not None
+            and self.k0 is not None
+            and _is_inside(self.set, self.theta)
+            and self.set.is_verified
+        )
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether theta still moves at k0 or later."""
+        return bool(len(self.theta) and (self.theta != self.theta[-1]).any())
+
+    def _sheet(self) -> Any:
+        from rcac_numeric.reports._certified import tail_sheet
+
+        return tail_sheet(self)
+
+    def report(self) -> str:
+        """Return the report: from which step on the loop is proved stable, or why not."""
+        return report_of(self._sheet())
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return f"CertifiedTail(k0={self.k0}, steps {self.start} to {self.stop - 1})"
+
+
+def certified_from(run: Run) -> CertifiedTail:
+    """Find the first step from which on a run is proved stable while theta moves.
+
+    The ellipsoid is centered at the last theta and shaped by the thetas that lead to it: M solves
+    min over M of max over k of Delta(k)' M^-1 Delta(k) with T* M T < 1, for the earliest k0 for
+    which the minimum is below 1.
+
+    Parameters
+    ----------
+    run : Run
+        Of one adaptive controller on a linear plant, with theta stored at every step. Where the
+        plant changes, each plant has a proof of its own; none while it drifts.
+
+    Returns
+    -------
+    CertifiedTail
+
+    Raises
+    ------
+    InputError
+        Where the plant is nonlinear, the controller is not one `ControllerSettings`, or theta was
+        stored with a stride.
+
+    Notes
+    -----
+    The search is in float64, by multipliers of frequencies and of steps with a lower bound that
+    ends it; what it finds is proved as in `certified_set`, and each theta(k) is shown to lie
+    inside in balls. No earlier step is excluded by that: other centers and other functions than
+    quadratic ones of one P may do better.
+
+    Examples
+    --------
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, certified_from, exogenous, fir_target, iir, simulate,
+    ...     standard_plant)
+    >>> plant = standard_plant("1/(q - 0.9)")
+    >>> settings = ControllerSettings(structure=iir(2), target=fir_target(plant), update=UD(1e-2))
+    >>> tail = certified_from(simulate(plant, settings, exogenous([Step()], steps=200)))
+    >>> tail.is_verified, tail.k0 < 20
+    (True, True)
+    """
+    instance_of(run, "run", Run)
+    settings = instance_of(run.settings, "the controller of the run", ControllerSettings)
+    if run.stride != 1:
+        raise InputError(
+            f"theta was stored every {run.stride} steps, and a proof needs every theta(k); "
+            "simulate with stride=1."
+        )
+    if not run.steps:
+        raise InputError("the run has no completed step.")
+    tails: list[CertifiedTail] = []
+    for start, stop, plant in _segments(run):
+        tails.append(_tail(run, settings, start, stop, plant))
+    last = tails[-1]
+    return CertifiedTail(
+        last.start, last.stop, last.k0, last.set, last.theta, last.reason, tuple(tails[:-1])
+    )
+
+
+def _segments(run: Run) -> Iterator[tuple[int, int, Plant | None]]:
+    """Yield first and last steps, and the plant between them; None while it drifts."""
+    end = run.first_step + run.steps
+    if not isinstance(run.plant, PlantSchedule):
+        yield run.first_step, end, plant_at(run.plant, 0)
+        return
+    changes = run.plant.changes
+    ends = [*(change.start for change in changes[1:]), end]
+    for change, following in zip(changes, ends, strict=True):
+        start, stop = max(change.start, run.first_step), min(following, end)
+        if start < stop:
+            yield start, stop, None if change.ramp else plant_at(run.plant, change.start)
+
+
+def _tail(
+    run: Run, settings: ControllerSettings, start: int, stop: int, plant: Plant | None
+) -> CertifiedTail:
+    def none(reason: str) -> CertifiedTail:
+        return CertifiedTail(start, stop, None, None, np.zeros((0, run.theta.shape[1])), reason)
+
+    if plant is None:
+        return none("the plant drifts, and a proof is for a plant that stays where it is")
+    first = max(start, settings.k_w, _last_limited(run, stop) + 1)
+    if first >= stop:
+        return none(f"no step before {stop} is one of the controller without a limit of u")
+    row = first - run.first_step
+    after = run.theta[stop - run.first_step - 1 :][:1]
+    if stop == run.first_step + run.steps:
+        after = run.theta_final[None]
+    thetas = np.vstack([run.theta[row : stop - run.first_step], after])
+    try:
+        region, kept = _largest_tail(plant, settings, thetas)
+    except CompensatorError as error:
+        return none(str(error).rstrip("."))
+    return CertifiedTail(start, stop, first + kept, region, np.array(thetas[kept:]))
+
+
+def _last_limited(run: Run, stop: int) -> int:
+    """Return the last step before `stop` at which a limit moved u; one before the first if none."""
+    moved = (run.u_applied != run.u).any(axis=1)[: stop - run.first_step]
+    return run.first_step + (int(np.flatnonzero(moved)[-1]) if moved.any() else -1)
+
+
+def _largest_tail(
+    plant: Plant, settings: ControllerSettings, thetas: Array
+) -> tuple[CertifiedSet, int]:
+    """Return a proved set around the last theta, and the first row that stays inside."""
+    structure, center = settings.structure, np.array(thetas[-1])
+    system = regressor_system(plant, structure, settings.fixed)
+    loop = centered_loop(system, center)
+    if not loop.spectral_radius < 1:
+        raise NoSolutionError(
+            f"the loop of the last theta has a pole at {loop.spectral_radius:.6g}, outside the "
+            "unit circle."
+        )
+    scale = _scale_of_rows(thetas, structure)
+    changes = _changes(thetas, center, scale)
+    caps = _caps_of_run(thetas, structure, scale)
+    responses = loop.responses(1.0)
+    points = weighted_points(np.concatenate(list((responses * scale).transpose(2, 0, 1))), caps)
+    K = _Search(points, changes).earliest()
+    K = K / max(loop.peak(K, scale, 1.0), 1.0)
+    K, storages = proved([system], center, K, scale, 1.0)
+    outside = np.flatnonzero(_squares(K, changes)[0] >= 1 - 1e-9)
+    kept = int(outside[-1]) + 1 if outside.size else 0
+    region = CertifiedSet(
+        structure=structure, fixed=settings.fixed, center=center, regressor_factor=K,
+        input_scale=scale, rate=1.0, shape="tail",
+        members=(CertifiedMember("the plant of the run", plant, storages[0]),),
+        uncovered=UNCOVERED, dependent=dependent_directions(responses),
+    )  # fmt: skip
+    return region, kept
+
+
+UNCOVERED = (
+    "other plants than that of the run",
+    "the run before this step, and its continuation where theta leaves the set",
+    "limits of u, if the continuation reaches them",
+)
+
+
+def _changes(thetas: Array, center: Array, scale: Array) -> Array:
+    """Return R^1/2 Delta(k), shape (steps, l_phi, l_u)."""
+    return np.asarray((thetas - center).reshape(len(thetas), -1, len(scale)) / scale)
+
+
+def _scale_of_rows(thetas: Array, structure: Structure) -> Array:
+    """Return the relative size of the motion of each row of Theta, powers of two."""
+    motion = (thetas - thetas[-1]).reshape(len(thetas), -1, structure.l_u)
+    sizes = np.sqrt((motion**2).mean(axis=(0, 1)))
+    if structure.l_u == 1 or not sizes.all():
+        return np.ones(structure.l_u)
+    return np.asarray(np.exp2(np.round(np.log2(sizes / sizes.max()))), dtype=np.float64)
+
+
+def _caps_of_run(thetas: Array, structure: Structure, scale: Array) -> Array:
+    """Return the largest sqrt(M_ii), by the size of each coefficient in the run."""
+    sizes = (np.abs(thetas).max(axis=0).reshape(-1, structure.l_u) / scale).max(axis=1)
+    return np.asarray(CAP * np.maximum(sizes, 1e-6 * sizes.max(initial=0.0) + 1e-12))
+
+
+def _squares(K: Array, changes: Array) -> tuple[Array, Array]:
+    """Return |R^1/2 Delta K^-T|^2 of each step, and Delta' w for its left singular vector w."""
+    steps, taps, inputs = changes.shape
+    V = np.linalg.solve(K, changes.transpose(1, 0, 2).reshape(taps, -1))
+    V = V.reshape(taps, steps, inputs).transpose(1, 2, 0)
+    if inputs == 1:
+        return np.asarray((V[:, 0] ** 2).sum(axis=1)), np.asarray(changes[:, :, 0])
+    values, vectors = np.linalg.eigh(V @ V.transpose(0, 2, 1))
+    return np.asarray(values[:, -1]), np.asarray(
+        np.einsum("kta,ka->kt", changes, vectors[:, :, -1])
+    )
+
+
+class _Search:
+    """The earliest step from which on the changes of theta fit into an ellipsoid."""
+
+    def __init__(self, points: WeightedPoints, changes: Array) -> None:
+        self.points = points
+        # in whitened coordinates, where M = basis N basis'
+        self.changes = np.einsum("ij,kja->kia", points.inverse, changes)
+        self.steps = len(changes)
+
+    def earliest(self) -> Array:
+        """Return K for the earliest step, by bisection; each success may skip many steps."""
+        low, high = 0, self.steps - 1
+        best = self._scaled(geometric_mean(self.points.moment, np.eye(len(self.points.basis))))
+        trial = low
+        while low < high:
+            N = self._fitting(trial)
+            if N is None:
+                low = trial + 1
+            else:
+                best = N
+                outside = np.flatnonzero(self._sizes(N)[0] >= REACH)
+                high = min(trial, int(outside[-1]) + 1 if outside.size else 0)
+            trial = (low + high) // 2
+        return lower_factor(self.points.basis @ np.linalg.cholesky(best))
+
+    def _scaled(self, N: Array) -> Array:
+        return np.asarray(N / self.points.sizes(N).max())
+
+    def _sizes(self, N: Array, rows: Any = slice(None)) -> tuple[Array, Array]:
+        return _squares(np.asarray(np.linalg.cholesky(N), np.float64), self.changes[rows])
+
+    def _fitting(self, first: int) -> Array | None:
+        """Return N that holds every change from a step on; None where there seems to be none.
+
+        The mean of the sizes of the points times the mean square radius of the changes, both by
+        their weights, is a lower bound of the product of the largest of both (duality).
+        """
+        rows = np.unique(np.linspace(first, self.steps - 1, ROWS).astype(int))
+        weights = np.full(len(rows), 1 / len(rows))
+        points, taps = self.points, len(self.points.basis)
+        directions = self._sizes(np.eye(taps), rows)[1]
+        for step in range(ITERATIONS):
+            moment = (directions * weights[:, None]).T @ directions
+            moment += ROUND * max(float(np.trace(moment)), 1e-280) / taps * np.eye(taps)
+            N = geometric_mean(points.moment, moment)
+            sizes = points.sizes(N)
+            squares, directions = self._sizes(N, rows)
+            mean = points.reweighted(sizes)
+            average = float(weights @ squares)
+            if mean * average > 1:
+                return None
+            if sizes.max() * squares.max() < REACH:
+                N = self._scaled(N)
+                every, all_directions = self._sizes(N, slice(first, None))
+                if every.max() < REACH:
+                    return N
+                worst = first + np.argsort(-every)[:WORST]
+                new = np.setdiff1d(worst, rows)
+                rows = np.concatenate([rows, new])
+                weights = np.concatenate([weights, np.full(len(new), weights.max() / 4)])
+                weights /= weights.sum()
+                directions = np.concatenate([directions, all_directions[new - first]])
+                continue
+            weights = weights * squares
+            weights /= weights.sum()
+            if step % 10 == 9:
+                points = points.thinned(sizes)
+        return None
+
+
+def _is_inside(region: CertifiedSet, thetas: Array) -> bool:
+    """Whether R^1/2 Delta K^-T has a norm below 1 for every theta, in balls."""
+    scale, taps = region.input_scale, len(region.regressor_factor)
+    distinct = np.unique(thetas, axis=0)
+    moved = exact(distinct) - exact(region.center)
+    moved = moved.reshape(len(distinct), taps, len(scale)) / exact(scale)
+    columns = moved.transpose(1, 0, 2).reshape(taps, -1)
+    with ball_precision(BITS):
+        K = arb_mat(rational_matrix(exact(region.regressor_factor)))
+        try:
+            V = K.solve(arb_mat(rational_matrix(columns))).transpose().tolist()
+        except ZeroDivisionError:
+            return False
+        m = len(scale)
+        return all(_is_contraction(V[k : k + m]) for k in range(0, len(V), m))
+
+
+def _is_contraction(rows: list[list[arb]]) -> bool:
+    """Whether I - VV' is positive definite, by pivots in balls."""
+    m = len(rows)
+    left = [
+        [arb(int(i == j)) - sum((a * b for a, b in zip(rows[i], rows[j], strict=True)), arb(0))
+         for j in range(m)] for i in range(m)
+    ]  # fmt: skip
+    return pivots_are_positive(left) is True

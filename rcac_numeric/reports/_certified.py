@@ -1,0 +1,116 @@
+"""The report of a certified set."""
+
+from __future__ import annotations
+
+from rcac_numeric.analysis._certified_set import CertifiedSet, direction_texts
+from rcac_numeric.analysis._certified_tail import CertifiedTail
+from rcac_numeric.reports._sheet import (
+    Block,
+    Fact,
+    Section,
+    Sheet,
+    SheetTable,
+    Text,
+    cells,
+    counted,
+)
+
+FEW = 24  # coefficients that the table lists
+
+
+def certified_sheet(region: CertifiedSet) -> Sheet:
+    """The report: what is not covered, the proof, members, coefficients and decay."""
+    proved = region.is_verified
+    plants = counted(len(region.members), "plant")
+    health = (
+        *(Text(f"Not covered: {words}.", "warning") for words in region.uncovered),
+        Text(
+            f"Proved in exact arithmetic for {plants}: no motion of theta within this set "
+            "destabilises the loop.",
+            "good",
+        )
+        if proved
+        else Text("NOT proved: the certificate of this set does not hold.", "bad"),
+    )
+    record = {"proved": proved, "uncovered": list(region.uncovered), "rate": region.rate}
+    sections = (
+        Section(record=record),
+        _members(region),
+        _coefficients(region),
+        _decay(region),
+        _dependent(region),
+    )
+    remark = f" of {region.structure.name}, {counted(len(region.center), 'coefficient')}"
+    return Sheet("Certified set", remark, health, sections)
+
+
+def _members(region: CertifiedSet) -> Section:
+    peaks = region.peaks
+    rows = tuple(
+        cells(member.name, str(len(member.P)), f"{peaks[member.name]:.4g}")
+        for member in region.members
+    )
+    table = SheetTable(("plant", "states of the loop", "norm, at most 1"), rows)
+    return Section("Plants", (table,), {"norms": peaks})
+
+
+def _coefficients(region: CertifiedSet) -> Section:
+    intervals = region.intervals()
+    rows = tuple(
+        cells(name, f"{center:.6g}", f"{low:.6g}", f"{high:.6g}")
+        for (name, (low, high)), center in zip(intervals.items(), region.center, strict=True)
+    )
+    heads = ("coefficient", "theta_0", "least", "largest")
+    blocks: list[Block] = [SheetTable(heads, rows[:FEW])]
+    if len(rows) > FEW:
+        blocks.append(Text(f"and {len(rows) - FEW} more: `intervals()`", "quiet"))
+    remark = ": projections of the ellipsoid; not every combination lies inside"
+    record = {"intervals": {name: list(ends) for name, ends in intervals.items()}}
+    return Section("Coefficients", tuple(blocks), record, remark)
+
+
+def _decay(region: CertifiedSet) -> Section:
+    shares = region.decay()
+    rows = tuple(
+        cells(f"{rate:g}", f"{share:.3g}" if share else "none: theta_0 decays more slowly")
+        for rate, share in shares.items()
+    )
+    table = SheetTable(("x(k) decays as", "within this share of the radius"), rows)
+    record = {"decay": {f"{rate:g}": share for rate, share in shares.items()}}
+    return Section("Decay", (table,), record, ", computed in float64")
+
+
+def _dependent(region: CertifiedSet) -> Section:
+    texts = direction_texts(region.dependent, region.structure)
+    if not texts:
+        return Section(record={"dependent": []})
+    lines = tuple(Fact(f"direction {i}", words) for i, words in enumerate(texts[:FEW], start=1))
+    note = Text("The set is capped along them; stability needs no bound there.", "quiet")
+    remark = ": changes of theta that move no pole of any plant"
+    return Section("Dependent directions", (*lines, note), {"dependent": list(texts)}, remark)
+
+
+def tail_sheet(tail: CertifiedTail) -> Sheet:
+    """The report of a run: from which step on the loop is proved stable, plant by plant."""
+    lines, records = [], []
+    for one in (*tail.earlier, tail):
+        line = tail_line(one)
+        if tail.earlier:
+            line = Text(f"Steps {one.start} to {one.stop - 1}: {line.words}", line.level)
+        lines.append(line)
+        records.append({"start": one.start, "stop": one.stop, "k0": one.k0, "reason": one.reason})
+    uncovered = () if tail.set is None else tail.set.uncovered
+    notes = tuple(Text(f"Not covered: {words}.", "warning") for words in uncovered)
+    section = Section(record={"k0": tail.k0, "segments": records})
+    return Sheet("Run as a time-varying loop", health=(*notes, *lines), sections=(section,))
+
+
+def tail_line(tail: CertifiedTail) -> Text:
+    """The verdict on one plant of a run, in a sentence."""
+    if tail.k0 is None:
+        return Text(f"No step from which on the loop is proved stable: {tail.reason}.", "warning")
+    if not tail.is_verified:
+        return Text("NOT proved: the certificate does not hold.", "bad")
+    motion = ", while theta still moves" if tail.is_moving else ", with a constant theta"
+    words = f"Proved in exact arithmetic: the loop is exponentially stable from step {tail.k0} on"
+    return Text(f"{words}{motion}.", "good")
