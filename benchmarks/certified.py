@@ -1,0 +1,277 @@
+"""Certified sets: tightness, families, times of proofs, forged certificates, finished runs.
+
+    python benchmarks/certified.py tightness [loops]   greedy motion at 0.999 and 1.1 of the radius
+    python benchmarks/certified.py families [plants]   plants and uncertainties of `design`
+    python benchmarks/certified.py times               seconds of set and proof over l_theta
+    python benchmarks/certified.py forged [count]      certificates of false claims that pass
+    python benchmarks/certified.py runs                `certified_from` on the examples of the text
+
+The greedy motion chooses at every step the change of theta in the set that makes x'Px largest at
+the next one. Its growth a step over 3000 steps is below 1 in the set, and above 1 soon beyond it if
+the set is tight. OPENBLAS_NUM_THREADS=1 makes small matrices faster.
+"""
+
+import sys
+import time
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from design_road import TEXTBOOK, random_plant
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    Plant,
+    Step,
+    TargetModel,
+    WhiteNoise,
+    certified_from,
+    certified_set,
+    design,
+    fir,
+    fir_integrator,
+    iir,
+    pid,
+    quasi_fir,
+    simulate,
+)
+from rcac_numeric.analysis._certified_set import centered_loop
+from rcac_numeric.analysis._regressor_system import regressor_system
+from rcac_numeric.arrays._values import replaced
+
+STEPS = 3000
+LAG = "2/(10*s + 1)"
+TWO = [["1/(10*s + 1)", "0.4/(8*s + 1)"], ["0.3/(6*s + 1)", "1.2/(12*s + 1)"]]
+DESIGNED = {
+    "IIR": (LAG, {}),
+    "IIR, dead time 5": (LAG, {"dead_time": 5.0}),
+    "unstable": ("1/(20*s - 1)", {"noise": 0.01}),
+    "integrating": ("1/(s*(5*s + 1))", {}),
+    "nonminimum phase": ("(1 - 5*s)/((10*s + 1)*(2*s + 1))", {}),
+    "PI": (LAG, {"structure": pid("PI"), "dead_time": 2.0}),
+    "PID": ("1/((20*s + 1)*(3*s + 1))", {"structure": pid(), "noise": 0.005}),
+    "FIR": (LAG, {"structure": fir(20), "disturbance": WhiteNoise(0.5)}),
+    "FIR + integrator": (LAG, {"structure": fir_integrator(10), "dead_time": 2.0}),
+    "feedforward": (LAG, {"feedforward": True, "command": Step(1.0)}),
+    "2 x 2": (TWO, {}),
+}
+DRAWN = (
+    ("IIR", iir), ("FIR", fir), ("PID", lambda n, **s: pid("PID", **s)), ("quasi-FIR", quasi_fir),
+    ("FIR + integrator", fir_integrator),
+)  # fmt: skip
+
+
+def designed(G, options):
+    """A servo loop of `design`."""
+    return design(G, **{"sample_time": 1.0, "disturbance": 0.5, "noise": 0.02, "seeds": 1,
+                        "steps": 300} | options)  # fmt: skip
+
+
+def drawn(seed):
+    """(name, plant, settings) of a standard problem that a random theta_0 stabilises."""
+    rng = np.random.default_rng(seed)
+    name, structure_of = DRAWN[seed % len(DRAWN)]
+    l_u, l_y = ((1, 1), (1, 1), (2, 1), (1, 2), (2, 2))[seed // len(DRAWN) % 5]
+    n = int(rng.integers(1, 5))
+    structure = structure_of(int(rng.integers(2, 5)), l_u=l_u, l_y=l_y)
+    while True:
+        A = rng.standard_normal((n, n))
+        A *= rng.uniform(0.3, 0.97) / np.abs(np.linalg.eigvals(A)).max()
+        B, C = rng.standard_normal((n, l_u)), rng.standard_normal((l_y, n))
+        plant = Plant(A=A, B=B, D_1=B, C=C, E_1=C[:1])
+        theta = rng.uniform(0.01, 0.5) * rng.standard_normal(structure.l_theta)
+        loop = centered_loop(regressor_system(plant, structure), theta)
+        if loop.spectral_radius < 0.995:
+            break
+    target = TargetModel([np.zeros((1, l_u)), np.ones((1, l_u))])
+    settings = ControllerSettings(
+        structure=structure, target=target, update=UD(R_theta=1.0), theta_0=theta
+    )
+    return f"{name}, {l_u} x {l_y}", plant, settings
+
+
+def greedy_growth(region, share):
+    """Growth a step of the greedy motion at a share of the radius."""
+    member = region.members[0]
+    system = regressor_system(member.plant, region.structure, region.fixed)
+    P = np.array([[float(e) for e in row] for row in member.P])
+    loop = centered_loop(system, region.center)
+    A, B, C = loop.A, loop.B * region.input_scale, loop.C
+    pull, H = B.T @ P @ A, B.T @ P @ B
+    angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    candidates = circle if B.shape[1] == 2 else np.array([[1.0], [-1.0]])
+    quadratic = np.einsum("ci,ij,cj->c", candidates, H, candidates)
+    x, growth = np.random.default_rng(1).standard_normal(len(A)), 0.0
+    for k in range(STEPS):
+        size = share * np.linalg.norm(region.regressor_factor.T @ (C @ x))
+        gain = 2 * size * candidates @ (pull @ x) + size**2 * quadratic
+        x = A @ x + B @ candidates[gain.argmax()] * size
+        length = np.linalg.norm(x)
+        growth += np.log(length) if k >= STEPS // 2 else 0.0
+        x /= length
+    return float(np.exp(growth / (STEPS - STEPS // 2)))
+
+
+def tightness(count=50):
+    """Greedy motions of every structure, servo and standard."""
+    cases = []
+    for name, (G, options) in DESIGNED.items():
+        found = designed(G, options)
+        cases.append((f"servo: {name}", found.plant, found.settings))
+    cases += [(f"standard: {a}", b, c) for a, b, c in map(drawn, range(count))]
+    inside, outside, failed = [], [], 0
+    for name, plant, settings in cases:
+        for shape in ("prior", "volume"):
+            region = certified_set(plant, settings, shape=shape)
+            low, high = greedy_growth(region, 0.999), greedy_growth(region, 1.1)
+            peak = max(region.peaks.values())
+            failed += not region.is_verified
+            inside.append(low)
+            outside.append(high if peak > 0.999 else np.nan)
+            capped = "" if peak > 0.999 else f", bounded by the caps (norm {peak:.3f})"
+            print(f"{name:36} {shape:6} l {settings.l_theta:3}: {low:.4f} {high:.4f}{capped}",
+                  flush=True)  # fmt: skip
+    known = np.array([v for v in outside if np.isfinite(v)])
+    print(
+        f"{len(inside)} sets of {len(cases)} loops, {failed} not verified; growth at 0.999: "
+        f"{min(inside):.4f} to {max(inside):.4f}, {np.sum(np.array(inside) >= 1)} at 1 or more; at "
+        f"1.1: {known.min():.4f} to {known.max():.4f}, {np.sum(known > 1)} of {len(known)} above 1"
+    )
+
+
+def families(count=20, first=50_000):
+    """Sets of the plants of `design` with their uncertainties, and the share that RCAC uses."""
+    plants = [(f"random {i}", *random_plant(first + i)[1:], 1.0) for i in range(count)]
+    plants += [(name, G, late, h) for name, (G, h, late) in TEXTBOOK.items()]
+    shares, nominal_shares, seconds, refused = [], [], [], []
+    for name, G, late, h in plants:
+        try:
+            found = design(G, sample_time=h, dead_time=late, disturbance=Step(1.0), seeds=1,
+                           steps=1000)  # fmt: skip
+        except CompensatorError as error:
+            print(f"{name}: no design: {str(error)[:80]}")
+            continue
+        l_theta = found.settings.l_theta
+        if l_theta > 40:
+            print(f"{name}: l_theta = {l_theta}, left out")
+            continue
+        start = time.perf_counter()
+        try:
+            region = certified_set(found.plant, found.settings, uncertainty=found.family)
+        except CompensatorError as error:
+            refused.append(f"{name}: {error}")
+            continue
+        seconds.append(time.perf_counter() - start)
+        alone = certified_set(found.plant, found.settings)
+        theta = found.runs["RCAC"].theta
+        shares.append(float(region.radius_of(theta).max()))
+        nominal_shares.append(float(alone.radius_of(theta).max()))
+        print(f"{name}: l {l_theta}, {len(region.members)} plants, {seconds[-1]:.2f} s, share "
+              f"{shares[-1]:.3g}, nominal set {nominal_shares[-1]:.3g}", flush=True)  # fmt: skip
+    for line in refused:
+        print("REFUSED", line)
+    for words, values in (("family", shares), ("nominal", nominal_shares)):
+        middle, high = np.quantile(values, [0.5, 0.9])
+        print(f"{words}: {len(values)} sets, share of the radius median {middle:.3g}, 90 % "
+              f"{high:.3g}, {np.sum(np.array(values) < 1)} runs inside")  # fmt: skip
+    print(f"{len(refused)} refused; seconds: median {np.median(seconds):.2f}, {max(seconds):.1f}")
+
+
+def times():
+    """Seconds of the set and of its verification."""
+    for late in (0.0, 2.0, 6.0, 12.0, 18.0):
+        found = designed("1/(10*s + 1)", {"dead_time": late, "steps": 100})
+        for uncertainty in (None, found.family):
+            start = time.perf_counter()
+            region = certified_set(found.plant, found.settings, uncertainty=uncertainty)
+            made = time.perf_counter() - start
+            start = time.perf_counter()
+            verified = region.is_verified
+            took = time.perf_counter() - start
+            print(f"l_theta {len(region.center)}, {len(region.members)} plants: set and proof "
+                  f"{made:.2f} s, verification {took:.3f} s, {verified}", flush=True)  # fmt: skip
+
+
+def forgeries(region, rng):
+    """Yield (kind, forged set) whose claim is false or whose P is none."""
+    member = region.members[0]
+    n = len(member.P)
+    i, j = rng.integers(n, size=2)
+    rows = [list(row) for row in member.P]
+    if i == j:
+        rows[i][i] = -rows[i][i]
+    else:
+        rows[i][j] += Fraction(1, 2**200)
+    yield "P", replace(region, members=(replace(member, P=tuple(map(tuple, rows))),))
+    factor = float(rng.choice([1.0002, 1.001, 1.1, 10.0]))
+    yield "factor", replace(region, regressor_factor=region.regressor_factor * factor)
+    name = str(rng.choice(["A", "B", "C"]))
+    matrix = np.array(getattr(member.plant, name))
+    index = tuple(rng.integers(size) for size in matrix.shape)
+    matrix[index] += float(rng.choice([0.01, 0.1, -0.01, -0.1]))
+    other = replaced(member.plant, exact=None, **{name: matrix})
+    yield "plant", replace(region, members=(replace(member, plant=other),))
+    center = np.array(region.center)
+    center[rng.integers(len(center))] += float(rng.choice([0.01, 0.1, -0.01, -0.1]))
+    yield "center", replace(region, center=center)
+    yield "rate", replace(region, rate=float(rng.choice([0.999, 0.99, 0.5])))
+
+
+def forged(count=500):
+    """Forged certificates: those of false claims must be refused."""
+    passed, tried, true = 0, {}, 0
+    seed = 0
+    while sum(tried.values()) < count:
+        _, plant, settings = drawn(seed)
+        region = certified_set(plant, settings)
+        for kind, forgery in forgeries(region, np.random.default_rng(seed)):
+            if kind != "P" and max(forgery.peaks.values()) <= 1:
+                true += 1  # the changed claim is true, and P may prove it
+                continue
+            tried[kind] = tried.get(kind, 0) + 1
+            passed += forgery.is_verified
+        seed += 1
+    print(f"{tried} forged certificates of {seed} sets, {passed} accepted; {true} changes left the "
+          "claim true")  # fmt: skip
+
+
+def runs(steps=2000):
+    """`certified_from` on the first run of each example with one adaptive controller."""
+    from rcac_experiments.dissertation import load_example
+    from rcac_experiments.dissertation._examples import example_ids
+
+    after, seconds, proofs = [], [], 0
+    for identifier in example_ids():
+        specifications = [
+            s
+            for s in load_example(identifier).runs.values()
+            if type(s.settings) is ControllerSettings
+        ]
+        if not specifications:
+            continue
+        one = specifications[0]
+        w = np.asarray(one.cases()[0].w)[:steps]
+        run = simulate(one.plant, one.settings, w, saturation=one.saturation)
+        start = time.perf_counter()
+        tail = certified_from(run)
+        seconds.append(time.perf_counter() - start)
+        if tail.k0 is None:
+            print(f"{identifier}: {tail.reason}")
+            continue
+        verified = tail.is_verified
+        proofs += verified
+        after.append(tail.k0 - max(one.settings.k_w, tail.start))
+        print(f"{identifier}: l {run.theta.shape[1]}, control from {one.settings.k_w}, proved from "
+              f"{tail.k0}, {verified}, {seconds[-1]:.2f} s", flush=True)  # fmt: skip
+    print(f"{len(after)} of {len(seconds)} runs, {proofs} verified: median {np.median(after):.0f} "
+          f"steps after control begins; {np.median(seconds):.2f} s (median)")  # fmt: skip
+
+
+COMMANDS = {f.__name__: f for f in (tightness, families, times, forged, runs)}
+
+if __name__ == "__main__":
+    name, *numbers = sys.argv[1:] or ["tightness"]
+    COMMANDS[name](*map(int, numbers))
