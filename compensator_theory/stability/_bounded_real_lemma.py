@@ -12,6 +12,9 @@ from compensator_theory.polynomials._ball_precision import ball_precision
 BITS = 448
 """Bits of the balls whose midpoints the doubling takes."""
 
+COARSE = 128
+"""Bits of the balls for the size of the states."""
+
 DOUBLINGS = 60
 """Largest number of doublings: 2^60 steps."""
 
@@ -68,34 +71,52 @@ class GainBound:
             return False
         return is_positive_definite(P) and is_positive_definite(self.matrix(P))
 
-    def certificate(self, slacks: tuple[float, ...] = (1e-22, 1e-27)) -> flint.fmpq_mat | None:
+    def certificate(
+        self, slacks: tuple[float, ...] = (1e-9, 1e-16, 1e-24)
+    ) -> flint.fmpq_mat | None:
         """Return a P that proves the bound, of dyadic rationals; None where none was found.
 
-        P solves the Riccati equation of the lemma with C'C + slack I in place of C'C, the slack
-        relative to the mean of the diagonal. None says nothing about the bound.
+        P solves the Riccati equation of the lemma with C'C + slack W^-1 in place of C'C, W the
+        diagonal of the reachability Gramian: what the slack adds is relative to R, whatever the
+        units of the states are. None says nothing about the bound.
         """
-        diagonal = self.C.transpose() * self.C
-        n = max(self.A.nrows(), 1)
-        mean = sum((diagonal[i, i] for i in range(self.A.nrows())), flint.fmpq(0)) / n
+        sizes = self._reached()
         for slack in slacks:
-            P = self._riccati_solution(flint.arb(slack) * (flint.arb(mean) if mean else 1))
+            P = None if sizes is None else self._riccati_solution([slack / w for w in sizes])
             if P is not None and self.is_proved_by(P):
                 return P
         return None
 
-    def _riccati_solution(self, slack: flint.arb) -> flint.fmpq_mat | None:
-        """Solve P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack I by doubling, rounded to BITS.
+    def _reached(self) -> list[flint.arb] | None:
+        """Return the diagonal of sum A^k B R^-1 B'A'^k, 1 for zero; None where it diverges."""
+        n = self.A.nrows()
+        with ball_precision(COARSE):
+            scale = flint.arb(1) / flint.arb(self.rate)
+            A, B = (flint.arb_mat(self.A) * scale).mid(), flint.arb_mat(self.B) * scale
+            W = (B * flint.arb_mat(self.R.inv()) * B.transpose()).mid()
+            for _ in range(DOUBLINGS):
+                added = (A * W * A.transpose()).mid()
+                W, A = (W + added).mid(), (A * A).mid()
+                if all(added[i, i] <= W[i, i] / 1000 for i in range(n)):
+                    return [W[i, i] if W[i, i] > 0 else flint.arb(1) for i in range(n)]
+        return None
+
+    def _riccati_solution(self, slack: list[flint.arb]) -> flint.fmpq_mat | None:
+        """Solve P = A'P (I - B R^-1 B'P)^-1 A + C'C + slack by doubling, rounded to BITS.
 
         Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396 (2005) 55-80.
         """
         n = self.A.nrows()
         with ball_precision(BITS):
             identity = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+            diagonal = flint.arb_mat(n, n)
+            for i, entry in enumerate(slack):
+                diagonal[i, i] = entry
             scale = flint.arb(1) / flint.arb(self.rate)
             A, B = flint.arb_mat(self.A) * scale, flint.arb_mat(self.B) * scale
             C = flint.arb_mat(self.C)
             G = (-(B * flint.arb_mat(self.R.inv()) * B.transpose())).mid()
-            H = (C.transpose() * C + identity * slack).mid()
+            H = (C.transpose() * C + diagonal).mid()
             A = A.mid()
             for _ in range(DOUBLINGS):
                 try:

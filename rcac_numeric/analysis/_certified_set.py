@@ -224,7 +224,8 @@ class CertifiedSet(Result):
     def _is_ellipsoid(self) -> bool:
         K, scale = self.regressor_factor, self.input_scale
         return bool(
-            K.shape == (len(self.structure.taps),) * 2
+            all(np.isfinite(part).all() for part in (K, scale, self.center))
+            and K.shape == (len(self.structure.taps),) * 2
             and scale.shape == (self.structure.l_u,)
             and not np.triu(K, 1).any()
             and (np.diag(K) > 0).all()
@@ -522,10 +523,11 @@ def fractions_of(matrix: fmpq_mat) -> Storage:
 
 
 def matrix_of(rows: Storage) -> fmpq_mat:
-    """Return rows of fractions as a rational matrix."""
-    entries = [fmpq(e.numerator, e.denominator) for row in rows for e in row]
+    """Return rows of fractions as a square rational matrix; an empty one where they are not."""
     n = len(rows)
-    return fmpq_mat(n, len(entries) // n if n else 0, entries)
+    if any(len(row) != n for row in rows):
+        return fmpq_mat(0, 0)
+    return fmpq_mat(n, n, [fmpq(e.numerator, e.denominator) for row in rows for e in row])
 
 
 def dependent_directions(responses: ComplexArray) -> Array:

@@ -183,6 +183,9 @@ def test_another_plant_or_another_center_has_no_proof():
         assert not replace(region, members=(other,)).is_verified
     assert not replace(region, center=region.center - np.array([0, 0.05])).is_verified
     assert not replace(region, center=region.center[:1]).is_verified
+    assert not replace(region, center=region.center * np.nan).is_verified
+    for rows in (member.P[:1], tuple(row[:1] for row in member.P), ()):
+        assert not replace(region, members=(replace(member, P=rows),)).is_verified
     smaller = replace(region, regressor_factor=region.regressor_factor * 0.9)
     assert smaller.is_verified  # a P of a larger set proves a smaller one
 
