@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import attrs
 
@@ -36,7 +36,7 @@ from rcac_experiments.format._values import (
 )
 from rcac_numeric.analysis._lqg import lqg_controller
 from rcac_numeric.arrays._values import Value
-from rcac_numeric.controllers._bounds import CoefficientBounds
+from rcac_numeric.controllers._bounds import CertifiedBounds, CoefficientBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._decentralized import Decentralized
 from rcac_numeric.controllers._fixed import FixedController
@@ -67,6 +67,26 @@ class _Interval(Form):
 
 NOISE = MapOf(Numbers())
 BOUND = Row((Real(), Real()), "[low, high]")
+BOX = Table(CoefficientBounds, forms={"gains": MapOf(BOUND)})
+ELLIPSOID = Table(CertifiedBounds)
+
+
+class _Bounds(Form):
+    """A box, or an ellipsoid where a center or a factor stands in the table."""
+
+    words = f"{BOX.words}; or {ELLIPSOID.words}"
+
+    def read(self, value: object, place: Location) -> CoefficientBounds | CertifiedBounds:
+        """By the keys."""
+        is_ellipsoid = isinstance(value, Mapping) and not {"center", "factor"}.isdisjoint(value)
+        return cast(
+            CoefficientBounds | CertifiedBounds,
+            (ELLIPSOID if is_ellipsoid else BOX).read(value, place),
+        )
+
+    def schema(self) -> Schema:
+        """Either."""
+        return {"anyOf": [BOX.schema(), ELLIPSOID.schema()]}
 
 
 def lqg_alone(
@@ -105,7 +125,7 @@ FORMS: Mapping[str, Form] = {
     "R_u": WEIGHT,
     "R_u_unfiltered": Numbers(),
     "z_normalization": Table(Normalization),
-    "bounds": Table(CoefficientBounds, forms={"gains": MapOf(BOUND)}),
+    "bounds": _Bounds(),
     "fixed": Table(Compensator, supplied=["sample_time"]),
     "theta_0": Numbers(),
     "k_w": Integer(),
@@ -119,7 +139,8 @@ DOCS = {
     "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b, nu = a }` "
     "for (b + c z'z)/(1 + a |z|)^2 I.",
     "z_normalization": "f(z) in the place of z in the cost: `{ limit = 5 }`.",
-    "bounds": "Of theta: `{ low = 0, high = 5, gains = { K_D = [0, 1] } }`.",
+    "bounds": "Of theta: `{ low = 0, high = 5, gains = { K_D = [0, 1] } }`, or an ellipsoid, "
+    "`{ center = [1, 2], factor = [[0.1, 0], [0, 0.2]] }`.",
     "fixed": "A compensator in parallel: `{ past_u = [[[1]]], past_y = [[[0]], [[0.5]]] }`.",
     "R_u": "Likewise.",
     "target_changes": "`[[step, { model = ... }], ...]`: G_f from that step on.",

@@ -21,6 +21,7 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._files import replacing
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._values import equal
+from rcac_numeric.controllers._bounds import CertifiedBounds
 from rcac_numeric.controllers._kinds import feedforward, fir, fir_integrator, iir, pid
 from rcac_numeric.controllers._recursive import UD
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -115,8 +116,15 @@ def experiment_file(
         Where what was read back is not what was written.
     """
     target, bounds, R_z = settings.target, settings.bounds, settings.R_z
-    assert bounds is not None and isinstance(R_z, SignalWeight) and isinstance(settings.update, UD)
+    assert isinstance(R_z, SignalWeight) and isinstance(settings.update, UD)
     m = expected.m
+    assert bounds is not None
+    box: dict[str, Any]
+    if isinstance(bounds, CertifiedBounds):
+        box = {"center": bounds.center, "factor": bounds.factor}
+    else:
+        box = {"low": bounds.low, "high": bounds.high}
+    of_theta = ", ".join(f"{name} = {_numbers(value)}" for name, value in box.items())
     written = [_signal(one, steps) for one in expected.signals(JUDGING)]
     r, d, v = (
         part[0] if m == 1 else f"[{', '.join(part)}]"
@@ -161,7 +169,7 @@ def experiment_file(
         f"# {reasons['R_z']}",
         f"R_z = {{ constant = {R_z.constant!r}, nu = {R_z.nu!r} }}",
         f"# {reasons['bounds']}",
-        f"bounds = {{ low = {_numbers(bounds.low)}, high = {_numbers(bounds.high)} }}",
+        f"bounds = {{ {of_theta} }}",
         "",
         "[run]",
         f"steps = {steps}",

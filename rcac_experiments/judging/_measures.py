@@ -322,6 +322,14 @@ def updates_at_bounds(r: LoopAnalysis) -> float:
 
 
 @measure
+def radius_of_bounds(r: LoopAnalysis) -> float:
+    """The largest share of the radius of CertifiedBounds that theta used, in its stored steps."""
+    if (radius := r.run.radius) is None:
+        raise InputError("the controller has no CertifiedBounds: bounds = { center, factor }.")
+    return float(radius.max(initial=0.0))
+
+
+@measure
 def reflections(r: LoopAnalysis) -> float:
     """Number of updates after which controller poles were reflected (6.2.2)."""
     return float(r.run.reflections)

@@ -22,6 +22,8 @@ from rcac_numeric.checks._health import (
 )
 from rcac_numeric.checks._rules import warnings_of_check, warnings_of_controller, warnings_of_run
 from rcac_numeric.checks._trials import cost_over_lqg, missed_poles, next_disturbance
+from rcac_numeric.controllers._bounds import CertifiedBounds
+from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.engine._compatibility import controllers_of
 from rcac_numeric.engine._controller import Controller
@@ -105,9 +107,18 @@ def _of_run(analysis: LoopAnalysis) -> LoopHealth:
         next_disturbance=next_disturbance(run),
         missed_by=missed_poles(analysis),
         cost_ratio=cost_over_lqg(analysis),
+        radius=_largest_radius(run),
         **_of_loop(lambda: analysis.loop),
     )
     return replace(health, warnings=warnings_of_run(health, analysis))
+
+
+def _largest_radius(run: Run) -> float | None:
+    """Return the largest share of the radius of CertifiedBounds, that of theta_final included."""
+    bounds = run.settings.bounds if isinstance(run.settings, ControllerSettings) else None
+    if not isinstance(bounds, CertifiedBounds):
+        return None
+    return float(bounds.radius_of(np.vstack([run.theta, run.theta_final])).max())
 
 
 def _of_controller(controller: Controller) -> LoopHealth:
@@ -122,6 +133,7 @@ def _of_controller(controller: Controller) -> LoopHealth:
         guard_count=controller.guard_count,
         bounded=controller.bounded,
         supervision=record,
+        radius=None if controller.radius is None else max(controller.radius, record.radius),
         obstacle="the plant is not known",
     )
     return replace(health, warnings=warnings_of_controller(health, record))

@@ -304,6 +304,9 @@ class LoopHealth(Result):
         Updates decided by rounding, and the first of them (-1: none).
     bounded : int
         Updates after which theta was moved to its bounds.
+    radius : float or None
+        With `CertifiedBounds` the largest share of the radius that theta used: in the stored steps
+        of a run, or at the looks of a controller's supervision.
     excitation : Excitation or None
     warnings : tuple of HealthWarning
         The grave ones first.
@@ -354,6 +357,7 @@ class LoopHealth(Result):
     next_disturbance: NextDisturbance | None = None
     missed_by: float | None = None
     cost_ratio: float | None = None
+    radius: float | None = None
 
     @property
     def is_held(self) -> bool:

@@ -30,6 +30,7 @@ from rcac_numeric.arrays._validation import (
 from rcac_numeric.arrays._values import fingerprint, html_table, shown_array
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._controllers import compiled_controller, fitted_denominator
+from rcac_numeric.controllers._bounds import CertifiedBounds
 from rcac_numeric.controllers._compensator import Compensator
 from rcac_numeric.controllers._limits import ControlLimits
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -475,6 +476,12 @@ class Controller:
     def bounded(self) -> int:
         """Number of updates after which theta was moved to its bounds."""
         return int(self._kernel.bounded)
+
+    @property
+    def radius(self) -> float | None:
+        """With `CertifiedBounds` the share of the radius that theta(k) uses; else None."""
+        bounds = self.settings.bounds
+        return float(bounds.radius_of(self.theta)) if isinstance(bounds, CertifiedBounds) else None
 
     @property
     def compensator(self) -> Compensator:

@@ -161,6 +161,15 @@ class Run(Value):
         return len(self.u)
 
     @property
+    def radius(self) -> Array | None:
+        """With `CertifiedBounds` the share of the radius that each row of theta uses; else None.
+
+        0 is the center, 1 the boundary, which no theta exceeds. None also for several controllers.
+        """
+        bounds = self.settings.bounds if isinstance(self.settings, ControllerSettings) else None
+        return bounds.radius_of(self.theta) if isinstance(bounds, CertifiedBounds) else None
+
+    @property
     def compensator(self) -> Compensator:
         """The controller after the last completed step."""
         return self._timed(self.settings.compensator_of(self.theta_final))
@@ -197,7 +206,8 @@ class Run(Value):
     def to_pandas(self) -> DataFrame:
         """Return a DataFrame over k: z, u, y, w, u_applied and theta, components numbered from 1.
 
-        With a stride, theta is NaN between the stored steps.
+        With `CertifiedBounds` also radius. With a stride, theta and radius are NaN between the
+        stored steps.
 
         Raises
         ------
@@ -224,10 +234,14 @@ class Run(Value):
         return imported("xarray").Dataset(variables, {"k": self.k}, attributes)
 
     def _by_name(self) -> dict[str, Array]:
-        theta = np.full((self.steps, self.theta.shape[1]), np.nan)
-        theta[:: self.stride] = self.theta
+        stored = {"theta": self.theta}
+        if self.radius is not None:
+            stored["radius"] = self.radius[:, None]
         signals = {name: getattr(self, name) for name in ("z", "u", "y", "w", "u_applied")}
-        return {**signals, "theta": theta}
+        for name, values in stored.items():
+            signals[name] = np.full((self.steps, values.shape[1]), np.nan)
+            signals[name][:: self.stride] = values
+        return signals
 
     def save(self, path: str | Path) -> None:
         """Write the run to a .npz file that `load_run` and `rcac check` read, bit for bit.

@@ -73,6 +73,12 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
                 "of the target model"
             )
         lines.append(Text(words))
+    if health.radius is not None:
+        share = f"{100 * health.radius:.3g} % of the radius of CertifiedBounds"
+        words = f"bounds: theta used {share}"
+        if "u_applied" in health.signals:
+            words += "; the actuator did not apply u everywhere, which no certificate of them covers"
+        lines.append(Text(words))
     return tuple(lines)
 
 
@@ -95,6 +101,7 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
         "margins": {name: _margins(margins) for name, margins in health.margins.items()},
         "updates_decided_by_rounding": health.guard_count,
         "updates_moved_to_bounds": health.bounded,
+        "radius_of_bounds": health.radius,
         "missed_by": health.missed_by,
         "cost_over_lqg": health.cost_ratio,
         "next_disturbance": health.next_disturbance and {

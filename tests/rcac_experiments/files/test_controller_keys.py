@@ -6,7 +6,14 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_experiments.files._builder import build
-from rcac_numeric import CoefficientBounds, Compensator, Normalization, SignalWeight, pid
+from rcac_numeric import (
+    CertifiedBounds,
+    CoefficientBounds,
+    Compensator,
+    Normalization,
+    SignalWeight,
+    pid,
+)
 
 PLANT = {"problem": "standard", "G": "1/(q - 0.9)"}
 
@@ -38,12 +45,22 @@ def test_every_addition_has_its_key():
     assert settings.fixed == Compensator([[[0.5]]], [[[0]], [[0.25]]])
 
 
+def test_bounds_are_a_box_or_an_ellipsoid():
+    factor = [[0.5, 0, 0], [0.1, 0.5, 0], [0, 0, 2.0]]
+    settings = controller(k_c=0, bounds={"center": [0.1, 0, 0], "factor": factor})
+    assert settings.bounds == CertifiedBounds([0.1, 0.0, 0.0], factor)
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
         ({"bounds": {"low": 1, "hight": 2}}, "Did you mean 'high'"),
         ({"bounds": {"gains": {"K_X": [0, 1]}}}, "no coefficient is called 'K_X'"),
         ({"bounds": {"low": 1.0}}, "start inside them"),
+        ({"bounds": {"center": [0, 0, 0]}}, "factor"),
+        ({"bounds": {"center": [0], "factor": [[1]]}}, "a center of 1 entries"),
+        ({"bounds": {"center": [0, 0], "factor": [[1, 2], [0, 1]]}}, "lower triangular"),
+        ({"bounds": {"center": [0, 0, 0], "low": 1}}, "low"),
         ({"z_normalization": {"limit": -1}}, "must be positive"),
         ({"z_normalization": {"limit": 1, "function": "cube"}}, "function"),
         ({"R_u_unfiltered": [[1, 0], [0, 1]]}, "R_u_unfiltered"),

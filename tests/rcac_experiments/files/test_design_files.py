@@ -11,7 +11,7 @@ from rcac_experiments.files import _design_files as files
 from rcac_experiments.files._builder import build
 from rcac_experiments.files._design_files import design_arguments, design_toml, save_design
 from rcac_experiments.files._documents import parsed
-from rcac_numeric.arrays._values import equal
+from rcac_numeric.arrays._values import equal, replaced
 from rcac_numeric.designing._trials import RCAC
 
 QUICK = {"seeds": 1, "steps": 300}
@@ -50,6 +50,15 @@ def test_the_file_says_the_same(arguments, tmp_path):
     assert np.allclose(run.cases()[0].w, designed.expected.w(300, run.seed))
     assert equal(run.saturation, designed.saturation)
     assert path.read_text(encoding="utf-8").startswith(f"# {designed.verdict}")
+
+
+def test_the_file_of_a_design_that_is_kept_in_an_ellipsoid_says_so():
+    designed = rn.design("1/(8*s + 1)", sample_time=0.5, **QUICK)
+    theta_0 = designed.settings.theta_0
+    factor = 0.1 * np.eye(len(theta_0)) + 0.01 * np.tri(len(theta_0))
+    kept = replaced(designed.settings, bounds=rn.CertifiedBounds(theta_0, factor))
+    experiment = load_of(replaced(designed, settings=kept))
+    assert equal(experiment.runs[RCAC].settings, kept)
 
 
 def test_a_file_is_read_for_a_design(tmp_path):

@@ -37,6 +37,19 @@ def repetition(z, theta, stride=1):
 STABLE, BOTH, LOOP = (0.0, 0.0), (2.0, 0.0), (0.0, 1.0)
 
 
+def test_the_share_of_the_radius_of_an_ellipsoid():
+    plant, w = rn.standard_plant("1/(q - 0.5)"), np.ones((20, 1))
+    argument = {"structure": rn.iir(1), "target": rn.TargetModel([0, 1.0]), "update": rn.UD(1.0)}
+    kept = rn.ControllerSettings(**argument, bounds=rn.CertifiedBounds([0, 0], 0.01 * np.eye(2)))
+    run = rn.simulate(plant, kept, w)
+    expected = np.linalg.norm(run.theta, axis=1).max() / 0.01
+    value = MEASURES["radius_of_bounds"](rn.LoopAnalysis(run))
+    assert value == pytest.approx(expected, rel=1e-12) and 0.99 < value <= 1
+    free = rn.simulate(plant, rn.ControllerSettings(**argument), w)
+    with pytest.raises(InputError, match="no CertifiedBounds"):
+        MEASURES["radius_of_bounds"](rn.LoopAnalysis(free))
+
+
 def test_of_the_response():
     r = repetition([1, -3, 0.5, 0.01, -0.03, 0.005], [STABLE] * 6)
     assert MEASURES["settling_step"](r, band=0.02) == 5

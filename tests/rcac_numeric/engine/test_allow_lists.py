@@ -12,6 +12,7 @@ from rcac_numeric.compiled._updates import ARGUMENTS
 from rcac_numeric.controllers._recursive import RecursiveLeastSquares
 from rcac_numeric.controllers._update import Update
 from rcac_numeric.engine._ball_updates import BALL_UPDATES
+from tests.support.ellipsoids import ellipsoid
 from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT
 from tests.support.signals import white
@@ -178,6 +179,7 @@ STRANGERS = {
     "R_u": replace(GOOD, R_u=derived(rn.SignalWeight(0.1))),
     "z_normalization": replace(GOOD, z_normalization=derived(rn.Normalization(1.0))),
     "bounds": replace(GOOD, bounds=derived(rn.CoefficientBounds(-1.0, method="clip"))),
+    "ellipsoid": replace(GOOD, bounds=derived(ellipsoid(0, GOOD.l_theta, center=GOOD.theta_0))),
     "fixed": replace(GOOD, fixed=derived(rn.Compensator([[[0.5]]], [[[0.0]], [[0.1]]]))),
 }
 
