@@ -123,6 +123,10 @@ class BudgetError(InputError):
     """A request is larger than the :class:`~compensator_theory.Budget` allows."""
 
 
+class UndecidedError(InputError):
+    """Data leave more than one answer, each with other consequences, so that none is given."""
+
+
 class NotCoprimeError(CompensatorError):
     """Numerator and denominator share a root, so some poles cannot be moved."""
 

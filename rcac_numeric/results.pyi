@@ -54,6 +54,8 @@ from .identification._era import EigensystemRealisation as EigensystemRealisatio
 from .identification._mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification._output_error import OutputErrorModel as OutputErrorModel
 from .identification._prediction_error import PredictionErrorModel as PredictionErrorModel
+from .identification._process import ProcessModel as ProcessModel
+from .identification._process_evidence import Gate as Gate
 from .identification._zeros import IdentifiedZeros as IdentifiedZeros
 from .identification._zeros_of_arx import OnlineZeros as OnlineZeros
 from .plants.gallery._operating_points import OperatingPoint as OperatingPoint

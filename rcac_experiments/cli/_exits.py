@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 
 import click
 
-from compensator_theory.errors import Advice, CompensatorError
+from compensator_theory.errors import Advice, CompensatorError, UndecidedError
 from rcac_numeric.arrays._wording import printable, shortened
 
 DONE = 0
-NO = 1  # a verdict has changed, a log contradicts itself, u = 0 is better
+NO = 1  # a verdict has changed, a log contradicts itself or its model, u = 0 is better
 BAD_INPUT = 2  # invalid input, or a file that cannot be read or written, or too little memory
 DIVERGED = 3  # a loop diverged unexpectedly
 UNSTABLE = 5  # the logged loop is unstable
@@ -27,10 +27,10 @@ INTERRUPTED = 130  # 128 + SIGINT: Ctrl-C
 CLOSED_PIPE = 141  # 128 + SIGPIPE: the reader closed the pipe
 
 EXIT_STATUS = """
-Exit status: 0 success; 1 the answer is no (a verdict has changed, a log contradicts itself, a
-design is worse than u = 0); 2 invalid input, or a file that cannot be read or written; 3 a loop
-diverged unexpectedly; 4 a defect of rcac; rcac check also returns 5 (unstable loop), 6 (poles
-missed) and 7 (undecided); 130 interrupted; 141 output closed.
+Exit status: 0 success; 1 the answer is no (a verdict has changed, a log contradicts itself or
+leaves its plant open, a design is worse than u = 0); 2 invalid input, or a file that cannot be read
+or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; rcac check also returns 5 (unstable
+loop), 6 (poles missed) and 7 (undecided); 130 interrupted; 141 output closed.
 """
 # The option that replaces an argument of Python, by function and first argument; a function with an
 # empty argument stands for all its arguments.
@@ -106,6 +106,8 @@ def _after(error: BaseException) -> int:
             return CLOSED_PIPE
         case click.ClickException():
             return _usage(error)
+        case UndecidedError():
+            return _report(error.message_for(at_the_shell), NO)
         case CompensatorError():
             return _report(error.message_for(at_the_shell), BAD_INPUT)
         case MemoryError():

@@ -14,7 +14,7 @@ from scipy.stats import binomtest, ttest_1samp
 
 from compensator_theory import figures
 from compensator_theory._few_lines import in_few_lines
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import BudgetError, InputError, NoSolutionError
 from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.arrays._seeds import JUDGING
 from rcac_numeric.arrays._showing import notebook_of, report_of, summary_of
@@ -29,7 +29,7 @@ from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.designing._closed_loop_design import TuningParameters, settings_of
 from rcac_numeric.designing._expected import LONGEST, UNKNOWN, Expected, read_expected
-from rcac_numeric.designing._logs import LoggedPlant, plant_from_log
+from rcac_numeric.designing._logs import TRIED, LoggedPlant, LogSearch, require_short
 from rcac_numeric.designing._plants import (
     DesignPlant,
     Uncertainty,
@@ -60,6 +60,7 @@ from rcac_numeric.engine._batches import SimulationCase, simulate_many
 from rcac_numeric.engine._compatibility import AnyController
 from rcac_numeric.engine._runs import Run
 from rcac_numeric.engine._simulation import simulate
+from rcac_numeric.identification._process_evidence import Gate
 from rcac_numeric.plants._linear import Plant
 from rcac_numeric.plants._saturation import Saturation, limits_of
 
@@ -542,28 +543,38 @@ def _truncation_question(model: Truncation, reference: Reference) -> tuple[str, 
 def _basis_of_log(
     log: ControllerLog, sample_time: float | None, dead_time: float, around: _DesignOptions
 ) -> _Basis:
-    """The best model of a log that has a controller.
+    """The first model of a log, the best one first, whose controller passes every gate.
 
-    Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
-    noise, there may be none; then one of lower order is taken.
+    Where no credible model has a controller, one of lower order may: its controller must stabilise
+    the credible ones.
     """
     sample_time = log.sample_time if sample_time is None else sample_time
-    logged = plant_from_log(log, sample_time, dead_time)
-    first: NoSolutionError | None = None
-    while True:
+    search = LogSearch(log, sample_time, dead_time)
+    first: tuple[Gate, ...] = ()
+    obstacle: NoSolutionError | InputError | None = None
+    for count, fit in enumerate(search.candidates()):
+        if first and count >= TRIED:
+            break  # lower orders are tried where there was no controller
+        gates = search.first_gates(fit)
+        if not all(gate.passed for gate in gates):
+            first = first or gates
+            continue
+        logged = search.logged(fit, gates)
         try:
+            require_short(logged.plant)
             basis = _basis_of(logged.plant, logged.uncertainty, around, logged)
-            return basis if first is None else replace(basis, obstacle=str(first))
-        except NoSolutionError as error:
-            if first is None:
-                why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
-                first = NoSolutionError(f"{why}{error}")
-        if logged.model.order == 1:
-            raise first
-        try:
-            logged = plant_from_log(log, sample_time, dead_time, logged.model.order - 1)
-        except InputError:
-            raise first from None
+        except (NoSolutionError, BudgetError) as error:
+            why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
+            obstacle = obstacle or type(error)(f"{why}{error}")
+            continue
+        judged = search.judged(fit, logged, basis.reference.compensator, basis.reference.peak)
+        if all(gate.passed for gate in judged.model.gates):
+            reason = "" if obstacle is None else str(obstacle)
+            return replace(basis, logged=judged, obstacle=reason)
+        first = first or judged.model.gates
+    if obstacle is not None and not first:
+        raise obstacle
+    raise search.undecided(first)
 
 
 def _expected(
@@ -716,7 +727,7 @@ def _questions(
     questions = []
     if logged is not None:
         questions.append((
-            "plant", f"the model of the log, {logged.model}", logged.evidence(fixed.compensator)
+            "plant", f"the model of the log, {logged.model}", logged.evidence
         ))  # fmt: skip
     if basis.truncation:
         questions.append(("plant", *basis.truncation))

@@ -180,8 +180,8 @@ class WeightGrid:
         """Evaluate a controller (A_c, B_c, C_c, D_c) from e to u, in units of the grid."""
         try:
             peak = _peak(self.scaled, parts)
-            lost = sum(not _radius(other, parts) < 1 for other in self.instead)
-            lost += not _radius(self.scaled, parts) < SLOWEST
+            lost = sum(not loop_radius(other, parts) < 1 for other in self.instead)
+            lost += not loop_radius(self.scaled, parts) < SLOWEST
             if not np.isfinite(peak):
                 return LoopEvaluation(lost, np.inf)
             noise = {**self.noise, "v": self.noise_variance}
@@ -519,7 +519,7 @@ def _grid_candidates(
 def _peak(plant: Plant, parts: StateSpace) -> float:
     """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable."""
     A_c, B_c, C_c, D_c = parts
-    if not _radius(plant, parts) < 1:
+    if not loop_radius(plant, parts) < 1:
         return np.inf
     A, eye = _closed(plant, parts), np.eye(plant.l_u)
     at_u = np.vstack([plant.B, np.zeros((len(A_c), plant.l_u))])
@@ -538,7 +538,7 @@ def _closed(plant: Plant, parts: StateSpace) -> Array:
     return np.block([[plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c], [B_c @ plant.C, A_c]])
 
 
-def _radius(plant: Plant, parts: StateSpace) -> float:
+def loop_radius(plant: Plant, parts: StateSpace) -> float:
     """The spectral radius of the loop."""
     return float(np.abs(np.linalg.eigvals(_closed(plant, parts))).max())
 

@@ -6,6 +6,7 @@ from ._mu_markov import identify_markov_parameters as identify_markov_parameters
 from ._noise_models import NeweyWest as NeweyWest
 from ._output_error import identify_output_error as identify_output_error
 from ._prediction_error import identify_in_closed_loop as identify_in_closed_loop
+from ._process import identify_process as identify_process
 from ._recursive_arx import RecursiveARX as RecursiveARX
 from ._recursive_markov import RecursiveMarkov as RecursiveMarkov
 from ._recursive_mu_markov import RecursiveMuMarkov as RecursiveMuMarkov

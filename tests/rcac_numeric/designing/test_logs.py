@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 import rcac_numeric as rn
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError, NoSolutionError, UndecidedError
 from rcac_numeric.arrays._values import equal
 from rcac_numeric.designing._logs import PARTS, plant_from_log
 from rcac_numeric.designing._plants import read_plant
@@ -47,7 +47,10 @@ def test_what_the_log_shows_of_itself_is_evidence(found):
     names = [question.name for question in found.questions]
     assert names[:3] == ["plant", "plant", "dead_time"]
     assert {"disturbance", "noise", "u_limits"} <= set(names)
-    assert f"{PARTS} of {PARTS} parts" in found.questions[0].words
+    gates = {gate.name: gate for gate in logged.model.gates}
+    assert {"effect of u", "gain", "rivals", "halves", "robustness"} <= set(gates)
+    assert all(gate.passed for gate in gates.values())
+    assert all(name in found.questions[0].words for name in gates)
     # AR(1) at 0.8: the variance of its differences is 2 (1 - 0.8) of its own.
     size = 0.05 / np.sqrt(1 - 0.8**2)
     assert logged.noise == pytest.approx(size * np.sqrt(1 - 0.8), rel=0.1)
@@ -92,11 +95,11 @@ def test_a_plant_that_integrates_has_its_pole_at_1(found):
     log = rn.ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
     integrating = rn.design(log, **QUICK)
     logged, true = integrating.logged, read_plant("0.05/((q - 1)*(q - 0.8))", None, 0)
-    assert logged.model.integrators == 1 and not logged.integrates and logged.held_out < 1.1
+    assert logged.model.integrators == 1 and not logged.integrates
     assert np.abs(np.linalg.eigvals(integrating.model.A) - 1).min() < 1e-12
     assert sensitivity_peak(rn.ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
-    assert any("pole at 1" in question.words for question in integrating.questions)
-    assert found.logged.model.integrators == 0 and found.logged.held_out is None
+    assert any("pole at 1" in question.assumed for question in integrating.questions)
+    assert found.logged.model.integrators == 0
 
 
 def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
@@ -110,7 +113,8 @@ def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monk
     best = WeightGrid.best
 
     def of_order_1(ladder):
-        if len(ladder.plant.A) > least:
+        poles = np.abs(np.linalg.eigvals(ladder.plant.A))
+        if np.sum(poles > 1e-9) > least:  # a second coefficient of B is a state at 0
             raise NoSolutionError("no such controller")
         return best(ladder)
 
@@ -140,11 +144,11 @@ def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
 def test_an_unstable_plant_from_the_log_of_its_loop():
     u, y, r, true = looped()
     designed = rn.design(rn.ControllerLog(u, y), **QUICK)
-    assert designed.logged.is_closed and designed.model.delay == 1
+    # Two poles more than zeros, and a step of dead time: y responds after three steps.
+    assert designed.logged.is_closed and designed.model.delay == 2
     assert np.abs(np.linalg.eigvals(designed.model.A)).max() == pytest.approx(1.05, abs=0.01)
     assert designed.logged.noise == pytest.approx(0.05, rel=0.15)
     assert sensitivity_peak(rn.ClosedLoop(true.servo(), designed.fixed.compensator)) < 2.5
-    assert "standard errors" in designed.questions[0].words
     assert not any("stabilised loop" in question.words for question in designed.questions)
     with_r = rn.design(rn.ControllerLog(u, y, r=r), **QUICK)
     assert equal(with_r.settings, designed.settings)
@@ -173,15 +177,15 @@ def test_a_loop_that_nothing_moves_shows_no_plant():
 
 @pytest.mark.costly
 def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
-    """u acts after 1 step, and again after 19, where delays of 12 and orders of 5 are tried."""
+    """u acts after 1 step, and again after 19, where orders up to 4 are tried."""
     rng = np.random.default_rng(3)
     r, e = rng.standard_normal((2, 2000))
     u, y = np.zeros((2, 2000))
     for k in range(2000):
         y[k] = 0.5 * e[k] + (0.5 * y[k - 1] + u[k - 1] + u[k - 19] if k > 19 else 0.0)
         u[k] = r[k] - 0.1 * y[k]
-    with pytest.raises(InputError, match="no model separates plant and controller"):
-        plant_from_log(rn.ControllerLog(u, y, r=r))
+    with pytest.raises(UndecidedError, match="misfit"):
+        rn.design(rn.ControllerLog(u, y, r=r), **QUICK)
 
 
 def test_the_gain_of_a_part_is_not_that_of_a_pole_and_a_zero_that_all_but_cancel_at_rest():

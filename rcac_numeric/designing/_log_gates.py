@@ -1,0 +1,165 @@
+"""The gates of a log's model that ask what its controller does: gain, rivals, misfit, halves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rcac_numeric.analysis._peaks import responses_of
+from rcac_numeric.analysis._state_space import StateSpace
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.controllers._compensator import Compensator
+from rcac_numeric.designing._plants import DesignPlant, balanced
+from rcac_numeric.designing._reference import MOST, loop_radius
+from rcac_numeric.identification._box_jenkins import ProcessFit
+from rcac_numeric.identification._process_evidence import (
+    KNOWN,
+    MISFIT,
+    OMEGA,
+    Gate,
+    credible_delays,
+    misfit,
+    relative_deviation,
+    sign_gate,
+)
+from rcac_numeric.identification._process_records import ProcessRecord
+from rcac_numeric.identification._process_search import ProcessSearch
+
+ROBUST, UNSTABLE_ROBUST = 1.125 * MOST, 4.0  # Ms of the loop with a stable and an unstable model
+LOW = 3.0  # times below the crossover S stands in place of T if it is smaller
+Part = tuple[ProcessRecord, ProcessFit] | None
+
+
+@dataclass(frozen=True, eq=False)
+class GateLoop:
+    """The loop of a controller with a model, for the gates.
+
+    Attributes
+    ----------
+    compensator : Compensator
+        From e to u.
+    weight : array, shape (100,)
+        abs(T) at `OMEGA`; below a third of the crossover abs(S) if that is smaller, since an error
+        of a gain that is large anyway does no harm.
+    crossover : float
+        Of the gain of the loop, in rad/step.
+    """
+
+    compensator: Compensator
+    weight: Array
+    crossover: float
+
+    @property
+    def parts(self) -> StateSpace:
+        """The controller's matrices."""
+        return self.compensator.state_space()
+
+    def stabilises(self, plant: DesignPlant) -> bool:
+        """Whether the loop with a plant is stable."""
+        return bool(loop_radius(plant.servo(), self.parts) < 1)
+
+
+def gate_loop(plant: DesignPlant, compensator: Compensator) -> GateLoop:
+    """The loop of a controller, of e or of [e; r], with a scalar model."""
+    of_e = Compensator(compensator.past_u, compensator.past_y[:, :, :1], compensator.sample_time)
+    K = responses_of(of_e.state_space(), OMEGA)[:, 0, 0]
+    L = plant.response(OMEGA)[:, 0, 0] * K
+    T, S = np.abs(L / (1 + L)), np.abs(1 / (1 + L))
+    above = np.nonzero(np.abs(L) > 1)[0]
+    crossover = float(OMEGA[above[-1]] if len(above) else 0.01)
+    weight = np.where(crossover / LOW < OMEGA, T, np.minimum(T, S))
+    return GateLoop(of_e, weight, crossover)
+
+
+def design_plant(
+    B: Array, A: Array, delay: int, gain_unit: float, sample_time: float | None
+) -> DesignPlant:
+    """The plant of a model in units of the record."""
+    n = max(len(A) - 1, len(B))
+    a = np.eye(n, k=-1)
+    a[0] = -np.pad(A[1:], (0, n - len(A) + 1))
+    c = gain_unit * np.pad(B, (0, n - len(B)))[None]
+    a, b, c = balanced(a, np.eye(n, 1), c)
+    return DesignPlant(a, b, c, delay, sample_time=sample_time)
+
+
+def controller_gates(
+    search: ProcessSearch, fit: ProcessFit, loop: GateLoop, peak: float,
+    parts: Sequence[tuple[Part, DesignPlant | None]], sample_time: float | None,
+) -> tuple[Gate, ...]:  # fmt: skip
+    """All gates of a model that need its controller; `peak` is Ms of their loop."""
+    worst = float(np.max(loop.weight * relative_deviation(search.record, fit, OMEGA)))
+    gain = Gate(
+        "gain", worst < KNOWN, worst, KNOWN,
+        f"largest abs(T) times the relative standard deviation of G: {worst:.2g}, at most "
+        f"{KNOWN:.2g} is allowed",
+        "The gain around the crossover is not known well enough: excite u more, or record longer.",
+    )  # fmt: skip
+    probability, left = misfit(search, fit, OMEGA)
+    size = float(np.max(loop.weight * left))
+    fits = probability > MISFIT or size < KNOWN
+    remainder = Gate(
+        "misfit", fits, size, KNOWN,
+        f"past u explains {size:.2g} of G in the prediction errors, with probability "
+        f"{probability:.2g} by chance",
+        "The model misses a part of the plant: several inputs, a nonlinear plant, or a plant of "
+        "higher order. Give design a model.",
+    )  # fmt: skip
+    limit = UNSTABLE_ROBUST if fit.is_unstable else ROBUST
+    robust = Gate(
+        "robustness", peak <= limit, peak, limit,
+        f"Ms = {peak:.3g} of the fixed controller with the model, at most {limit:.3g} is allowed",
+        "No controller of the weight grid is robust for this model: sample more slowly, or shorten "
+        "the dead time.",
+    )  # fmt: skip
+    sign = sign_gate(search, fit, loop.crossover / LOW)
+    return (
+        gain, sign, _rivals(search, fit, loop, sample_time), remainder,
+        _halves(loop, parts), robust,
+    )  # fmt: skip
+
+
+def _rivals(
+    search: ProcessSearch, fit: ProcessFit, loop: GateLoop, sample_time: float | None
+) -> Gate:
+    """Whether the controller stabilises every credible model and delay."""
+    unit_u, unit_y = search.record.units
+    models: dict[tuple[object, ...], tuple[Array, Array, int]] = {}
+    for one in search.fits:
+        if one is not fit and search.credible(one):
+            models.setdefault(one.key, (one.B, one.denominator, one.delay))
+    for B, delay in credible_delays(search, fit):
+        models.setdefault(("delay", delay), (B, fit.denominator, delay))
+    unstable = [
+        (A, delay) for B, A, delay in models.values()
+        if not loop.stabilises(design_plant(B, A, delay, unit_y / unit_u, sample_time))
+    ]  # fmt: skip
+    which = "".join(f", such as order {len(A) - 1} with delay {d}" for A, d in unstable[:1])
+    return Gate(
+        "rivals", not unstable, float(len(unstable)), 0.0,
+        f"the fixed controller stabilises {len(models) - len(unstable)} of {len(models)} credible "
+        f"models{which if unstable else ''}",
+        "Several plants fit the record and need different controllers: excite u more, record "
+        "longer, or give the dead time.",
+    )  # fmt: skip
+
+
+def _halves(loop: GateLoop, parts: Sequence[tuple[Part, DesignPlant | None]]) -> Gate:
+    """Whether the controller stabilises the models of the parts that know their gain."""
+    judged = lost = 0
+    for part, plant in parts:
+        if part is None or plant is None:
+            continue
+        record, fit = part
+        if np.max(loop.weight * relative_deviation(record, fit, OMEGA)) > KNOWN:
+            continue
+        judged += 1
+        lost += not loop.stabilises(plant)
+    return Gate(
+        "halves", not lost, float(lost), 0.0,
+        f"the fixed controller stabilises the models of {judged - lost} of the {judged} halves of "
+        "the log that determine one",
+        "The plant changes during the log, or is not linear: design for each part of it.",
+    )  # fmt: skip

@@ -1,0 +1,457 @@
+"""Box-Jenkins and ARMAX models of a scalar record: prediction errors, gradients, least squares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.signal import lfilter
+
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.identification._process_records import ProcessRecord
+
+CIRCLE, OF_C = 0.99999, 0.995  # largest modulus of a pole of the plant or of D, and of a root of C
+EMPTY = np.zeros((0, 0))  # where a column depends on the others
+DIFFERENCE = np.array([1.0, -1.0])
+ONE = np.ones(1)
+ITERATIONS = 25
+DECREASE = 2e-3  # of N log(sum of squares): below it an iteration has settled
+DEPENDENT = 1e-9  # of a column's norm: the rest of it is rounding
+WIDTHS = 6  # damping factors that are tried in an iteration
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseModel:
+    """C/(D (1 - q^-1)^i), of a level, or of its differences."""
+
+    C: Array
+    D: Array
+    differences: int
+
+    @cached_property
+    def whitener(self) -> Array:
+        """The numerator D (1 - q^-1)^i of the filter that makes the noise white; C is below."""
+        return np.convolve(self.D, DIFFERENCE) if self.differences else self.D
+
+    @property
+    def orders(self) -> tuple[int, int, int]:
+        """The orders of C and D, and i."""
+        return len(self.C) - 1, len(self.D) - 1, self.differences
+
+
+@dataclass(frozen=True, eq=False)
+class ProcessFit:
+    """y = q^-delay B/A u + level (+ slope) + C/(D (1 - q^-1)^i) e, fitted to a record.
+
+    Attributes
+    ----------
+    A, B : arrays
+        1, a_1, ..., a_n and b_1, ..., b_m; without the pole at 1 where u is summed.
+    delay : int
+    noise : NoiseModel
+    summed : bool
+        Whether the plant has a further pole at 1, of u summed.
+    slope : bool
+        Whether the level of y has a slope.
+    armax : bool
+        Whether A multiplies y and stands below the noise too, so that its poles may be anywhere.
+    e : array
+        The prediction errors.
+    jacobian : array, shape (parameters, steps)
+        Their derivatives by A, B, C and D, with level, slope and initial state projected out.
+    parameters : int
+        All that is fitted.
+    bic : float
+        -2 log likelihood + parameters log N, by the better of Gauss's and Student's.
+    heavy : bool
+        Whether Student's is the better by 0.02 a step.
+    """
+
+    A: Array
+    B: Array
+    delay: int
+    noise: NoiseModel
+    summed: bool
+    slope: bool
+    armax: bool
+    e: Array
+    jacobian: Array
+    parameters: int
+    bic: float
+    heavy: bool
+
+    @property
+    def order(self) -> int:
+        """The number of poles that are fitted."""
+        return len(self.A) - 1
+
+    @property
+    def denominator(self) -> Array:
+        """A with its pole at 1."""
+        return np.convolve(self.A, DIFFERENCE) if self.summed else self.A
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the model is: its orders, delay and kind."""
+        return (
+            self.order, self.delay, self.noise.orders, self.armax, self.summed, self.slope,
+        )  # fmt: skip
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """All poles of the plant."""
+        return np.asarray(np.roots(self.denominator), dtype=np.complex128)
+
+    @property
+    def is_unstable(self) -> bool:
+        """Whether a pole is outside the unit circle by more than 0.001."""
+        return bool((np.abs(self.poles) > 1.001).any())
+
+    def response(self, omega: Array) -> ComplexArray:
+        """G(exp(j omega)) in units of the record."""
+        return response_of(self.B, self.denominator, self.delay, omega)
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a fit begins at."""
+
+    A: Array
+    B: Array
+    delay: int
+    noise: NoiseModel
+    summed: bool = False
+    slope: bool = False
+    armax: bool = False
+
+
+def response_of(B: Array, A: Array, delay: int, omega: Array) -> ComplexArray:
+    """q^-delay (b_1 q^-1 + ...)/A at exp(j omega)."""
+    past = np.exp(-1j * omega)
+    top = np.polyval(B[::-1], past) * past ** (delay + 1)
+    return np.asarray(top / np.polyval(A[::-1], past))
+
+
+def start_of(fit: ProcessFit) -> Start:
+    """What another fit may begin at, from this one."""
+    return Start(fit.A, fit.B, fit.delay, fit.noise, fit.summed, fit.slope, fit.armax)
+
+
+def later(signal: Array, steps: int) -> Array:
+    """The signal some steps later along the last axis, 0 before."""
+    if not steps:
+        return signal
+    moved = np.zeros_like(signal)
+    moved[..., steps:] = signal[..., :-steps]
+    return moved
+
+
+def confined(A: Array, radius: float) -> Array:
+    """A with its roots outside a circle reflected into it, or pulled onto it."""
+    n = len(A) - 1
+    if n == 0 or (n == 1 and abs(A[1]) <= radius):
+        return A
+    if n == 2:  # Schur and Cohn
+        a, b = A[1] / radius, A[2] / radius**2
+        if abs(b) <= 1 and abs(a) <= 1 + b:
+            return A
+    if not np.isfinite(A).all():
+        return A
+    roots = np.roots(A)
+    size = np.abs(roots)
+    if not (size > radius).any():
+        return A
+    size = np.where(size > 0, size, 1.0)
+    roots = np.where(
+        size > 1 / radius, 1 / np.conj(np.where(size > 1 / radius, roots, 1.0)),
+        np.where(size > radius, roots / size * radius, roots),
+    )  # fmt: skip
+    return np.concatenate([ONE, np.real(np.poly(roots))[1:]])
+
+
+class _Errors:
+    """The prediction errors of one structure as a function of its coefficients."""
+
+    def __init__(self, record: ProcessRecord, start: Start, weights: Array | None) -> None:
+        self.y, self.weights = record.y, weights
+        delayed = later(record.u, start.delay)
+        self.u = np.cumsum(delayed) if start.summed else delayed
+        self.start = start
+        self.n, self.m = len(start.A) - 1, len(start.B)
+        self.n_C, self.n_D, self.differences = start.noise.orders
+        steps = record.steps
+        self.impulse = np.zeros(steps)
+        self.impulse[0] = 1.0
+        self.known = [np.ones(steps)]
+        if start.summed or start.slope:
+            self.known.append(np.linspace(0, 1, steps))
+        self.free = len(self.known) + self.n
+
+    def split(self, theta: Array) -> tuple[Array, Array, NoiseModel]:
+        """A, B and the noise model of the coefficients."""
+        n, m, n_C = self.n, self.m, self.n_C
+        C = np.concatenate([ONE, theta[n + m : n + m + n_C]])
+        D = np.concatenate([ONE, theta[n + m + n_C :]])
+        return (
+            np.concatenate([ONE, theta[:n]]),
+            theta[n : n + m],
+            NoiseModel(C, D, self.differences),
+        )
+
+    def confined(self, theta: Array) -> Array:
+        """The coefficients with stable filters."""
+        A, B, noise = self.split(theta)
+        A = A if self.start.armax else confined(A, CIRCLE)
+        C, D = confined(noise.C, OF_C), confined(noise.D, CIRCLE)
+        return np.concatenate([A[1:], B, C[1:], D[1:]])
+
+    def at(self, theta: Array) -> _Point | None:
+        """The errors there; None where they leave float64."""
+        A, B, noise = self.split(theta)
+        if self.start.armax:
+            x = np.convolve(self.y, A)[: len(self.y)] - self.y
+            forced = np.convolve(self.u, np.concatenate([[0.0], B]))[: len(self.y)]
+            v, response = self.y + x - forced, self.impulse
+        else:
+            x = lfilter(np.concatenate([[0.0], B]), A, self.u)
+            v, response = self.y - x, lfilter(ONE, A, self.impulse)
+        raw = np.stack([v, *self.known, response])
+        white = lfilter(noise.whitener, noise.C, raw)
+        if not np.isfinite(white[0]).all() or not np.isfinite(white[-1]).all():
+            return None
+        F = np.empty((self.free, len(v)))
+        fixed = len(self.known)
+        F[:fixed] = white[1 : 1 + fixed]
+        for i in range(self.n):
+            F[fixed + i] = later(white[-1], i)
+        e = white[0]
+        if self.weights is not None:
+            F, e = F * self.weights, e * self.weights
+        size = np.sqrt(np.einsum("ij,ij->i", F, F))
+        size[size == 0] = 1.0
+        Q, R = np.linalg.qr((F / size[:, None]).T)
+        is_needed = np.abs(np.diag(R)) > DEPENDENT
+        if not is_needed.all():
+            Q = Q[:, is_needed]
+            R = EMPTY
+        coefficients = Q.T @ e
+        e = e - Q @ coefficients
+        return _Point(self, theta, A, noise, x, raw, Q, R, coefficients, size, e)
+
+
+class _Point:
+    """The errors at some coefficients, and their derivatives where they are needed."""
+
+    def __init__(
+        self, errors: _Errors, theta: Array, A: Array, noise: NoiseModel, x: Array, raw: Array,
+        Q: Array, R: Array, coefficients: Array, size: Array, e: Array,
+    ) -> None:  # fmt: skip
+        self.errors, self.theta, self.A, self.noise, self.x = errors, theta, A, noise, x
+        self.raw, self.Q, self.R, self.coefficients, self.size = raw, Q, R, coefficients, size
+        self.e = e
+        self.square = float(e @ e)
+
+    def jacobian(self) -> Array | None:
+        """The derivatives of e, less their projection on what is free (Kaufman)."""
+        errors, noise, A = self.errors, self.noise, self.A
+        n, m, n_C, n_D = errors.n, errors.m, errors.n_C, errors.n_D
+        v, x, steps = self.raw[0], self.x, len(self.e)
+        if len(self.R):
+            free = np.linalg.solve(self.R, self.coefficients) / self.size
+            known = len(errors.known)
+            v = v - free[:known] @ self.raw[1 : 1 + known]
+            if n:
+                state = np.convolve(self.raw[-1], free[known:])[:steps]
+                v = v - state
+                if not errors.start.armax:  # the free response has the poles of the plant
+                    x = x + state
+        J = np.zeros((n + m + n_C + n_D, steps))
+        top = noise.whitener
+        if errors.start.armax:
+            by_A, by_B = lfilter(top, noise.C, np.stack([errors.y, -errors.u]))
+        else:
+            by_A, by_B = lfilter(top, np.convolve(noise.C, A), np.stack([x, -errors.u]))
+        for k in range(1, n + 1):
+            J[k - 1, k:] = by_A[:-k]
+        for k in range(1, m + 1):
+            J[n + k - 1, k:] = by_B[:-k]
+        if n_C:
+            e = self.e if errors.weights is None else lfilter(top, noise.C, v)
+            by_C = lfilter(ONE, noise.C, e)
+            for k in range(1, n_C + 1):
+                J[n + m + k - 1, k:] = -by_C[:-k]
+        if n_D:
+            by_D = lfilter(DIFFERENCE if errors.differences else ONE, noise.C, v)
+            for k in range(1, n_D + 1):
+                J[n + m + n_C + k - 1, k:] = by_D[:-k]
+        if errors.weights is not None:
+            J *= errors.weights
+        if not np.isfinite(J).all():
+            return None
+        return np.asarray(J - (J @ self.Q) @ self.Q.T)
+
+
+def fitted(
+    record: ProcessRecord, start: Start, *, iterations: int = ITERATIONS,
+    weights: Array | None = None, is_plant_fixed: bool = False,
+) -> ProcessFit | None:  # fmt: skip
+    """Minimise the prediction errors from a start by Levenberg and Marquardt; None if it fails.
+
+    Level, slope and initial state are projected out (Golub and Pereyra, with Kaufman's gradient).
+    """
+    errors = _Errors(record, start, weights)
+    noise = start.noise
+    theta = np.concatenate([start.A[1:], start.B, noise.C[1:], noise.D[1:]])
+    point = errors.at(errors.confined(theta))
+    J = None if point is None else point.jacobian()
+    if point is None or J is None:
+        return None
+    steps, damping = record.steps, 1e-3
+    plant = errors.n + errors.m
+    for _ in range(iterations):
+        size = np.sqrt(np.einsum("ij,ij->i", J, J))
+        size[size == 0] = 1.0
+        scaled = J / size[:, None]
+        H, slope = scaled @ scaled.T, scaled @ point.e
+        if is_plant_fixed:
+            H[:plant], H[:, :plant], slope[:plant] = 0.0, 0.0, 0.0
+            H[:plant, :plant] = np.eye(plant)
+        has_settled, better = False, None
+        for _ in range(WIDTHS):
+            try:
+                step = -np.linalg.solve(H + damping * np.eye(len(H)), slope) / size
+            except np.linalg.LinAlgError:
+                damping = 10 * damping
+                continue
+            trial = errors.at(errors.confined(point.theta + step))
+            if trial is not None and trial.square < point.square:
+                has_settled = steps * (1 - trial.square / point.square) < DECREASE
+                better, damping = trial, max(damping / 5, 1e-9)
+                break
+            damping = max(6 * damping, 1e-6)
+        if better is None:
+            break
+        new = better.jacobian()
+        if new is None:
+            break
+        point, J = better, new
+        if has_settled:
+            break
+    return _evaluated(record, errors, point, J)
+
+
+def _evaluated(record: ProcessRecord, errors: _Errors, point: _Point, J: Array) -> ProcessFit:
+    A, B, noise = errors.split(point.theta)
+    start, e = errors.start, point.e
+    if errors.weights is not None:
+        e = np.asarray(lfilter(noise.whitener, noise.C, _unweighted(point)))
+    gauss, student, _ = record.likelihood(e)
+    parameters = len(point.theta) + errors.free + 1
+    bic = record.steps * min(gauss, student) + parameters * float(np.log(record.steps))
+    return ProcessFit(
+        A, B, start.delay, noise, start.summed, start.slope, start.armax, e, J, parameters, bic,
+        student < gauss - 0.02,
+    )  # fmt: skip
+
+
+def _unweighted(point: _Point) -> Array:
+    """V less what is free of it."""
+    errors = point.errors
+    v: Array = point.raw[0]
+    if not len(point.R):
+        return v
+    free = np.linalg.solve(point.R, point.coefficients) / point.size
+    known = len(errors.known)
+    v = np.asarray(v - free[:known] @ point.raw[1 : 1 + known])
+    if errors.n:
+        v -= np.convolve(point.raw[-1], free[known:])[: len(v)]
+    return v
+
+
+def weighted_fit(record: ProcessRecord, fit: ProcessFit, rounds: int = 4) -> ProcessFit:
+    """The fit again by Student's likelihood: least squares with the weights of its errors."""
+    for _ in range(rounds):
+        again = fitted(record, start_of(fit), weights=record.weights(fit.e), iterations=8)
+        if again is None:
+            break
+        has_settled = abs(again.bic - fit.bic) < 0.01
+        fit = again
+        if has_settled:
+            break
+    return fit
+
+
+def noise_start(v: Array, orders: tuple[int, int, int]) -> NoiseModel:
+    """C and D from two regressions (Hannan and Rissanen) of a disturbance."""
+    n_C, n_D, differences = orders
+    w = np.diff(v, prepend=v[0]) if differences else v - v.mean()
+    if not n_C + n_D:
+        return NoiseModel(ONE, ONE, differences)
+    p = min(20, len(w) // 10)
+    e = _innovations(w, p)
+    columns = [-later(w, k) for k in range(1, n_D + 1)] + [later(e, k) for k in range(1, n_C + 1)]
+    X = np.stack(columns)[:, p + 3 :]
+    H = X @ X.T
+    H[np.diag_indices_from(H)] *= 1 + 1e-10
+    try:
+        theta = np.linalg.solve(H + 1e-300 * np.eye(len(H)), X @ w[p + 3 :])
+    except np.linalg.LinAlgError:
+        theta = np.zeros(len(H))
+    if not np.isfinite(theta).all():
+        theta = np.zeros(len(H))
+    return NoiseModel(
+        confined(np.concatenate([ONE, theta[n_D:]]), 0.98),
+        confined(np.concatenate([ONE, theta[:n_D]]), 0.98), differences,
+    )  # fmt: skip
+
+
+def _innovations(w: Array, p: int) -> Array:
+    """The innovations of a long autoregression, from covariances."""
+    if p < 1:
+        return w
+    X = np.stack([later(w, k) for k in range(p + 1)])[:, p:]
+    H = X[1:] @ X[1:].T
+    H[np.diag_indices_from(H)] *= 1 + 1e-9
+    try:
+        a = np.linalg.solve(H + 1e-300 * np.eye(p), X[1:] @ X[0])
+    except np.linalg.LinAlgError:
+        return w
+    e = np.zeros_like(w)
+    e[p:] = X[0] - a @ X[1:]
+    return e
+
+
+def with_noise(start: Start, noise: NoiseModel) -> Start:
+    """The start with another noise model."""
+    return replace(start, noise=noise)
+
+
+def disturbance(record: ProcessRecord, start: Start | ProcessFit) -> Array:
+    """Y less B/A u; for ARMAX A y less B u."""
+    delayed = later(record.u, start.delay)
+    u = np.cumsum(delayed) if start.summed else delayed
+    B = np.concatenate([[0.0], start.B])
+    if start.armax:
+        steps = record.steps
+        return np.asarray(np.convolve(record.y, start.A)[:steps] - np.convolve(u, B)[:steps])
+    return np.asarray(record.y - lfilter(B, confined(start.A, CIRCLE), u))
+
+
+def residual_of(record: ProcessRecord, fit: ProcessFit) -> Array:
+    """What plant, level, slope and initial state leave of y.
+
+    With A in the noise model, C/(D A) e, poles of A outside the circle reflected: noise of the
+    spectrum of what the model leaves.
+    """
+    if fit.armax:
+        stable = confined(fit.A, 1.0)
+        # Where a root p is reflected the filter is abs(p) times an all-pass.
+        size = float(np.prod(np.maximum(np.abs(np.roots(fit.A)), 1.0)))
+        D = fit.noise.whitener
+        return np.asarray(lfilter(fit.noise.C, np.convolve(D, stable), fit.e) / size)
+    errors = _Errors(record, start_of(fit), None)
+    noise = fit.noise
+    point = errors.at(np.concatenate([fit.A[1:], fit.B, noise.C[1:], noise.D[1:]]))
+    v = disturbance(record, fit) if point is None else _unweighted(point)
+    return np.asarray(v - v.mean())

@@ -1,0 +1,190 @@
+"""The best delay and numerator for given poles and noise: every delay by correlations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.signal import lfilter
+
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._box_jenkins import DEPENDENT, DIFFERENCE, ONE, later
+from rcac_numeric.identification._process_records import ProcessRecord
+
+RIDGE = 1e-10  # of the mean square of a column
+TIME_CONSTANTS = 9  # of the grid
+SHORTEST, LONGEST = 0.7, 500.0  # steps, of its time constants
+WHITENERS = ((ONE, 0), (ONE, 1), (np.array([1.0, -0.8]), 1))  # D and i, with C = 1
+
+
+@dataclass(frozen=True, eq=False)
+class DelayScan:
+    """Sums of squares and numerators, for each candidate filter of u and each delay.
+
+    Attributes
+    ----------
+    squares : array, shape (candidates, delays)
+    numerators : array, shape (candidates, delays, m)
+    """
+
+    squares: Array
+    numerators: Array
+
+
+def delay_scan(
+    y: Array, u: Array, free: Array, count: int, delays: int, weights: Array | None = None
+) -> DelayScan:
+    """Regress y on u(k-d-1), ..., u(k-d-m) and on what is free, for every delay d.
+
+    All sums over time are correlations: of u with y and the free columns, and, for the products of
+    two columns, of u(k) u(k-i) with the weights.
+
+    Parameters
+    ----------
+    y : array, shape (steps,)
+    u : array, shape (candidates, steps)
+    free : array, shape (candidates or 1, columns, steps)
+    count : int
+        m, coefficients of the numerator.
+    delays : int
+        0, ..., delays - 1 are tried.
+    weights : array, shape (steps,), optional
+        By which every equation is multiplied; y and free are multiplied already.
+    """
+    candidates, steps = u.shape
+    lags = delays + count
+    Q, y = _orthogonal(y, free)
+    right = np.concatenate([y[:, None], Q], axis=1)
+    squared = np.ones(steps) if weights is None else weights**2
+    if weights is not None:
+        right = right * weights
+    size = next_fast_len(steps + lags + 1, real=True)
+    of_u = rfft(u, size, axis=-1)
+    shifted = slice(1, lags + 1)  # column j is u(k - 1 - j)
+    across = irfft(of_u.conj()[:, None] * rfft(right, size, axis=-1), size, axis=-1)[..., shifted]
+    b, onto = across[:, 0], across[:, 1:]
+    G = np.empty((candidates, delays, count, count))
+    for i in range(count):
+        products = u * later(u, i)
+        if weights is None:
+            sums = np.cumsum(products, axis=-1)
+            # sum over k of u(k-1-j) u(k-1-j-i), j = 0, ..., lags - 1
+            index = steps - 2 - np.arange(lags)
+            of_products = np.where(index >= 0, sums[:, np.maximum(index, 0)], 0.0)
+        else:
+            spectrum = rfft(products, size, axis=-1).conj() * rfft(squared, size)
+            of_products = irfft(spectrum, size, axis=-1)[:, shifted]
+        band = of_products[:, : lags - i] - np.einsum(
+            "pqj,pqj->pj", onto[..., : lags - i], onto[..., i:lags]
+        )
+        for row in range(count - i):
+            G[:, :, row, row + i] = G[:, :, row + i, row] = band[:, row : row + delays]
+    columns = np.arange(delays)[:, None] + np.arange(count)
+    b = b[:, columns]
+    ridge = RIDGE * np.abs(np.einsum("pdii->p", G)) / (delays * count) + 1e-300
+    G[..., np.arange(count), np.arange(count)] += ridge[:, None, None]
+    theta = np.linalg.solve(G, b[..., None])[..., 0]
+    total = np.einsum("pk,pk->p", y, y)
+    squares = total[:, None] - 2 * np.einsum("pdi,pdi->pd", theta, b)
+    squares = squares + np.einsum("pdi,pdij,pdj->pd", theta, G, theta)
+    return DelayScan(np.maximum(squares, 1e-14 * total[:, None] + 1e-300), theta)
+
+
+def _orthogonal(y: Array, free: Array) -> tuple[Array, Array]:
+    """An orthonormal basis of the free columns of each candidate, and y without its part there."""
+    size = np.sqrt(np.einsum("pqk,pqk->pq", free, free))
+    size[size == 0] = 1.0
+    Q, R = np.linalg.qr(np.swapaxes(free / size[..., None], 1, 2))
+    Q = np.swapaxes(Q, 1, 2) * (np.abs(np.einsum("pqq->pq", R)) > DEPENDENT)[..., None]
+    return Q, y - np.einsum("pq,pqk->pk", Q @ y, Q)
+
+
+@dataclass(frozen=True, eq=False)
+class ScanStart:
+    """Poles, numerator and delay of the least sum of squares, and that sum."""
+
+    A: Array
+    B: Array
+    delay: int
+    square: float
+
+
+def pole_starts(
+    record: ProcessRecord, y: Array, u: Array, cost: Array
+) -> list[tuple[ScanStart, ...]]:
+    """For each whitener the best one and two real poles of a grid, at the best delay.
+
+    `cost` is what each delay adds to N log(sum of squares).
+    """
+    steps, delays = record.steps, len(cost)
+    longest = max(10.0, min(steps / 4, LONGEST))
+    one_poles = np.exp(-1 / np.geomspace(SHORTEST, longest, TIME_CONSTANTS))
+    impulse = np.zeros(steps)
+    impulse[0] = 1.0
+    results = []
+    for D, differences in WHITENERS:
+        top = np.convolve(D, DIFFERENCE) if differences else D
+        y_f, u_f, level, h = lfilter(top, ONE, np.stack([y, u, np.ones(steps), impulse]))
+        filtered, denominators = [], []
+        for a in one_poles:
+            first = lfilter(ONE, [1.0, -a], np.stack([u_f, h]))
+            filtered += [first, lfilter(ONE, [1.0, -(a**2)], first)]
+            denominators += [np.array([1.0, -a]), np.poly([a, a**2])]
+        both = np.stack(filtered)
+        free = np.stack([np.broadcast_to(level, both[:, 1].shape), both[:, 1]], axis=1)
+        scan = delay_scan(y_f, both[:, 0], free, 2, delays)
+        value = steps * np.log(scan.squares) + cost
+        at = value.argmin(axis=1)
+        least = value[np.arange(len(at)), at]
+        best = []
+        for parity in (0, 1):
+            j = parity + 2 * int(least[parity::2].argmin())
+            best.append(ScanStart(
+                denominators[j], scan.numerators[j, at[j]], int(at[j]), float(least[j])
+            ))  # fmt: skip
+        results.append(tuple(sorted(best, key=lambda one: one.square)))
+    return results
+
+
+def regression_start(
+    y: Array, u: Array, columns: Sequence[Array], order: int, cost: Array
+) -> tuple[Array, Array, int, float]:
+    """Least squares of y on its past, columns and u, at the best delay.
+
+    Returns the coefficients of past y and the columns, those of u, the delay, and the criterion
+    N log(mean square) + parameters log N.
+    """
+    steps = len(y)
+    past = [-later(y, k) for k in range(1, order + 1)]
+    free = np.stack([np.ones(steps), *past, *columns])
+    scan = delay_scan(y, u[None], free[None], order, len(cost))
+    value = steps * np.log(scan.squares[0] / steps) + cost
+    delay = int(value.argmin())
+    forced = np.stack([later(u, delay + k) for k in range(1, order + 1)])
+    X = np.concatenate([free[1:], forced, free[:1]])
+    theta = np.linalg.lstsq(X.T, y, rcond=None)[0]
+    known = len(free) - 1
+    criterion = float(value[delay]) + len(theta) * float(np.log(steps))
+    return theta[:known], theta[known : known + order], delay, criterion
+
+
+def scanned_again(
+    record: ProcessRecord, A: Array, noise_C: Array, whitener: Array, *, slope: bool, summed: bool,
+    count: int, delays: int, weights: Array | None = None,
+) -> DelayScan:  # fmt: skip
+    """All delays for the poles and the noise of one model."""
+    steps = record.steps
+    impulse = np.zeros(steps)
+    impulse[0] = 1.0
+    u = np.cumsum(record.u) if summed else record.u
+    level = np.stack([record.y, np.ones(steps), np.linspace(0, 1, steps)])
+    y, *levels = lfilter(whitener, noise_C, level)
+    driven, state = lfilter(whitener, np.convolve(noise_C, A), np.stack([u, impulse]))
+    free = [levels[0], *([levels[1]] if slope or summed else [])]
+    free += [later(state, k) for k in range(len(A) - 1)]
+    rows = np.stack(free)
+    if weights is not None:
+        y, rows = y * weights, rows * weights
+    return delay_scan(y, driven[None], rows[None], count, delays, weights)

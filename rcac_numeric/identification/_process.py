@@ -1,0 +1,311 @@
+"""A plant from one record of a process: model, noise, rivals, intervals and gates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory._truth import Truth
+from compensator_theory.errors import InputError, UndecidedError
+from rcac_numeric.arrays._array_types import Array, ComplexArray
+from rcac_numeric.arrays._validation import integer, number
+from rcac_numeric.identification._box_jenkins import DIFFERENCE, ProcessFit, residual_of
+from rcac_numeric.identification._process_evidence import (
+    Gate,
+    bandwidth,
+    credible_delays,
+    delay_gate,
+    effect_gate,
+    feedthrough_gate,
+    gain_gate,
+    jump_gate,
+    parameter_covariance,
+    sign_gate,
+)
+from rcac_numeric.identification._process_records import process_record
+from rcac_numeric.identification._process_search import ProcessSearch
+from rcac_numeric.identification._scalar_record import ScalarModel
+
+NORMAL = 1.959964  # standard deviations of a 95 % interval
+FASTEST_POLE = 1e-6  # modulus of a pole below which there is no time constant
+
+
+@dataclass(frozen=True, eq=False)
+class ProcessModel(ScalarModel, Truth):
+    """y = q^-delay B/A u + level (+ slope) + C/(D (1 - q^-1)^i) e, with its evidence.
+
+    Attributes
+    ----------
+    numerator : array, shape (m,)
+        b_1, ..., b_m of B = b_1 q^-1 + ... + b_m q^-m.
+    denominator : array, shape (n + 1,)
+        1, a_1, ..., a_n of A.
+    delay : int
+        Steps beside the one that every strictly proper model has.
+    noise : pair of arrays
+        C and D. Where `is_armax`, A stands below the noise too.
+    differences : int
+        i, 0 or 1: 1 for noise that drifts as a random walk.
+    integrators : int
+        Poles of A that are 1 exactly.
+    is_armax : bool
+        Whether A is in the noise model too, as it is for an unstable plant.
+    innovation, residual : array, shape (steps,)
+        e, and what plant, level and slope leave of y.
+    criterion : float
+        BIC: -2 log likelihood, the better of Gauss's and Student's (4 degrees), + parameters log N.
+    explained : float
+        1 - var(e)/var(y).
+    covariance : array
+        Of the coefficients of A without poles at 1, and of B.
+    gain_interval : (float, float)
+        95 %, of `gain`, over all credible models with as many integrators.
+    delay_interval : (int, int)
+        The credible delays: odds above one to ten thousand.
+    rivals : tuple of ScalarModel
+        The other credible models of these odds, and the credible delays of this one.
+    gates : tuple of Gate
+        The tests, each with its number and limit.
+    spikes : int
+        Single values of y that were replaced by the mean of their neighbours.
+    sample_time : float or None
+        In seconds.
+    """
+
+    noise: tuple[Array, Array]
+    differences: int
+    integrators: int
+    is_armax: bool
+    innovation: Array
+    residual: Array
+    criterion: float
+    explained: float
+    covariance: Array
+    gain_interval: tuple[float, float]
+    delay_interval: tuple[int, int]
+    rivals: tuple[ScalarModel, ...]
+    gates: tuple[Gate, ...]
+    spikes: int = 0
+    sample_time: float | None = None
+
+    @property
+    def order(self) -> int:
+        """The number of poles."""
+        return len(self.denominator) - 1
+
+    @property
+    def failed(self) -> tuple[Gate, ...]:
+        """The gates that the model did not pass."""
+        return tuple(gate for gate in self.gates if not gate.passed)
+
+    @property
+    def gain(self) -> float:
+        """G(1); of an integrating plant the slope of y, per second with a sample time."""
+        gain = _gain(self.numerator, self.denominator, self.integrators)
+        return gain / (self.sample_time or 1.0) ** self.integrators
+
+    @property
+    def poles(self) -> ComplexArray:
+        """The poles in z, those at 1 last."""
+        free = np.roots(_without_integrators(self.denominator, self.integrators))
+        return np.concatenate([free, np.ones(self.integrators)])
+
+    @property
+    def pole_deviations(self) -> Array:
+        """The standard deviation of each of `poles`; 0 for those at 1."""
+        A = _without_integrators(self.denominator, self.integrators)
+        poles, n = np.roots(A), len(A) - 1
+        slope = np.polyval(np.polyder(A), poles) if n else np.ones(0)
+        by = -(poles[:, None] ** np.arange(n - 1, -1, -1)) / slope[:, None]
+        squares = np.einsum("pi,ij,pj->p", by, self.covariance[:n, :n], by.conj())
+        return np.concatenate([np.sqrt(np.maximum(squares.real, 0)), np.zeros(self.integrators)])
+
+    @property
+    def dead_time(self) -> float:
+        """`delay` in seconds; in steps without a sample time."""
+        return self.delay * (self.sample_time or 1.0)
+
+    @property
+    def time_constants(self) -> tuple[tuple[float, float, float], ...]:
+        """Of each positive real pole in the circle -h/log(p) and its 95 % interval; in seconds.
+
+        In steps without a sample time.
+        """
+        h = self.sample_time or 1.0
+        rows: list[tuple[float, float, float]] = []
+        for pole, deviation in zip(self.poles, self.pole_deviations, strict=True):
+            if abs(pole.imag) > 1e-9 or not FASTEST_POLE < pole.real < 1 - 1e-12:
+                continue
+            low, high = pole.real - NORMAL * deviation, pole.real + NORMAL * deviation
+            least = -h / np.log(low) if low > FASTEST_POLE else 0.0
+            most = -h / np.log(high) if high < 1 else np.inf
+            rows.append((float(-h / np.log(pole.real)), float(least), float(most)))
+        return tuple(sorted(rows, reverse=True))
+
+    def __str__(self) -> str:
+        pole = " with a pole at 1" if self.integrators else ""
+        low, high = self.gain_interval
+        unit = " s" if self.sample_time else " steps"
+        h = self.sample_time or 1.0
+        of_delay = f"{self.delay_interval[0] * h:.4g} to {self.delay_interval[1] * h:.4g}{unit}"
+        return (
+            f"order {self.order}{pole}, delay {self.delay}, gain {self.gain:.4g} "
+            f"({low:.4g} to {high:.4g}), dead time {self.dead_time:.4g}{unit} ({of_delay})"
+        )
+
+
+def identify_process(
+    u: ArrayLike, y: ArrayLike, *, sample_time: float | None = None, delay: int | None = None
+) -> ProcessModel:
+    """Identify a plant from the record of a process with drifts, jumps, walks and spikes.
+
+    Box-Jenkins models of order 1 to 4 by prediction errors, with noise of order 2 at most that
+    drifts or not, one sinusoid and a slope; of an unstable plant ARMAX. No step of the record is
+    dropped: u is 0 before it, and the initial state is fitted. The search begins at every delay up
+    to a sixth of the record (1000 at most), a grid of poles and three noise filters. BIC ranks the
+    models, by the better of Gauss's and Student's likelihood, the latter no sharper than the
+    rounding of y. What is within odds of one to ten thousand of the best is credible, and gates say
+    what the record leaves open.
+
+    Parameters
+    ----------
+    u, y : arrays of shape (steps,) or (steps, 1)
+        Of an open or of a closed loop. A step test must begin before its step.
+    sample_time : float, optional
+        In seconds, for dead time and time constants.
+    delay : int, optional
+        Known dead time in steps.
+
+    Returns
+    -------
+    ProcessModel
+        Of the best BIC. Read `failed` before you use it: `design` refuses a log of which a gate
+        failed.
+
+    Raises
+    ------
+    InputError
+        Where u or y is constant, the record is shorter than 30 steps, or y is explained as well
+        without u.
+
+    Notes
+    -----
+    Sources: G. E. P. Box and G. M. Jenkins, Time Series Analysis (1970), chapter 11; L. Ljung,
+    System Identification (2nd ed. 1999), sections 4.3 and 10.2; E. J. Hannan and J. Rissanen,
+    Biometrika 69 (1982) 81-94; G. H. Golub and V. Pereyra, SIAM Journal on Numerical Analysis 10
+    (1973) 413-432, for what is projected out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.signal import lfilter
+    >>> from rcac_numeric.identification import identify_process
+    >>> rng = np.random.default_rng(1)
+    >>> u = np.repeat(rng.choice([-1.0, 1.0], 80), 10)
+    >>> y = lfilter([0] * 6 + [0.5], [1, -0.8], u) + np.cumsum(0.05 * rng.standard_normal(800))
+    >>> y[400:] += 8.0
+    >>> model = identify_process(u, y, sample_time=2.0)
+    >>> model.dead_time, round(model.gain, 1), model.differences, model.failed
+    (10.0, 2.5, 1, ())
+    """
+    period = None if sample_time is None else number(sample_time, "sample_time")
+    if period is not None and not period > 0:
+        raise InputError(f"sample_time = {period:g} must be positive; give it in seconds.")
+    known = None if delay is None else integer(delay, "delay")
+    search = search_of(u, y, known)
+    fit = search.fits[0]
+    feedthrough, effect = feedthrough_gate(search, fit), effect_gate(search, fit)
+    require_effect(feedthrough, effect)
+    gates = (effect, *gates_without_controller(search, fit), gain_gate(search, fit))
+    return process_model(search, fit, (*gates, sign_gate(search, fit, bandwidth(fit) / 3)), period)
+
+
+def search_of(u: ArrayLike, y: ArrayLike, delay: int | None) -> ProcessSearch:
+    """The models of a record; raise an error where there are none."""
+    record = process_record(u, y)
+    if delay is not None and delay > record.steps // 2:
+        raise InputError(
+            f"delay = {delay} is more than half of the {record.steps} steps of the record."
+        )
+    with np.errstate(all="ignore"):
+        search = ProcessSearch(record, delay)
+    if not search.fits:
+        raise InputError("no model could be fitted to the record: record longer, or excite u more.")
+    return search
+
+
+def require_effect(feedthrough: Gate | None, effect: Gate) -> None:
+    """Raise an error where y answers to u at once, or not at all."""
+    if feedthrough is not None and not feedthrough.passed:
+        raise InputError(
+            f"y(k) responds to u(k): {feedthrough.words}. u and y of a row are one step apart: "
+            "log y before u is applied, or shift y by one row, y[1:] with u[:-1]."
+        )
+    if not effect.passed:
+        raise UndecidedError(
+            f"the record shows no effect of u on y: {effect.words}. {effect.advice}"
+        )
+
+
+def gates_without_controller(search: ProcessSearch, fit: ProcessFit) -> tuple[Gate, ...]:
+    """The gates that ask for no controller, after the effect of u."""
+    jumps, late = jump_gate(search, fit), delay_gate(search, fit)
+    return (late,) if jumps is None else (jumps, late)
+
+
+def process_model(
+    search: ProcessSearch, fit: ProcessFit, gates: tuple[Gate, ...], period: float | None
+) -> ProcessModel:
+    """The public model of a fit."""
+    record = search.record
+    unit_u, unit_y = record.units
+    gain_unit = unit_y / unit_u
+    late = credible_delays(search, fit)
+    delays = [steps for _, steps in late]
+    rivals = [
+        ScalarModel(gain_unit * one.B, one.denominator, one.delay)
+        for one in search.distinct if one is not fit
+    ]  # fmt: skip
+    rivals += [
+        ScalarModel(gain_unit * B, fit.denominator, steps)
+        for B, steps in late if steps != fit.delay
+    ]  # fmt: skip
+    alike = [fit, *(one for one in search.distinct if one.summed == fit.summed)]
+    scale = gain_unit / (period or 1.0) ** fit.summed
+    bounds = [_gain_bounds(search, one) for one in alike if one.is_unstable == fit.is_unstable]
+    interval = sorted((scale * min(low for low, _ in bounds),
+                       scale * max(high for _, high in bounds)))  # fmt: skip
+    units = np.concatenate([np.ones(fit.order), np.full(len(fit.B), gain_unit)])
+    covariance = parameter_covariance(record, fit) * units * units[:, None]
+    y = record.y
+    return ProcessModel(
+        gain_unit * fit.B, fit.denominator, fit.delay, (fit.noise.C, fit.noise.D),
+        fit.noise.differences, int(fit.summed), fit.armax, fit.e * unit_y,
+        residual_of(record, fit) * unit_y, fit.bic,
+        1 - float(np.mean(fit.e**2)) / float(np.var(y)), covariance,
+        (interval[0], interval[1]), (min(delays), max(delays)), tuple(rivals), gates,
+        record.spikes, period,
+    )  # fmt: skip
+
+
+def _without_integrators(A: Array, count: int) -> Array:
+    for _ in range(count):
+        A = np.polydiv(A, DIFFERENCE)[0]
+    return A
+
+
+def _gain(B: Array, A: Array, integrators: int) -> float:
+    rest = float(_without_integrators(A, integrators).sum())
+    with np.errstate(divide="ignore"):
+        return float(np.divide(float(B.sum()), rest))
+
+
+def _gain_bounds(search: ProcessSearch, fit: ProcessFit) -> tuple[float, float]:
+    """The 95 % interval of the gain at rest, or of the slope, in units of the record."""
+    A, B = float(fit.A.sum()), float(fit.B.sum())
+    by = np.concatenate([np.full(fit.order, -B / A**2), np.full(len(fit.B), 1 / A)])
+    variance = by @ parameter_covariance(search.record, fit) @ by
+    width = NORMAL * float(np.sqrt(max(variance, 0.0)))
+    return B / A - width, B / A + width

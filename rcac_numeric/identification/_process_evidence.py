@@ -1,0 +1,347 @@
+"""What a record says of a model: whether u is needed, how well the gain is known, what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.signal import fftconvolve, lfilter
+from scipy.stats import chi2
+
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._box_jenkins import (
+    ONE,
+    NoiseModel,
+    ProcessFit,
+    Start,
+    fitted,
+    later,
+    noise_start,
+    start_of,
+    weighted_fit,
+)
+from rcac_numeric.identification._delay_scan import scanned_again
+from rcac_numeric.identification._process_records import DEGREES, ProcessRecord
+from rcac_numeric.identification._process_search import NOISES, ODDS, RICHER, ProcessSearch
+
+SURE = float(np.sqrt(np.log(1e4)))  # P(abs(x) > SURE) = 1e-4, complex Gaussian x of E abs(x)^2 = 1
+KNOWN = 1 / SURE  # largest relative standard deviation of the gain around the crossover
+FEW = 3  # moves of u: jumps of the level may be all that is to be seen
+MOST_JUMPS = 3
+MISFIT = 1e-4  # level of the test of e against past u
+COLOUR = 8  # order of the autoregression of e
+LAGS = 25  # of u beyond the delay, in that test
+MOST_DELAYS = 8  # of a range of credible delays those that are tried
+OMEGA = np.geomspace(1e-4, np.pi, 100)
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A test that a model of a record must pass before a controller is designed on it.
+
+    Attributes
+    ----------
+    name : str
+        "effect of u", "level jumps", "dead time", "gain", "sign", "rivals", "misfit", "halves" or
+        "robustness".
+    passed : bool
+    value, limit : float
+        The statistic, and what it must exceed or stay below.
+    words : str
+        What was tested, with the numbers.
+    advice : str
+        What to do where it failed.
+    """
+
+    name: str
+    passed: bool
+    value: float
+    limit: float
+    words: str
+    advice: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {'passed' if self.passed else 'FAILED'} ({self.words})"
+
+
+def relative_deviation(record: ProcessRecord, fit: ProcessFit, omega: Array) -> Array:
+    """sqrt(E abs(dG)^2)/abs(G) from the covariance of A and B, the noise model fitted beside.
+
+    Where e is not white its spectrum, where it is larger than that of white noise, inflates it.
+    """
+    J = fit.jacobian
+    size = np.sqrt(np.einsum("ij,ij->i", J, J))
+    size[size == 0] = 1.0
+    scaled = J / size[:, None]
+    try:
+        covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
+    except np.linalg.LinAlgError:
+        return np.full(len(omega), np.inf)
+    n, m = fit.order, len(fit.B)
+    covariance = (covariance / size / size[:, None])[: n + m, : n + m] * variance_of(record, fit)
+    past = np.exp(-1j * omega)
+    A, B = np.polyval(fit.A[::-1], past), np.polyval(fit.B[::-1], past) * past
+    slopes = [-(past**k) / A for k in range(1, n + 1)] + [past**k / B for k in range(1, m + 1)]
+    by = np.stack(slopes, axis=1)  # d log G
+    squares = np.real(np.einsum("wi,ij,wj->w", by, covariance, by.conj()))
+    return np.asarray(np.sqrt(np.maximum(squares, 0) * _inflation(fit.e, omega)))
+
+
+def parameter_covariance(record: ProcessRecord, fit: ProcessFit) -> Array:
+    """The covariance of a_1, ..., a_n, b_1, ..., b_m in units of the record."""
+    J = fit.jacobian
+    size = np.sqrt(np.einsum("ij,ij->i", J, J))
+    size[size == 0] = 1.0
+    scaled = J / size[:, None]
+    covariance = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
+    count = fit.order + len(fit.B)
+    block = (covariance / size / size[:, None])[:count, :count]
+    return np.asarray(block * variance_of(record, fit))
+
+
+def variance_of(record: ProcessRecord, fit: ProcessFit) -> float:
+    """The variance of e by which a covariance is scaled; of Student's, that of its estimate."""
+    if not fit.heavy:
+        return float(np.mean(fit.e**2))
+    return record.likelihood(fit.e)[2] ** 2 * (DEGREES + 3) / (DEGREES + 1)
+
+
+def _inflation(e: Array, omega: Array) -> Array:
+    """The spectrum of e over its variance, at least 1."""
+    X = np.stack([later(e, k) for k in range(1, COLOUR + 1)])
+    a = np.linalg.lstsq(X.T, e, rcond=None)[0]
+    white = e - a @ X
+    total = float(np.var(e))
+    if not total > 0:
+        return np.ones(len(omega))
+    filter_of = np.polyval(np.concatenate([-a[::-1], ONE]), np.exp(-1j * omega))
+    return np.asarray(np.maximum(1.0, np.var(white) / np.abs(filter_of) ** 2 / total))
+
+
+def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
+    """Whether y is explained worse without u, by BIC."""
+    difference = _without_u(search.record, fit) - fit.bic
+    return Gate(
+        "effect of u", difference > ODDS, difference, ODDS,
+        f"without u the BIC is larger by {difference:.3g}, at least {ODDS:.3g} is required",
+        "Excite u more, or record longer.",
+    )  # fmt: skip
+
+
+def _without_u(record: ProcessRecord, fit: ProcessFit) -> float:
+    """The least BIC of models of y alone: noise of order 2, and that of the fit with its slope."""
+    y, values = record.y, []
+    starts = [_alone(noise_start(y, orders)) for orders in RICHER.values()]
+    starts.append(_alone(noise_start(y - np.linspace(y[0], y[-1], len(y)), RICHER[0]), True))
+    starts.append(_alone(fit.noise, fit.slope or fit.summed))
+    for start in starts:
+        alone = fitted(record, start, is_plant_fixed=True)
+        if alone is None:
+            continue
+        if fit.heavy:
+            alone = _reweighted(record, alone)
+        values.append(alone.bic - float(np.log(record.steps)))  # no coefficient of B
+    return min(values, default=np.inf)
+
+
+def _reweighted(record: ProcessRecord, alone: ProcessFit) -> ProcessFit:
+    for _ in range(3):
+        again = fitted(
+            record, start_of(alone), weights=record.weights(alone.e), is_plant_fixed=True,
+            iterations=8,
+        )  # fmt: skip
+        if again is None or again.bic >= alone.bic:
+            break
+        alone = again
+    return alone
+
+
+def _alone(noise: NoiseModel, slope: bool = False) -> Start:
+    return Start(ONE, np.zeros(1), 0, noise, slope=slope)
+
+
+def jump_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
+    """Whether the effect of u is more than that of jumps of the level; of few moves of u only."""
+    record = search.record
+    if record.moves > FEW:
+        return None
+    penalty = 2 * float(np.log(record.steps))
+    without = np.inf
+    for orders in NOISES:
+        alone = fitted(record, _alone(noise_start(record.y, orders)), is_plant_fixed=True)
+        if alone is None:
+            continue
+        y, jumps = _without_jumps(record.y, alone.e, alone.noise)
+        again = fitted(replace(record, y=y), start_of(alone), is_plant_fixed=True) or alone
+        without = min(without, again.bic - float(np.log(record.steps)) + jumps * penalty)
+    y, jumps = _without_jumps(record.y, fit.e, fit.noise)
+    beside = fitted(replace(record, y=y), start_of(fit), iterations=8)
+    best = fit.bic if beside is None else min(fit.bic, beside.bic + jumps * penalty)
+    difference = without - best
+    return Gate(
+        "level jumps", difference > ODDS, difference, ODDS,
+        f"u moves {record.moves} times; with up to {MOST_JUMPS} level jumps in place of u the BIC "
+        f"is larger by {difference:.3g}, at least {ODDS:.3g} is required",
+        "A jump of the disturbance would look the same: step u again, several times.",
+    )  # fmt: skip
+
+
+def _without_jumps(y: Array, e: Array, noise: NoiseModel) -> tuple[Array, int]:
+    """Y less the level jumps in e, one after another as long as each pays 3 log N, and how many."""
+    steps = len(y)
+    response = lfilter(noise.whitener, noise.C, np.ones(steps))
+    energy = np.maximum(np.cumsum(response**2)[::-1], 1e-300)
+    e, y, jumps = e.copy(), y.copy(), 0
+    for _ in range(MOST_JUMPS):
+        match = fftconvolve(e, response[::-1])[steps - 1 :]
+        gain = match**2 / energy
+        gain[-3:] = 0.0
+        k, total = int(gain.argmax()), float(e @ e)
+        if steps * np.log(max(1e-12, 1 - gain[k] / total)) + 3 * np.log(steps) > 0:
+            break
+        size = match[k] / energy[k]
+        e[k:] -= size * response[: steps - k]
+        y[k:] -= size
+        jumps += 1
+    return y, jumps
+
+
+def delay_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
+    """Whether the delay is inside the range that was tried."""
+    last = search.delays - 1
+    inside = search.is_known or fit.delay < last - 1
+    return Gate(
+        "dead time", inside, float(fit.delay), float(last),
+        f"{fit.delay} steps, where 0 to {last} were tried",
+        "The best dead time is the longest one tried: record longer, since at most a sixth of the "
+        "record is tried, or sample more slowly.",
+    )  # fmt: skip
+
+
+def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
+    """Whether y(k) responds to u(k); not asked in a closed loop, where u(k) responds to y(k)."""
+    record = search.record
+    if search.is_closed or fit.armax:
+        return None
+    earlier = replace(record, u=np.append(record.u[1:], record.u[-1]))
+    weights = record.weights(fit.e) if fit.heavy else None
+    squares = [
+        scanned_again(
+            one, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope, summed=fit.summed,
+            count=count, delays=1, weights=weights,
+        ).squares[0, 0]
+        for one, count in ((earlier, fit.order + fit.summed + 1), (record, fit.order + fit.summed))
+    ]  # fmt: skip
+    e = fit.e if weights is None else fit.e * weights
+    least = min(float(squares[1]), float(e @ e))
+    difference = record.steps * float(np.log(least / squares[0])) - float(np.log(record.steps))
+    return Gate(
+        "direct feedthrough", difference < ODDS, difference, ODDS,
+        f"with u(k) in the model of y(k) the BIC is smaller by {difference:.3g}",
+        "Shift y by one row.",
+    )  # fmt: skip
+
+
+def credible_delays(search: ProcessSearch, fit: ProcessFit) -> list[tuple[Array, int]]:
+    """Numerator and delay of each delay within the odds, of a range of them some."""
+    if search.is_known or fit.armax:
+        return [(fit.B, fit.delay)]
+    record = search.record
+    scan = scanned_again(
+        record, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope, summed=fit.summed,
+        count=len(fit.B), delays=search.delays,
+        weights=record.weights(fit.e) if fit.heavy else None,
+    )  # fmt: skip
+    squares = scan.squares[0]
+    base = squares[fit.delay] if fit.delay < len(squares) else squares.min()
+    credible = np.nonzero(record.steps * np.log(squares / base) < ODDS)[0]
+    if not len(credible):
+        return [(fit.B, fit.delay)]
+    tried = {*credible[:: max(1, len(credible) // MOST_DELAYS)], credible[0], credible[-1]}
+    return [(scan.numerators[0, d], int(d)) for d in sorted(tried)]
+
+
+def misfit(search: ProcessSearch, fit: ProcessFit, omega: Array) -> tuple[float, Array]:
+    """Probability that e is independent of past u, and the response that u leaves in e over G."""
+    record, noise = search.record, fit.noise
+    u = lfilter(noise.whitener, noise.C, record.u)
+    count = min(fit.delay + LAGS, record.steps // 8)
+    X = sliding_window_view(u, count)[:-1, ::-1]  # row k: u(k + count - 1), ..., u(k)
+    X = X - X.mean(axis=0)
+    scale = record.likelihood(fit.e)[2]
+    e = np.clip(fit.e, -4 * scale, 4 * scale)[count:]
+    e = e - e.mean()
+    power = float(np.var(e))
+    H = X.T @ X
+    values, vectors = np.linalg.eigh(H)
+    is_excited = values > 1e-8 * max(values[-1], 1e-300)
+    if not power > 0 or not is_excited.any():
+        return 1.0, np.zeros(len(omega))
+    across = vectors.T @ (X.T @ e)
+    statistic = float(np.sum(across[is_excited] ** 2 / values[is_excited])) / power
+    probability = float(chi2.sf(statistic, int(is_excited.sum())))
+    impulse = vectors[:, is_excited] @ (across[is_excited] / values[is_excited])
+    left = np.exp(-1j * np.outer(omega, np.arange(1, count + 1))) @ impulse
+    if fit.armax:
+        left = left / np.polyval(fit.A[::-1], np.exp(-1j * omega))
+    return probability, np.abs(left) / np.abs(fit.response(omega))
+
+
+def part_fits(
+    search: ProcessSearch, fit: ProcessFit, count: int
+) -> Iterator[tuple[ProcessRecord, ProcessFit] | None]:
+    """The model fitted again to parts of the record; None where u hardly moves, or it fails."""
+    record = search.record
+    bounds = np.linspace(0, record.steps, count + 1).astype(int)
+    for low, high in pairwise(bounds):
+        u = record.u[low:high]
+        if len(np.unique(u)) < 3 and np.count_nonzero(np.diff(u)) < 3:
+            yield None
+            continue
+        part = record.part(slice(low, high))
+        again = fitted(part, start_of(fit), iterations=15)
+        if again is not None and fit.heavy:
+            again = weighted_fit(part, again, 2)
+        yield None if again is None else (part, again)
+
+
+def bandwidth(fit: ProcessFit) -> float:
+    """The frequency at which the phase of G is 90 degrees behind that at low frequency.
+
+    In rad/step; without controller the gain is asked for below it.
+    """
+    G = fit.response(OMEGA)
+    phase = np.unwrap(np.angle(G))
+    behind = np.nonzero(phase[0] - phase > np.pi / 2)[0]
+    return float(OMEGA[behind[0]] if len(behind) else np.pi)
+
+
+def gain_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
+    """Whether the gain is known around the bandwidth of the plant."""
+    edge = bandwidth(fit)
+    omega = np.geomspace(edge / 3, edge, 15)
+    worst = float(relative_deviation(search.record, fit, omega).max())
+    return Gate(
+        "gain", worst < KNOWN, worst, KNOWN,
+        f"relative standard deviation {worst:.2g} at {edge / 3:.2g} to {edge:.2g} rad/step, "
+        f"at most {KNOWN:.2g} is allowed",
+        "Excite u more around this frequency, or record longer.",
+    )  # fmt: skip
+
+
+def sign_gate(search: ProcessSearch, fit: ProcessFit, omega: float) -> Gate:
+    """Whether all credible models of the same stability have the sign of this one."""
+    at = np.array([omega])
+    others = [
+        one for one in search.distinct
+        if one.is_unstable == fit.is_unstable
+        and not np.real(one.response(at) / fit.response(at)).item() > 0
+    ]  # fmt: skip
+    return Gate(
+        "sign", not others, float(len(others)), 0.0,
+        f"{len(others)} credible models have the other sign at {omega:.2g} rad/step",
+        "The record supports both signs: excite u more, several times.",
+    )  # fmt: skip

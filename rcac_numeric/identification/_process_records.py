@@ -1,0 +1,152 @@
+"""A scalar record of a process in standard units: no row is dropped, single spikes are replaced."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import gammaln
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._scalar_record import scalar_signal
+
+LEAST = 30  # steps of a record
+REST = 3  # steps of a constant u from which a record begins at rest
+SPIKE = 8.0  # robust standard deviations of the second difference
+SPIKES = 0.02  # of the steps: more of them are no accidents
+JUMP = 6.0  # robust standard deviations of a difference: a jump of the level
+DEGREES = 4.0  # of Student's t
+ROBUST = 1.4826  # standard deviations of a Gaussian in a median of absolute values
+QUANTUM_SD = 12**-0.5  # standard deviation of rounding, in quanta
+T_CONSTANT = -2 * float(
+    gammaln((DEGREES + 1) / 2) - gammaln(DEGREES / 2) - 0.5 * np.log(DEGREES * np.pi)
+)
+GAUSS_CONSTANT = float(np.log(2 * np.pi))
+
+
+@dataclass(frozen=True, eq=False)
+class ProcessRecord:
+    """u less its value at rest, y less its first value, in units of a standard deviation.
+
+    Attributes
+    ----------
+    u, y : arrays, shape (steps,)
+        u in units of its standard deviation, y of that of its differences; u is 0 before the
+        record.
+    units : (float, float)
+        Those of u and y.
+    quantum : float
+        The step by which y is rounded, in units of y; 0 where it is not visible.
+    spikes : int
+        Single values of y that were replaced by the mean of their neighbours.
+    """
+
+    u: Array
+    y: Array
+    units: tuple[float, float]
+    quantum: float
+    spikes: int
+
+    @property
+    def steps(self) -> int:
+        """The number of steps."""
+        return len(self.u)
+
+    @property
+    def moves(self) -> int:
+        """The number of steps at which u changes."""
+        return int(np.count_nonzero(np.diff(self.u)))
+
+    def clipped(self) -> Array | None:
+        """Y with its jumps clipped at six robust standard deviations; None where it has none."""
+        dy = np.diff(self.y, prepend=self.y[0])
+        middle = float(np.median(dy))
+        size = JUMP * (ROBUST * float(np.median(np.abs(dy - middle))) + 1e-12)
+        if size < JUMP * 1e-6 or not (np.abs(dy - middle) > size).any():
+            return None
+        return np.cumsum(np.clip(dy, middle - size, middle + size))
+
+    def part(self, rows: slice) -> ProcessRecord:
+        """Some of the steps as a record."""
+        u, y = self.u[rows], self.y[rows]
+        return ProcessRecord(u - _at_rest(u), y - y[0], self.units, self.quantum, 0)
+
+    def likelihood(self, e: Array) -> tuple[float, float, float]:
+        """-2 log likelihood a step, Gaussian and of Student's t, and the scale of the latter.
+
+        No scale is below that of the rounding of y.
+        """
+        floor = self.quantum * QUANTUM_SD
+        squares = e * e
+        mean = float(np.mean(squares))
+        variance = max(mean, floor**2, 1e-300)
+        gauss = float(np.log(variance) + mean / variance + GAUSS_CONSTANT)
+        scale = max(float(np.sqrt(np.median(squares))), floor, 1e-150)
+        for _ in range(12):
+            weights = (DEGREES + 1) / (DEGREES + squares / scale**2)
+            scale = max(float(np.sqrt(np.mean(weights * squares))), floor, 1e-150)
+        tails = (DEGREES + 1) * float(np.mean(np.log1p(squares / (DEGREES * scale**2))))
+        return gauss, 2 * float(np.log(scale)) + tails + T_CONSTANT, scale
+
+    def weights(self, e: Array) -> Array:
+        """The square roots of the weights by which least squares have Student's likelihood."""
+        scale = self.likelihood(e)[2]
+        return np.sqrt((DEGREES + 1) / (DEGREES + (e / scale) ** 2))
+
+
+def process_record(u: ArrayLike, y: ArrayLike) -> ProcessRecord:
+    """The record of one u and one y; raise an error where it cannot show a plant."""
+    control, output = scalar_signal(u, "u"), scalar_signal(y, "y")
+    if len(control) != len(output):
+        raise InputError(
+            f"u has {len(control)} steps and y {len(output)}; they must be equally long."
+        )
+    if len(control) < LEAST:
+        raise InputError(f"there are {len(control)} steps; at least {LEAST} are needed.")
+    if not np.ptp(control) > 0:
+        raise InputError(
+            "u is constant: the record does not show the plant. If u was stepped, the record must "
+            "begin before the step."
+        )
+    if not np.ptp(output) > 0:
+        raise InputError("y is constant: the record does not show the plant.")
+    cleaned, spikes = _without_spikes(output)
+    moved = control - _at_rest(control)
+    unit_u = float(np.std(moved))
+    unit_y = float(np.std(np.diff(cleaned))) or float(np.std(cleaned))
+    scaled = (cleaned - cleaned[0]) / unit_y
+    return ProcessRecord(moved / unit_u, scaled, (unit_u, unit_y), _quantum(scaled), spikes)
+
+
+def _at_rest(u: Array) -> float:
+    """The value of u from which it is counted: its first ones if they are equal, else the mean."""
+    return float(u[0] if np.ptp(u[:REST]) == 0 else u.mean())
+
+
+def _quantum(y: Array) -> float:
+    """The step by which y is rounded; 0 where it is not visible."""
+    sizes = np.unique(np.round(np.abs(np.diff(y)), 9))
+    return float(sizes[sizes > 0][0]) if 1 < len(sizes) < len(y) / 6 else 0.0
+
+
+def _without_spikes(y: Array) -> tuple[Array, int]:
+    """Y with single spikes replaced by the mean of their neighbours, and how many there are."""
+    size = float(np.std(y))
+    bend = np.zeros(len(y))
+    bend[1:-1] = y[1:-1] - (y[:-2] + y[2:]) / 2
+    spread = ROBUST * float(np.median(np.abs(bend)))
+    moves = np.abs(np.diff(y))
+    moves = moves[moves > 1e-9 * size]
+    spread = max(spread, 0.6 * float(moves.min()) if len(moves) else 0.0)
+    if spread < 1e-9 * size:
+        most = float(np.quantile(np.abs(bend), 0.99))
+        spread = max(spread, float(np.sqrt(np.mean(np.clip(bend, -most, most) ** 2))))
+    cleaned, count = y.copy(), 0
+    for k in np.nonzero(np.abs(bend) > SPIKE * spread)[0]:
+        beside = max(abs(bend[k - 1]), abs(bend[k + 1]))
+        if abs(bend[k]) >= 1.5 * beside and abs(y[k + 1] - y[k - 1]) < 0.5 * abs(bend[k]):
+            cleaned[k] = (y[k - 1] + y[k + 1]) / 2
+            count += 1
+    return (cleaned, count) if count <= SPIKES * len(y) else (y, 0)

@@ -1,0 +1,464 @@
+"""The search for models of a scalar record: global starts, orders, noise, integrator, sinusoid."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rcac_numeric.arrays._array_types import Array
+from rcac_numeric.identification._box_jenkins import (
+    CIRCLE,
+    ONE,
+    NoiseModel,
+    ProcessFit,
+    Start,
+    confined,
+    disturbance,
+    fitted,
+    later,
+    noise_start,
+    start_of,
+    weighted_fit,
+    with_noise,
+)
+from rcac_numeric.identification._delay_scan import pole_starts, regression_start, scanned_again
+from rcac_numeric.identification._prediction_error import answers
+from rcac_numeric.identification._process_records import ProcessRecord
+from rcac_numeric.identification._scalar_record import SHARE, integrated_share
+
+ODDS = 2 * float(np.log(1e4))  # -2 log of the odds of one in ten thousand
+USUAL = 80  # steps: a longer dead time must pay ODDS
+MOST_STEPS = 1000  # of a dead time
+NOISES = ((1, 1, 0), (1, 0, 1))  # orders of C and D, and differences
+RICHER = {0: (2, 2, 0), 1: (2, 1, 1)}
+SHORT = 5  # iterations of a fit that is compared only
+MOST_ORDER = 4
+SLOW = 30.0  # abs(1 - pole) times the steps: a pole that may be 1
+PEAK = 20.0  # of the median of the periodogram: a sinusoid
+RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
+CANCELLED, BESIDE = 0.1, 0.95  # distance of a zero from a pole of a larger modulus
+REFITTED = 8  # models that are fitted again by Student's likelihood
+MANY = 8  # values of u: fewer are no answer to y
+WORSE = 60.0  # of BIC: what is not continued
+
+
+def delay_costs(record: ProcessRecord, known: int | None = None) -> Array:
+    """What each delay adds to the criterion."""
+    most = max(min(MOST_STEPS, record.steps // 6), 2)
+    if known is not None:
+        costs = np.full(max(most, known + 1), np.inf)
+        costs[known] = 0.0
+        return costs
+    return np.where(np.arange(most) < USUAL, 0.0, ODDS)
+
+
+def is_answer(record: ProcessRecord) -> bool:
+    """Whether y predicts u."""
+    return record.moves >= MANY and record.steps >= 100 and answers(record.u, record.y)
+
+
+def has_many_values(record: ProcessRecord) -> bool:
+    """Whether u takes so many values that it may be the answer of a controller."""
+    return len(np.unique(record.u)) > max(MANY, record.steps // 20)
+
+
+class ProcessSearch:
+    """The models of a record, in the order of their BIC.
+
+    Parameters
+    ----------
+    record : ProcessRecord
+    delay : int, optional
+        Known dead time.
+    """
+
+    def __init__(self, record: ProcessRecord, delay: int | None = None) -> None:
+        self.record = record
+        self.costs = delay_costs(record, delay)
+        self.is_known = delay is not None
+        self.is_closed = is_answer(record)
+        self.fits: list[ProcessFit] = []
+        self.short: list[ProcessFit] = []
+        self._box_jenkins(record)
+        clipped = record.clipped()
+        if clipped is not None:
+            self._clipped(replace(record, y=clipped))
+        self._sloped()
+        self._extended()
+        self._integrating()
+        self._richer()
+        self._sinusoids()
+        if self.is_closed or (has_many_values(record) and record.steps >= 100):
+            self._armax()
+        self._cancelled()
+        self._robust()
+        self._rank()
+
+    @property
+    def delays(self) -> int:
+        """The number of delays that are tried."""
+        return len(self.costs)
+
+    def credible(self, fit: ProcessFit) -> bool:
+        """Whether the odds against a model are below one to ten thousand.
+
+        An unstable one, of more parameters by its kind, is compared by AIC.
+        """
+        best = self.fits[0]
+        if fit.bic <= best.bic + ODDS:
+            return True
+        by = float(np.log(self.record.steps)) - 2
+        return fit.armax and fit.bic - by * fit.parameters < best.bic - by * best.parameters + ODDS
+
+    @property
+    def distinct(self) -> list[ProcessFit]:
+        """The credible models, of each kind and order the best."""
+        kinds: dict[tuple[object, ...], ProcessFit] = {}
+        for fit in self.fits:
+            if self.credible(fit):
+                key = fit.order, fit.delay, fit.noise.differences, fit.armax, fit.summed
+                kinds.setdefault(key, fit)
+        return list(kinds.values())
+
+    def of_order(self, order: int) -> ProcessFit | None:
+        """The best model of an order, credible or not; None if there is none."""
+        best = [one for one in self.fits if one.order == order][:1]
+        if not best:
+            starts = sorted((one for one in self.short if one.order == order), key=_bic)
+            best = [fit for one in starts[:1] if (fit := self.fit(start_of(one))) is not None]
+            self._rank()
+        return best[0] if best else None
+
+    def fit(self, start: Start, iterations: int = 25) -> ProcessFit | None:
+        """A fit, which is kept."""
+        fit = fitted(self.record, start, iterations=iterations)
+        if fit is None:
+            return None
+        cost = float(self.costs[fit.delay]) if fit.delay < self.delays else ODDS
+        if not np.isfinite(cost):
+            return None
+        fit = replace(fit, bic=fit.bic + cost) if cost else fit
+        self.fits.append(fit)
+        return fit
+
+    def _rank(self) -> None:
+        self.fits = [
+            one for one in self.fits
+            if (not one.armax or one.is_unstable)
+            and (not one.summed or integrated_share(one.A, one.B) > SHARE)
+        ]  # fmt: skip
+        self.fits.sort(key=_bic)
+
+    def _starts(self, record: ProcessRecord) -> list[Start]:
+        starts: list[Start] = []
+        none = NoiseModel(ONE, ONE, 0)
+        for pair in pole_starts(record, record.y, record.u, self.costs):
+            starts += [Start(one.A, one.B, one.delay, none) for one in pair]
+        for differences in (0, 1):
+            y, u = _differenced(record, differences)
+            regressions = [
+                (*regression_start(y, u, (), n, self.costs), n) for n in (1, 2, 3)
+            ]  # fmt: skip
+            past, B, delay, _, _ = min(regressions, key=lambda one: one[3])
+            A = confined(np.concatenate([ONE, past]), 0.9999)
+            starts.append(Start(A, B, delay, none))
+        unique: dict[tuple[object, ...], Start] = {}
+        for one in starts:
+            unique.setdefault((one.delay, tuple(one.A.round(6))), one)
+        return list(unique.values())
+
+    def _box_jenkins(self, record: ProcessRecord) -> None:
+        """Short fits from every start; then the best of each order and noise, with its delay."""
+        target = self.record
+        self.record = record
+        first = len(self.fits)
+        for start in self._starts(record):
+            v = disturbance(record, start)
+            for orders in NOISES:
+                self.fit(with_noise(start, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
+        self.short += short if record is target else []
+        if not short:
+            self.record = target
+            return
+        for n in (1, 2, 3):
+            for _, _, differences in NOISES:
+                alike = [
+                    one for one in short
+                    if one.order == n and one.noise.differences == differences
+                    and one.bic < short[0].bic + 10 * WORSE
+                ]  # fmt: skip
+                for one in alike[: 2 if n == 2 else 1]:
+                    fit = self.fit(start_of(one))
+                    if fit is not None:
+                        self._moved(fit)
+        self.record = target
+
+    def _clipped(self, record: ProcessRecord) -> None:
+        """The same on y without its jumps; the results begin a fit to y itself."""
+        first = len(self.fits)
+        self._box_jenkins(record)
+        best = sorted(self.fits[first:], key=_bic)[:4]
+        del self.fits[first:]
+        for one in best:
+            self.fit(start_of(one), 10)
+
+    def _moved(self, fit: ProcessFit) -> ProcessFit:
+        """The fit at the best delay for its poles and noise, if that is another one."""
+        if self.is_known:
+            return fit
+        scan = scanned_again(
+            self.record, fit.A, fit.noise.C, fit.noise.whitener, slope=fit.slope,
+            summed=fit.summed, count=len(fit.B), delays=self.delays,
+        )  # fmt: skip
+        value = self.record.steps * np.log(scan.squares[0]) + self.costs
+        delay = int(value.argmin())
+        if delay == fit.delay:
+            return fit
+        start = replace(start_of(fit), delay=delay, B=scan.numerators[0, delay])
+        again = self.fit(start)
+        return again if again is not None and again.bic < fit.bic else fit
+
+    def _best(self, count: int, **kind: object) -> list[ProcessFit]:
+        """The best fits so far of some kind."""
+        alike = [
+            one for one in self.fits if all(getattr(one, key) == of for key, of in kind.items())
+        ]
+        return sorted(alike, key=_bic)[:count]
+
+    def _extended(self) -> None:
+        """Orders 2 to 4 from the best of the order below, as long as they pay."""
+        for n in range(2, MOST_ORDER + 1):
+            below = self._best(1, order=n - 1, summed=False)
+            if not below or below[0].bic > self._best(1)[0].bic + WORSE:
+                continue
+            before = self._best(1, order=n, summed=False)
+            for fit in below:
+                A = np.convolve(fit.A, [1, -0.5])
+                for earlier in (0, 1, 2):
+                    if fit.delay < earlier or (earlier and self.is_known):
+                        continue
+                    B = np.convolve(fit.B, [1, -0.5]) if not earlier else fit.B
+                    B = np.concatenate([np.zeros(earlier), B])[:n]
+                    B = np.concatenate([B, np.zeros(n - len(B))])
+                    if np.abs(B).any():
+                        self.fit(replace(start_of(fit), A=A, B=B, delay=fit.delay - earlier))
+            now = self._best(1, order=n, summed=False)
+            if now and now[0].bic > below[0].bic and (not before or now[0] is before[0]) and n > 2:
+                break
+
+    def _integrating(self) -> None:
+        """A pole at 1, u summed, where one is so near that the record cannot tell."""
+        slow = [
+            one for one in self._best(6)
+            if not one.armax and _slowest(one) > 1 - SLOW / self.record.steps
+        ]  # fmt: skip
+        if not slow:
+            return
+        none = NoiseModel(ONE, ONE, 0)
+        starts = []
+        for one in slow[:2]:
+            rest = np.delete(one.poles, int(np.argmin(np.abs(one.poles - 1))))
+            A = np.atleast_1d(np.real(np.poly(rest)))
+            starts.append(Start(A, one.B, one.delay, none, summed=True))
+        summed = np.cumsum(self.record.u)
+        pairs = pole_starts(self.record, self.record.y, summed, self.costs)
+        starts += [
+            Start(one.A, one.B, one.delay, none, summed=True) for one in (pairs[0][0], pairs[1][0])
+        ]
+        short: list[ProcessFit] = []
+        first = len(self.fits)
+        for start in starts:
+            n = max(len(start.A) - 1, 1)
+            A = confined(start.A, 0.999) if len(start.A) > 1 else np.array([1.0, -0.3])
+            B = np.concatenate([start.B, np.zeros(n + 1)])[: n + 1]
+            padded = replace(start, A=A, B=B)
+            v = disturbance(self.record, padded)
+            for orders in NOISES:
+                self.fit(with_noise(padded, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)[:3]
+        del self.fits[first:]
+        for one in short:
+            fit = self.fit(start_of(one))
+            if fit is not None:
+                self._moved(fit)
+
+    def _sloped(self) -> None:
+        """A slope of y beside the best of each order, before a further pole stands for it."""
+        for n in range(1, MOST_ORDER):
+            for one in self._best(1, order=n, slope=False):
+                self.fit(replace(start_of(one), slope=True), 12)
+
+    def _richer(self) -> None:
+        """Noise of order 2 for the best."""
+        for one in self._best(2):
+            n_C, n_D, differences = RICHER[one.noise.differences]
+            C = np.concatenate([one.noise.C, np.zeros(n_C)])[: n_C + 1]
+            D = np.concatenate([one.noise.D, np.zeros(n_D)])[: n_D + 1]
+            if len(one.noise.C) < n_C + 1 or len(one.noise.D) < n_D + 1:
+                self.fit(with_noise(start_of(one), NoiseModel(C, D, differences)))
+
+    def _sinusoids(self) -> None:
+        """A narrow D at the peak of the periodogram of what the best models leave."""
+        steps = self.record.steps
+        best = self._best(2)
+        best += [one for one in self._best(8) if one.order != best[0].order][:1]
+        k = np.arange(steps)
+        for one in best:
+            if one.armax:
+                continue
+            A = np.convolve(one.A, [1, -CIRCLE]) if one.summed else one.A
+            v = disturbance(self.record, Start(A, one.B, one.delay, one.noise))
+            v = v - np.polyval(np.polyfit(k, v, 1), k)
+            power = np.abs(np.fft.rfft(v * np.hanning(steps))) ** 2
+            at = int(power[2:].argmax()) + 2
+            if power[at] < PEAK * np.median(power[1:]):
+                continue
+            z = np.exp(2j * np.pi * at / steps)
+            D = np.real(np.poly([RING * z, RING / z]))
+            C = np.real(np.poly([NOTCH * z, NOTCH / z]))
+            pairs = ((C, D), (np.convolve(C, [1, -0.3]), np.convolve(D, [1, -0.2])))
+            for C, D in pairs:
+                fit = self.fit(with_noise(start_of(one), NoiseModel(C, D, 0)))
+                if fit is not None:
+                    self._moved(fit)
+
+    def _armax(self) -> None:
+        """Models whose poles may be anywhere; only those with one outside the circle are kept."""
+        bj = self._best(1)
+        first = len(self.fits)
+        starts: list[tuple[float, Start]] = []
+        for differences in (0, 1):
+            y, u = _differenced(self.record, differences)
+            both = _joint_innovations(y, u)
+            for n in range(1, MOST_ORDER + 1):
+                past = [later(both, k) for k in range(1, n + 1)]
+                for columns in ((), past):
+                    of_y, B, delay, value = regression_start(y, u, columns, n, self.costs)
+                    C = confined(np.concatenate([ONE, of_y[n:], np.zeros(n)])[: n + 1], 0.98)
+                    A = np.concatenate([ONE, of_y[:n]])
+                    noise = NoiseModel(C, ONE, differences)
+                    starts.append((value, Start(A, B, delay, noise, armax=True)))
+        starts.sort(key=lambda one: one[0])
+        for _, start in starts[:6]:
+            n, differences = len(start.A) - 1, start.noise.differences
+            self.fit(start, SHORT)
+            v = disturbance(self.record, start)
+            for orders in ((n, 1, 0), (n + 1, 0, 1)):
+                if orders[2] == differences:
+                    self.fit(with_noise(start, noise_start(v, orders)), SHORT)
+        short = sorted(self.fits[first:], key=_bic)
+        del self.fits[first:]
+        limit = bj[0].bic + WORSE if bj else np.inf
+        for one in [one for one in short if np.abs(one.poles).max(initial=0) > 0.995][:4]:
+            if one.bic < limit:
+                self.fit(start_of(one))
+        for one in sorted(self.fits[first:], key=_bic)[:1]:
+            start = start_of(one)
+            noises = [NoiseModel(np.convolve(one.noise.C, [1, 0]), np.array([1.0, -0.5]), 0)]
+            if one.noise.differences == 0 and len(one.noise.D) == 1:
+                self.fit(with_noise(start, noises[0]))
+            for shift in () if self.is_known else (-1, 1, 2):
+                B = np.concatenate([[0.0], one.B[:-1]])
+                if shift > 0:
+                    B = np.concatenate([one.B[shift:], np.zeros(min(shift, len(one.B)))])
+                if one.delay + shift >= 0 and np.abs(B).any():
+                    self.fit(replace(start, delay=one.delay + shift, B=B))
+            if one.order < MOST_ORDER:
+                C = np.convolve(one.noise.C, [1, -0.3])
+                self.fit(replace(
+                    start, A=np.convolve(one.A, [1, -0.3]), B=np.convolve(one.B, [1, -0.3]),
+                    noise=replace(one.noise, C=C),
+                ))  # fmt: skip
+        if not any(one.is_unstable for one in self.fits[first:]):
+            del self.fits[first:]
+
+    def _cancelled(self) -> None:
+        """Pairs of a pole and a zero near the circle, which fit the noise, moved into D."""
+        self._rank()
+        for one in list(self.fits[:4]):
+            for poles, zeros in _pairs(one):
+                rest = np.delete(np.roots(one.A), poles)
+                moved = np.roots(one.A)[poles]
+                A = np.atleast_1d(np.real(np.poly(rest)))
+                others = np.delete(np.roots(one.B), zeros)
+                B = one.B[0] * np.atleast_1d(np.real(np.poly(others)))
+                if len(A) == 1:
+                    continue
+                D = np.convolve(one.noise.D, np.real(np.poly(moved)))
+                C = np.convolve(one.noise.C, np.real(np.poly(NOTCH * moved)))
+                start = replace(start_of(one), A=A, B=B, noise=replace(one.noise, C=C, D=D))
+                fit = self.fit(start)
+                if fit is not None:
+                    self._moved(fit)
+
+    def _robust(self) -> None:
+        """The best by Student's likelihood, where its tails are heavy."""
+        self._rank()
+        if not self.fits or not self.fits[0].heavy:
+            return
+        kinds: dict[tuple[object, ...], ProcessFit] = {}
+        for one in self.fits:
+            key = one.order, one.delay, one.noise.differences, one.armax, one.noise.orders
+            kinds.setdefault(key, one)
+        for one in list(kinds.values())[:REFITTED]:
+            if one.bic > self.fits[0].bic + 2 * WORSE:
+                break
+            cost = float(self.costs[one.delay]) if one.delay < self.delays else ODDS
+            fit = weighted_fit(self.record, one)
+            if fit is not one:
+                self.fits.append(replace(fit, bic=fit.bic + cost))
+
+
+def _differenced(record: ProcessRecord, differences: int) -> tuple[Array, Array]:
+    if not differences:
+        return record.y, record.u
+    y, u = record.y, record.u
+    return np.diff(y, prepend=y[0]), np.diff(u, prepend=u[0])
+
+
+def _joint_innovations(y: Array, u: Array) -> Array:
+    """What a long regression of y on past y and u leaves."""
+    p = min(20, len(y) // 20)
+    X = np.stack([*(later(y, k) for k in range(p + 1)), *(later(u, k) for k in range(1, p + 1))])
+    X = X[:, p:] - X[:, p:].mean(axis=1, keepdims=True)
+    H = X[1:] @ X[1:].T
+    H[np.diag_indices_from(H)] *= 1 + 1e-9
+    a = np.linalg.solve(H + 1e-300 * np.eye(2 * p), X[1:] @ X[0])
+    e = np.zeros_like(y)
+    e[p:] = X[0] - a @ X[1:]
+    return e
+
+
+def _bic(fit: ProcessFit) -> float:
+    return fit.bic
+
+
+def _slowest(fit: ProcessFit) -> float:
+    """The largest real pole."""
+    poles = fit.poles
+    real = poles.real[np.abs(poles.imag) < 1e-9]
+    return float(real.max(initial=-1.0))
+
+
+def _pairs(fit: ProcessFit) -> list[tuple[list[int], list[int]]]:
+    """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
+    poles, zeros = np.roots(fit.A), np.roots(fit.B)
+    pairs = []
+    for i, pole in enumerate(poles):
+        if abs(pole) < BESIDE or pole.imag < -1e-9 or not len(zeros):
+            continue
+        near = np.argsort(np.abs(zeros - pole))
+        if abs(zeros[near[0]] - pole) > CANCELLED:
+            continue
+        if pole.imag <= 1e-9:
+            if abs(zeros[near[0]].imag) < 1e-9:
+                pairs.append(([i], [int(near[0])]))
+            continue
+        partner = int(np.argmin(np.abs(poles - pole.conj())))
+        if len(zeros) > 1 and abs(zeros[near[0]].imag) > 1e-9:
+            other = int(np.argmin(np.abs(zeros - zeros[near[0]].conj())))
+            pairs.append(([i, partner], [int(near[0]), other]))
+    return pairs
