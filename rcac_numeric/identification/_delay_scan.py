@@ -16,6 +16,7 @@ from rcac_numeric.identification._process_records import ProcessRecord
 RIDGE = 1e-10  # of the mean square of a column
 TIME_CONSTANTS = 9  # of the grid
 SHORTEST, LONGEST = 0.7, 500.0  # steps, of its time constants
+UNSTABLE = 3.0, 100.0, 6  # steps of time constant, and how many
 WHITENERS = ((ONE, 0), (ONE, 1), (np.array([1.0, -0.8]), 1))  # D and i, with C = 1
 
 
@@ -43,7 +44,7 @@ def delay_scan(
 
     Parameters
     ----------
-    y : array, shape (steps,)
+    y : array, shape (steps,) or (candidates, steps)
     u : array, shape (candidates, steps)
     free : array, shape (candidates or 1, columns, steps)
     count : int
@@ -98,7 +99,8 @@ def _orthogonal(y: Array, free: Array) -> tuple[Array, Array]:
     size[size == 0] = 1.0
     Q, R = np.linalg.qr(np.swapaxes(free / size[..., None], 1, 2))
     Q = np.swapaxes(Q, 1, 2) * (np.abs(np.einsum("pqq->pq", R)) > DEPENDENT)[..., None]
-    return Q, y - np.einsum("pq,pqk->pk", Q @ y, Q)
+    y = np.broadcast_to(y, (len(Q), y.shape[-1]))
+    return Q, y - np.einsum("pq,pqk->pk", np.einsum("pqk,pk->pq", Q, y), Q)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +147,44 @@ def pole_starts(
                 denominators[j], scan.numerators[j, at[j]], int(at[j]), float(least[j])
             ))  # fmt: skip
         results.append(tuple(sorted(best, key=lambda one: one.square)))
+    return results
+
+
+def unstable_starts(record: ProcessRecord, cost: Array) -> list[tuple[ScanStart, int]]:
+    """The best models with a pole outside the circle, and the differences of their noise.
+
+    Of a grid of poles, at the best delay, where C is A with that pole reflected: then y goes
+    through an all-pass, and the errors are those of the output (Forssell and Ljung).
+    """
+    steps, results = record.steps, []
+    u_y = np.stack([record.u, record.y])
+    impulse = np.eye(1, steps)[0]
+    grid = []
+    for p in np.exp(1 / np.geomspace(*UNSTABLE)):
+        grid += [(p,), (p, 0.5), (p, 0.9), (p, 1 / p)]
+    for differences in (0, 1):
+        top = DIFFERENCE if differences else ONE
+        ys, us, free, denominators = [], [], [], []
+        for poles in grid:
+            A = np.asarray(np.poly(poles), dtype=np.float64)
+            C = np.poly([1 / poles[0], *poles[1:]])
+            u = lfilter(top, C, u_y[0])
+            ys.append(lfilter(np.convolve(top, A), C, u_y[1]))
+            us.append(u)
+            level, start = lfilter(top, C, np.stack([np.ones(steps), impulse]))
+            free.append(np.stack([level, start, later(start, 1)]))
+            denominators.append(A)
+        scan = delay_scan(np.stack(ys), np.stack(us), np.stack(free), 2, len(cost))
+        value = steps * np.log(scan.squares) + cost
+        at = value.argmin(axis=1)
+        least = value[np.arange(len(at)), at]
+        orders = np.array([len(A) - 1 for A in denominators])
+        for order in (1, 2):
+            j = int(np.where(orders == order, least, np.inf).argmin())
+            B = scan.numerators[j, at[j]]
+            results.append(
+                (ScanStart(denominators[j], B, int(at[j]), float(least[j])), differences)
+            )
     return results
 
 

@@ -25,7 +25,13 @@ from rcac_numeric.identification._box_jenkins import (
 )
 from rcac_numeric.identification._delay_scan import scanned_again
 from rcac_numeric.identification._process_records import DEGREES, ProcessRecord
-from rcac_numeric.identification._process_search import NOISES, ODDS, RICHER, ProcessSearch
+from rcac_numeric.identification._process_search import (
+    NOISES,
+    ODDS,
+    RICHER,
+    ProcessSearch,
+    has_many_values,
+)
 
 SURE = float(np.sqrt(np.log(1e4)))  # P(abs(x) > SURE) = 1e-4, complex Gaussian x of E abs(x)^2 = 1
 KNOWN = 1 / SURE  # largest relative standard deviation of the gain around the crossover
@@ -124,10 +130,14 @@ def _inflation(e: Array, omega: Array) -> Array:
 def effect_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
     """Whether y is explained worse without u, by BIC."""
     difference = _without_u(search.record, fit) - fit.bic
+    shift = (
+        " y(k) predicts u(k): if u was not computed from y, y of a row is a step late; shift it, "
+        "y[1:] with u[:-1]." * search.is_closed
+    )
     return Gate(
         "effect of u", difference > ODDS, difference, ODDS,
         f"without u the BIC is larger by {difference:.3g}, at least {ODDS:.3g} is required",
-        "Excite u more, or record longer.",
+        f"Excite u more, or record longer.{shift}",
     )  # fmt: skip
 
 
@@ -222,9 +232,12 @@ def delay_gate(search: ProcessSearch, fit: ProcessFit) -> Gate:
 
 
 def feedthrough_gate(search: ProcessSearch, fit: ProcessFit) -> Gate | None:
-    """Whether y(k) responds to u(k); not asked in a closed loop, where u(k) responds to y(k)."""
+    """Whether y(k) responds to u(k); not asked in a closed loop, where u(k) responds to y(k).
+
+    A u of few values is no response: then y(k) predicts u(k) because it holds it.
+    """
     record = search.record
-    if search.is_closed or fit.armax:
+    if fit.armax or (search.is_closed and has_many_values(record)):
         return None
     earlier = replace(record, u=np.append(record.u[1:], record.u[-1]))
     weights = record.weights(fit.e) if fit.heavy else None

@@ -22,7 +22,12 @@ from rcac_numeric.identification._box_jenkins import (
     weighted_fit,
     with_noise,
 )
-from rcac_numeric.identification._delay_scan import pole_starts, regression_start, scanned_again
+from rcac_numeric.identification._delay_scan import (
+    pole_starts,
+    regression_start,
+    scanned_again,
+    unstable_starts,
+)
 from rcac_numeric.identification._prediction_error import answers
 from rcac_numeric.identification._process_records import ProcessRecord
 from rcac_numeric.identification._scalar_record import SHARE, integrated_share
@@ -38,6 +43,7 @@ SLOW = 30.0  # abs(1 - pole) times the steps: a pole that may be 1
 PEAK = 20.0  # of the median of the periodogram: a sinusoid
 RING, NOTCH = 0.9995, 0.9  # moduli of the roots of D and C of a sinusoid
 CANCELLED, BESIDE = 0.1, 0.95  # distance of a zero from a pole of a larger modulus
+ALIKE = 2e-3  # distance at which a pair all but cancels at 0.02 rad/step and above
 REFITTED = 8  # models that are fitted again by Student's likelihood
 MANY = 8  # values of u: fewer are no answer to y
 WORSE = 60.0  # of BIC: what is not continued
@@ -94,6 +100,7 @@ class ProcessSearch:
         self._cancelled()
         self._robust()
         self._rank()
+        self._without_cancelled()
 
     @property
     def delays(self) -> int:
@@ -342,7 +349,12 @@ class ProcessSearch:
                     noise = NoiseModel(C, ONE, differences)
                     starts.append((value, Start(A, B, delay, noise, armax=True)))
         starts.sort(key=lambda one: one[0])
-        for _, start in starts[:6]:
+        regressions = [start for _, start in starts[:4]]
+        scanned = [
+            Start(one.A, one.B, one.delay, NoiseModel(confined(one.A, 1.0), ONE, i), armax=True)
+            for one, i in unstable_starts(self.record, self.costs)
+        ]
+        for start in scanned + regressions:
             n, differences = len(start.A) - 1, start.noise.differences
             self.fit(start, SHORT)
             v = disturbance(self.record, start)
@@ -394,6 +406,20 @@ class ProcessSearch:
                 if fit is not None:
                     self._moved(fit)
 
+    def _without_cancelled(self) -> None:
+        """Leave out models with a pair that all but cancels, where one without it is credible.
+
+        Such a pair is a disturbance of the level or a sinusoid; in a loop it is a hidden mode on
+        the circle.
+        """
+        if not self.fits:
+            return
+        credible = [one for one in self.fits if one.bic <= self.fits[0].bic + ODDS]
+        hidden = {id(one) for one in credible if _pairs(one, ALIKE)}
+        least = min((one.order for one in credible if id(one) not in hidden), default=MOST_ORDER)
+        if hidden:
+            self.fits = [one for one in self.fits if id(one) not in hidden or one.order <= least]
+
     def _robust(self) -> None:
         """The best by Student's likelihood, where its tails are heavy."""
         self._rank()
@@ -443,7 +469,7 @@ def _slowest(fit: ProcessFit) -> float:
     return float(real.max(initial=-1.0))
 
 
-def _pairs(fit: ProcessFit) -> list[tuple[list[int], list[int]]]:
+def _pairs(fit: ProcessFit, distance: float = CANCELLED) -> list[tuple[list[int], list[int]]]:
     """Indices of poles near the circle, real or a pair, and of the zeros beside them."""
     poles, zeros = np.roots(fit.A), np.roots(fit.B)
     pairs = []
@@ -451,7 +477,7 @@ def _pairs(fit: ProcessFit) -> list[tuple[list[int], list[int]]]:
         if abs(pole) < BESIDE or pole.imag < -1e-9 or not len(zeros):
             continue
         near = np.argsort(np.abs(zeros - pole))
-        if abs(zeros[near[0]] - pole) > CANCELLED:
+        if abs(zeros[near[0]] - pole) > distance:
             continue
         if pole.imag <= 1e-9:
             if abs(zeros[near[0]].imag) < 1e-9:
