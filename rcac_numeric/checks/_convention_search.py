@@ -44,7 +44,8 @@ REPLAYED = 8  # conventions with the least residual, which are replayed
 # A step tells conventions apart where abs(Phi) abs(theta) is so large beside its median.
 MOVING = 1e-3
 # An actuator's limit is an extreme value of u that so many steps have.
-STAYS = 3
+STAYS = 2
+FREE = 3  # steps without a limit for each coefficient, before limits are believed
 SAME = 1e-5  # relative difference of two signals that are one, but for its rounding
 # Of the steps, those with the least residual: where limits act or samples are lost, some steps
 # follow no convention.
@@ -72,7 +73,7 @@ class ConventionMatch(Result):
         """The options of `rcac check`."""
         words = [f'--convention "{self.convention}"'] if self.convention != OURS else []
         if self.u_limits is not None:
-            words.append(f"--u-limits {self.u_limits[0]:.17g},{self.u_limits[1]:.17g}")
+            words.append(f"--u-limits {self.u_limits[0]!r},{self.u_limits[1]!r}")
         return " ".join(words)
 
     @property
@@ -362,35 +363,48 @@ class _Screen:
 
 
 def stays_at(u: Array) -> tuple[Array, Array] | None:
-    """The largest and the smallest u where it stays there, for all components; None if neither."""
+    """The smallest and the largest u, where it has one of them at several steps; else None.
+
+    The other one is a limit, too, or it is u at that step and as good as none.
+    """
     low, high = float(u.min()), float(u.max())
-    if not low < high:
-        return None
-    bounds = [
-        limit if np.sum(u == limit, axis=0).max() >= STAYS else free
-        for limit, free in ((low, -np.inf), (high, np.inf))
-    ]
-    if not np.isfinite(bounds).any():
+    often = max(np.sum(u == limit, axis=0).max() for limit in (low, high))
+    if not low < high or often < STAYS:
         return None
     width = u.shape[1]
-    return np.full(width, bounds[0]), np.full(width, bounds[1])
+    return np.full(width, low), np.full(width, high)
 
 
 def _limited(replayer: Replayer, convention: Convention) -> Iterator[ConventionMatch]:
     """The replays of a convention with the limits of u that the log suggests."""
     log, structure = replayer.log, replayer.structure
     if (limits := stays_at(log.u)) is not None:
-        pair = float(limits[0][0]), float(limits[1][0])
-        for own_u in (False, True)[: 1 + any(tap.signal == "u" for tap in structure.taps)]:
-            yield _match(replayer, replace(convention, own_u=own_u), limits, pair)
+        low, high = float(limits[0][0]), float(limits[1][0])
+        for own_u in NO_YES[: 1 + any(tap.signal == "u" for tap in structure.taps)]:
+            one = replace(convention, own_u=own_u)
+            found = _between(replayer, one, low, high)
+            if log.steps - found.replay.limited < FREE * structure.l_theta:
+                continue
+            if found.replay.agrees:  # a limit that never acts is none
+                sides = [(-np.inf, high), (low, np.inf)]
+                one_sided = [_between(replayer, one, *side) for side in sides]
+                found = next((side for side in one_sided if side.replay.agrees), found)
+            yield found
     lags = [j for j, tap in enumerate(structure.taps) if tap.signal == "u" and tap.delay == 1]
     if structure.l_u > 1 or not lags:
         return
     for rows in replayer.rows(convention):
         before = _limits_before(replayer, rows, lags[0])
         if before is not None:
-            limits = np.array([before[0]]), np.array([before[1]])
-            yield _match(replayer, convention, limits, before)
+            yield _between(replayer, convention, *before)
+
+
+def _between(
+    replayer: Replayer, convention: Convention, low: float, high: float
+) -> ConventionMatch:
+    width = replayer.log.u.shape[1]
+    limits = np.full(width, low), np.full(width, high)
+    return _match(replayer, convention, limits, (low, high))
 
 
 def _limits_before(replayer: Replayer, rows: ThetaRows, last: int) -> Limits | None:
