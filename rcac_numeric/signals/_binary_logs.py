@@ -165,8 +165,8 @@ def seconds_of_counts(counts: np.ndarray, unit: str) -> np.ndarray:
 def read_ulog(file: Path) -> tuple[list[LogColumn], list[str]]:
     """Read the topics of a ULog file, a clock for each; and notes about dropouts."""
     pyulog = imported("pyulog")
-    with reading(file, "a ULog file"):
-        log = pyulog.ULog(str(file))
+    with reading(file, "a ULog file"), file.open("rb") as stream:
+        log = pyulog.ULog(stream)
         limit, columns = ReadingLimit(file), []
         several = {data.name for data in log.data_list if data.multi_id}
         for data in log.data_list:

@@ -32,6 +32,7 @@ SINCE_1970 = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 SERIAL_DAYS = (20_000.0, 80_000.0)  # of a spreadsheet, from 1954 to 2119
 JITTER = 0.3  # of a sample time: a stamp further away belongs to no step of the grid
 STRAY = 0.01  # of the rows may
+FEW_GAPS = 5  # may be evenly spread by accident
 LONGEST_PAUSE = 10  # times the rows of the log
 DATES = (
     "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y", "%Y/%m/%d", "%d-%m-%Y", "%d.%m.%y", "%m/%d/%y", "%d/%m/%y",
@@ -191,7 +192,7 @@ def clock_of(times: Array, column: str, *, unit: str = "s", is_counter: bool = F
             f"{counts[at]} times the sample time: two logs in one"
         )
     # Neat numbers: 0.004 and not 0.00400000000012, where the stamps cannot tell them apart.
-    error = max(fraction, 4 * spread, 4 * np.spacing(np.abs(times).max())) / (rows - 1)
+    error = 8 * max(spread, np.spacing(np.abs(times).max())) / rows**1.5  # of a slope
     neat = float(f"{period:.9g}")
     for digits in range(1, 9):
         if abs(float(f"{period:.{digits}g}") - period) <= max(error, 1e-9 * period):
@@ -211,7 +212,7 @@ def _is_evenly_spread(counts: Array) -> bool:
     Rows that are lost leave one gap here and one there.
     """
     places = np.flatnonzero(counts > counts.min())
-    return not len(places) or (len(places) > 2 and int(np.ptp(np.diff(places))) <= 1)
+    return not len(places) or (len(places) > FEW_GAPS and int(np.ptp(np.diff(places))) <= 1)
 
 
 def _steps(d: Array) -> Any:

@@ -42,6 +42,7 @@ class LogSignals:
     notes: list[str] = field(default_factory=list)
 
 
+@np.errstate(all="ignore")  # an overflow is an infinite statement, without a warning
 def inspect_log(
     source: Any,
     names: Names | None = None,
@@ -83,6 +84,7 @@ def inspect_log(
     return attrs.evolve(contents, roles=signals.columns, notes=(*contents.notes, *signals.notes))
 
 
+@np.errstate(all="ignore")
 def read_signals(
     source: Any,
     names: Names,
@@ -352,9 +354,9 @@ def _hold(
     taken = values[np.maximum(place, 0)].copy()
     taken[(place < 0) | (age > (OLDEST + _jitter(other)) * usual)] = np.nan
     signals.arrays[role] = taken
-    moved = np.abs(np.diff(values, axis=0)).mean(axis=0).max() if len(values) > 1 else 0.0
-    size = float(np.nanstd(values)) or 1.0
-    late = float(np.nanmean(age[place >= 0])) if (place >= 0).any() else 0.0
+    moved = float(np.abs(np.diff(values, axis=0)).mean(axis=0).max()) if len(values) > 1 else 0.0
+    size = _spread(values) or 1.0
+    late = float(age[place >= 0].mean()) if (place >= 0).any() else 0.0
     signals.notes.append(
         f"{role} of {topic or 'the file'} (every {usual:.3g} s): the last value before each step, "
         f"{late:.3g} s old on average; it moves by {moved / size:.1%} of its standard deviation "
@@ -420,5 +422,15 @@ def _interpolation_error(t: Array, values: Array) -> float:
         return float("nan")
     part = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
     errors = values[1:-1] - (1 - part) * values[:-2] - part * values[2:]
-    size = np.nanstd(values, axis=0)
-    return float(np.nanmax(np.sqrt(np.nanmean(errors**2, axis=0)) / np.where(size > 0, size, 1)))
+    ratios = []
+    for error, column in zip(errors.T, values.T, strict=True):
+        known = error[np.isfinite(error)]
+        rms = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
+        ratios.append(rms / (_spread(column) or 1.0))
+    return max(ratios)
+
+
+def _spread(values: Array) -> float:
+    """The standard deviation of the finite entries; 0 without any."""
+    finite = values[np.isfinite(values)]
+    return float(finite.std()) if finite.size else 0.0

@@ -8,17 +8,21 @@ import pickle
 import zipfile
 
 import numpy as np
+import pandas as pd
 import pytest
 import scipy.io
 import scipy.sparse
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import read_log, read_recording
+from rcac_numeric import inspect_log, read_log, read_recording
 from rcac_numeric.signals._data_files import read_variables
+from tests.support.ulogs import ulog
 from tests.support.work import at_most, at_most_bytes
 
 CALLS, BYTES = 1_000_000, 300_000_000  # at most 2**25 numbers are read, 268 MB
-KINDS = ("mat", "packed mat", "mat 4", "npz", "packed npz", "csv", "npy")
+KINDS = ("mat", "packed mat", "mat 4", "npz", "packed npz", "csv", "npy", "structs.mat", "txt",
+         "csv.gz", "parquet", "xlsx", "h5", "ulg")  # fmt: skip
+TABLES = KINDS[8:]
 
 
 class Trap:
@@ -43,9 +47,16 @@ def contents(rng):
 
 def written(folder, kind, rng):
     path = folder / f"log.{kind.split()[-1] if kind != 'mat 4' else 'mat'}"
+    path = path.with_name("log.mat") if kind == "structs.mat" else path
     result = contents(rng)
     signals = {name: result[name] for name in ("u", "y", "z", "theta")}
-    if kind == "mat 4":
+    if kind in TABLES:
+        write_table(path, rng)
+    elif kind == "structs.mat":
+        cell = np.array([1, "a", result["u"].real], dtype=object)
+        series = {"time": result["y"].real, "signals": {"values": result["u"].real, "label": "u"}}
+        scipy.io.savemat(path, {"out": series, "y": {"Time": 1.0, "Data": cell}})
+    elif kind == "mat 4":
         plain = {name: value.real.astype("f8") for name, value in signals.items()}
         scipy.io.savemat(path, plain | {"A": result["A"]}, format="4")
     elif path.suffix == ".mat":
@@ -60,6 +71,28 @@ def written(folder, kind, rng):
         ]
         path.write_text("\n".join(rows))
     return path
+
+
+def write_table(path, rng):
+    """A table in the format of a library, or a text with stamps and decimal commas."""
+    steps = int(rng.integers(2, 30))
+    u, y = rng.standard_normal((2, steps))
+    frame = pd.DataFrame({"u": u, "y": y}, index=pd.date_range("2024", periods=steps, freq="1s"))
+    if path.suffix == ".ulg":
+        stamps = 4000 * np.arange(steps)
+        path.write_bytes(
+            ulog({"a": {"timestamp": stamps, "u": u}, "b": {"timestamp": stamps, "y": y}})
+        )
+    elif path.suffix == ".h5":
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(path, "w") as file:
+            file["u"], file["group/y"] = u, y
+    elif path.suffix == ".txt":
+        path.write_text("# a log\n" + frame.to_csv(sep="\t", decimal=","))
+    elif path.suffix == ".xlsx":
+        frame.to_excel(path)
+    else:
+        (frame.to_parquet if path.suffix == ".parquet" else frame.to_csv)(path)
 
 
 def damaged(data, rng):
@@ -86,8 +119,7 @@ def damaged(data, rng):
 
 def read(path):
     """Every way in; what is refused is refused by an error of ours that names the file."""
-    ways = (read_variables, read_log) if path.suffix != ".npy" else ()
-    for way in (*ways, *((read_recording,) if path.suffix in {".csv", ".npy"} else ())):
+    for way in (read_variables, read_log, read_recording, inspect_log):
         try:
             way(path)
         except CompensatorError as error:
