@@ -16,12 +16,13 @@ def plot_design(design: Design) -> Figure:
     error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
     error.sharex(control)
     names = list(design.runs)
+    period = design.runs[FIXED].sample_time or 1.0
     for i, name in reversed(list(enumerate(names))):
         run = design.runs[name]
         e = run.z + run.w[: len(run.z), -run.z.shape[1] :]
-        lines = error.plot(run.k, e, linewidth=1.1, **line_style(i))
+        lines = error.plot(run.k * period, e, linewidth=1.1, **line_style(i))
         lines[0].set_label(name)  # several signals are of one controller
-        control.plot(run.k, run.u_applied, linewidth=1.1, **line_style(i))
+        control.plot(run.k * period, run.u_applied, linewidth=1.1, **line_style(i))
     fixed_run = design.runs[FIXED]
     largest = float(np.abs(fixed_run.z).max(initial=0.0)) or 1.0
     error.set_ylim(-2 * largest, 2 * largest)
@@ -30,7 +31,8 @@ def plot_design(design: Design) -> Figure:
     error.set_title(str(design.verdict), fontsize=9, loc="left", wrap=True)
     error.set_ylabel("$e_0$")
     error.legend(fontsize=8, loc="upper right")
-    control.set(ylabel="$u$", xlabel="step $k$ of a test run with the nominal plant")
+    steps = "step $k$" if design.runs[FIXED].sample_time is None else "time $t$, s,"
+    control.set(ylabel="$u$", xlabel=f"{steps} of a test run with the nominal plant")
     plants = list(dict.fromkeys(trial.variation.name for trial in design.evidence))
     for i, name in enumerate(names):
         trials = [t for t in design.evidence if t.controller == name]

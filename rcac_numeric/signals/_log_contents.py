@@ -249,7 +249,8 @@ def with_clocks(
         times, unit = _times(chosen, columns, sample_time)
         if times is None:
             continue
-        counts = is_counter(chosen.name, chosen.unit) and bool((times % 1 == 0).all())
+        counts = unit != "time stamps" and is_counter(chosen.name, chosen.unit)
+        counts &= bool((times % 1 == 0).all())
         clocks[topic] = clock_of(times, chosen.full_name, unit=unit, is_counter=counts)
         stamps.append(chosen.full_name)
     if time not in (None, "none") and not stamps:

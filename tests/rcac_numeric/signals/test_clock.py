@@ -6,7 +6,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_numeric import ControllerLog, design, inspect_log, read_log
+from rcac_numeric import (
+    ControllerLog,
+    check_controller,
+    design,
+    inspect_log,
+    read_log,
+    standard_plant,
+)
+from rcac_numeric.controllers._compensator import compensator_of
 from rcac_numeric.signals._clock import clock_of
 from tests.support.strategies import seeds
 from tests.support.ulogs import ulog
@@ -149,3 +157,18 @@ def test_a_log_keeps_what_its_clock_says():
     assert log.missing.tolist() == [False, True]
     with pytest.raises(InputError, match="gaps"):
         ControllerLog(u=[1, np.inf], y=[3, 4], has_gaps=True)
+
+
+def test_a_check_of_a_log_with_times_has_seconds():
+    """The picture's axes, and the delay margin."""
+    rng, y = np.random.default_rng(5), [0.3]
+    for _ in range(79):
+        y.append(0.1 * y[-1] + 0.01 * rng.standard_normal())
+    table = {"t": 0.02 * np.arange(80), "y": np.array(y), "u": -1.9 * np.array(y)}
+    compensator, plant = compensator_of("-1.9", "controller"), standard_plant("1/(q - 2)")
+    check = check_controller(read_log(table), compensator=compensator, plant=plant)
+    assert {axis.get_xlabel() for axis in check.plot().axes} >= {"time $t$, s"}
+    margins = check_controller(
+        read_log(table, time="none"), compensator=compensator, plant=plant, sample_time=0.02
+    ).margins
+    assert check.margins == margins

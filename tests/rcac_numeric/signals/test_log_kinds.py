@@ -179,6 +179,8 @@ FRAMES = {
     "DataFrame": (FRAME, 0.1), "DatetimeIndex": (DATED, 0.1),
     "RangeIndex": (FRAME[["u", "y"]], None), "float index": (FRAME.set_index("t"), 0.1),
     "TimedeltaIndex": (FRAME[["u", "y"]].set_axis(pd.to_timedelta(T, unit="s")), 0.1),
+    "stamps of whole minutes": (
+        FRAME[["u", "y"]].set_axis(pd.date_range(BEGIN, periods=N, freq="1min")), 60.0),
     "index of texts": (FRAME[["u", "y"]].set_axis([f"row {k}" for k in range(N)]), None),
     "nullable types": (FRAME.convert_dtypes().assign(mode="AUTO"), 0.1),
     "zone": (DATED.tz_localize("Europe/Berlin"), 0.1),
