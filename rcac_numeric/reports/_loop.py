@@ -77,7 +77,7 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         share = f"{100 * health.radius:.3g} % of the radius of CertifiedBounds"
         words = f"bounds: theta used {share}"
         if "u_applied" in health.signals:
-            words += "; the actuator limited u, which no certificate of them covers"
+            words += "; the actuator did not apply u everywhere, which no certificate covers"
         lines.append(Text(words))
     return tuple(lines)
 

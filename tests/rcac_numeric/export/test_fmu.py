@@ -12,6 +12,7 @@ import rcac_numeric as rn
 from compensator_theory.errors import InputError
 from tests.support import core_builds
 from tests.support.core_cases import Loop
+from tests.support.ellipsoids import ellipsoid
 from tests.support.signals import noise
 
 fmpy = pytest.importorskip("fmpy", reason="needs fmpy: pip install it")
@@ -22,6 +23,10 @@ SETTINGS = rn.ControllerSettings(
     structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05), k_w=3
 )
 PLANT = rn.standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+KEPT = rn.ControllerSettings(
+    structure=rn.iir(2), target=rn.TargetModel([0, 1.0, -0.3]), update=rn.UD(0.05),
+    bounds=ellipsoid(1, 4, center=np.zeros(4)),
+)  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -82,13 +87,14 @@ class Slave:
 
 
 @pytest.mark.costly
+@pytest.mark.parametrize("settings", [SETTINGS, KEPT], ids=["free", "kept in an ellipsoid"])
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
-def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version):
+def test_a_closed_loop_with_the_digits_of_the_controller(tmp_path, version, settings):
     from fmpy.validation import validate_fmu
 
-    file = rn.export_fmu(SETTINGS, tmp_path / "c.fmu", sample_time=0.1, version=version)
+    file = rn.export_fmu(settings, tmp_path / "c.fmu", sample_time=0.1, version=version)
     assert validate_fmu(str(file)) == []
-    slave, controller = Slave(str(file), version), rn.Controller(SETTINGS)
+    slave, controller = Slave(str(file), version), rn.Controller(settings)
     loop = Loop(PLANT, 0, 1000, 1)
     state = "FMUState" if version == "3.0" else "FMUstate"
     for k in range(1000):
