@@ -74,7 +74,9 @@ def drawn(seed):
     rng = np.random.default_rng(seed)
     name, structure_of = DRAWN[seed % len(DRAWN)]
     l_u, l_y = ((1, 1), (1, 1), (2, 1), (1, 2), (2, 2))[seed // len(DRAWN) % 5]
-    n = int(rng.integers(1, 5))
+    if name in ("PID", "FIR + integrator"):  # more integrators than inputs are not stabilised
+        l_u = l_y
+    n = int(rng.integers(l_y, 5))
     structure = structure_of(int(rng.integers(2, 5)), l_u=l_u, l_y=l_y)
     while True:
         A = rng.standard_normal((n, n))
