@@ -111,7 +111,7 @@ def greedy_growth(region, share):
         size = share * np.linalg.norm(region.regressor_factor.T @ (C @ x))
         gain = 2 * size * candidates @ (pull @ x) + size**2 * quadratic
         x = A @ x + B @ candidates[gain.argmax()] * size
-        length = np.linalg.norm(x)
+        length = np.sqrt(x @ P @ x)  # it falls at every step within the set
         growth += np.log(length) if k >= STEPS // 2 else 0.0
         x /= length
     return float(np.exp(growth / (STEPS - STEPS // 2)))

@@ -112,7 +112,7 @@ def greedy_growth(region, scale, steps=1500):
         size = np.linalg.norm(K.T @ (system.outputs @ x))
         push = float((B.T @ P @ A @ x).item())
         x = A @ x + B[:, 0] * size * (1 if push >= 0 else -1)
-        length = np.linalg.norm(x)
+        length = np.sqrt(x @ P @ x)  # it falls at every step within the set
         growth += np.log(length) if k >= steps // 2 else 0.0
         x /= length
     return np.exp(growth / (steps - steps // 2))
