@@ -173,9 +173,10 @@ class _Registers:
         if tap.signal == "derived" and tap.component in self.derived:
             place = list(self.derived).index(tap.component)
             rows = self.past("derived", tap.delay) if tap.delay else self.signals
-            return rows[place]
+            return np.asarray(rows[place])
         if tap.signal in ("u", "y"):
-            return (self.past(tap.signal, tap.delay) if tap.delay else self.y)[tap.component]
+            rows = self.past(tap.signal, tap.delay) if tap.delay else self.y
+            return np.asarray(rows[tap.component])
         return exact(np.zeros(self.n))
 
     def system(self) -> RegressorSystem:
