@@ -59,6 +59,7 @@ from .observers._functional import functional_observer as functional_observer
 from .observers._functional import reduced_order_observer as reduced_order_observer
 from .observers._gains import observer_gain as observer_gain
 from .observers._gains import regulator_gain as regulator_gain
+from .observers._predictive_cost import predictive_cost_compensator as predictive_cost_compensator
 from .placement._brunovsky import brunovsky_form as brunovsky_form
 from .placement._doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
 from .placement._eigenstructure import assign_eigenstructure as assign_eigenstructure

@@ -41,6 +41,7 @@ from .observers._design import ObserverBasedCompensator as ObserverBasedCompensa
 from .observers._form import ObserverForm as ObserverForm
 from .observers._form_lists import ObserverForms as ObserverForms
 from .observers._functional import FunctionalObserver as FunctionalObserver
+from .observers._predictive_cost import PredictiveCostCompensator as PredictiveCostCompensator
 from .observers._youla import YoulaForm as YoulaForm
 from .placement._brunovsky import BrunovskyForm as BrunovskyForm
 from .placement._decoupling import Decoupling as Decoupling

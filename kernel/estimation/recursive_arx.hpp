@@ -1,4 +1,4 @@
-// z(k) = phi(k) theta + e(k) by recursive least squares, phi of past z and of u: ARX and mu-Markov.
+// z_t(k) = phi(k) theta + e(k) by recursive least squares, phi of past z and of u: ARX and mu-Markov.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,15 @@
 
 namespace rcac {
 
-// The delays of u from `first_u` on, then those of z from `first_z` on; both end at `last`.
-inline std::vector<Tap> delayed_taps(std::size_t first_u, std::size_t first_z, std::size_t last) {
+// The delays of u from `first_u` on, then those of z from `first_z` on; both end at `last`. Of each
+// delay there are all signals, those of u before those of z in the numbering.
+inline std::vector<Tap> delayed_taps(std::size_t first_u, std::size_t first_z, std::size_t last,
+                                     std::size_t inputs = 1, std::size_t outputs = 1) {
     std::vector<Tap> taps;
-    for (std::size_t i = first_u; i <= last; ++i) taps.push_back({0, i});
-    for (std::size_t i = first_z; i <= last; ++i) taps.push_back({1, i});
+    for (std::size_t i = first_u; i <= last; ++i)
+        for (std::size_t s = 0; s < inputs; ++s) taps.push_back({s, i});
+    for (std::size_t i = first_z; i <= last; ++i)
+        for (std::size_t s = 0; s < outputs; ++s) taps.push_back({inputs + s, i});
     return taps;
 }
 
@@ -26,18 +30,28 @@ class RecursiveArx {
 public:
     static constexpr std::size_t kept_errors = 256;
 
-    RecursiveArx(std::vector<Tap> taps, double lambda, std::unique_ptr<Update> update)
-        : taps_(std::move(taps)), first_(longest_delay(taps_)), lambda_(lambda),
-          update_(std::move(update)), signals_(2, first_), errors_(1, kept_errors - 1),
-          theta_(taps_.size()), phi_(taps_.size()) {}
+    // Its z is output `target` of `outputs`; theta begins at theta_0.
+    RecursiveArx(std::vector<Tap> taps, double lambda, std::unique_ptr<Update> update,
+                 std::vector<double> theta_0, std::size_t inputs = 1, std::size_t outputs = 1,
+                 std::size_t target = 0)
+        : taps_(std::move(taps)), first_(longest_delay(taps_)), lambda_(lambda), inputs_(inputs),
+          outputs_(outputs), target_(target), update_(std::move(update)),
+          signals_(inputs + outputs, first_), errors_(1, kept_errors - 1),
+          theta_(std::move(theta_0)), phi_(taps_.size()) {}
 
-    // False where a number left the range of float64; nothing is valid afterwards.
+    std::size_t inputs() const { return inputs_; }
+    std::size_t outputs() const { return outputs_; }
+
+    // Rows of u and of z. False where a number left the range of float64; nothing is valid
+    // afterwards.
     bool take(const double* u, const double* z, std::size_t steps) {
         for (std::size_t k = 0; k < steps; ++k) {
             signals_.advance();
-            signals_.now(0) = u[k];
-            signals_.now(1) = z[k];
-            if (count_ >= static_cast<std::int64_t>(first_) && !update(z[k])) return false;
+            for (std::size_t s = 0; s < inputs_; ++s) signals_.now(s) = u[k * inputs_ + s];
+            for (std::size_t s = 0; s < outputs_; ++s)
+                signals_.now(inputs_ + s) = z[k * outputs_ + s];
+            if (count_ >= static_cast<std::int64_t>(first_) && !update(z[k * outputs_ + target_]))
+                return false;
             ++count_;
         }
         return true;
@@ -85,6 +99,7 @@ private:
     std::vector<Tap> taps_;
     std::size_t first_;  // the first step at which the whole of phi is known
     double lambda_, sum_ = 0.0, weight_ = 0.0;
+    std::size_t inputs_, outputs_, target_;
     std::unique_ptr<Update> update_;
     History signals_, errors_;
     std::vector<double> theta_, phi_;

@@ -178,7 +178,16 @@ class Arx:
     @property
     def P(self) -> Array: ...
 
-def arx(*, order: int, R_theta: float, forgetting_factor: float) -> Arx: ...
+def arx(
+    *,
+    order: int,
+    R_theta: float,
+    forgetting_factor: float,
+    l_u: int,
+    l_y: int,
+    target: int,
+    theta_0: Array,
+) -> Arx: ...
 def mu_markov(*, mu: int, n_mod: int, R_theta: float, forgetting_factor: float) -> Arx: ...
 def linear_plant(
     sizes: Sizes,

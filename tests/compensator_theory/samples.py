@@ -303,6 +303,9 @@ SAMPLES = {
     ),
     results.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
     results.ObserverBasedCompensator: observer_based(),
+    results.PredictiveCostCompensator: st.sampled_from(
+        [("1/(q - 2)", 1, "u"), ("(q + 3)/(q**2 - q/2)", 2, "moves"), ("b/(q - a)", 1, "moves")]
+    ).map(lambda of: exact.predictive_cost_compensator(of[0], horizon=of[1], weighs=of[2])),
     results.ObserverDecision: st.builds(
         lambda pair: exact.observers.realisation_is_observer_based(*pair, variable="s"),
         loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),

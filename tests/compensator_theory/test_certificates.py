@@ -49,6 +49,7 @@ TAMPERED = {
     results.ObserverForm: "regulator",
     results.ObserverForms: "characteristic_polynomial",
     results.PolePlacement: "numerator",
+    results.PredictiveCostCompensator: "K regulator",
     results.RootLocus: "numerator",
     results.StateFeedbackFamily: "polynomial",
     results.YoulaForm: "parameter",

@@ -132,6 +132,7 @@ GOOD = {
     "state_feedback_family": ([_A, _B, [-4, -5]], {}),
     "observer_gain_family": ([_A, _C, [-4, -5]], {}),
     "functional_observer": ([_R, [[1, 0]], [-4]], {"variable": "s"}),
+    "predictive_cost_compensator": (["1/(q - 2)"], {"horizon": 2}),
     "reduced_order_observer": ([_R, [-4]], {"variable": "s"}),
     **{
         name: ([_MATRIX], {})

@@ -11,8 +11,10 @@ namespace rcac {
 namespace {
 
 struct OwnedArx {
-    OwnedArx(std::vector<Tap> taps, double R_theta, double lambda)
-        : arx(taps, lambda, made(taps.size(), R_theta)) {}
+    OwnedArx(std::vector<Tap> taps, double R_theta, double lambda, std::vector<double> theta_0,
+             std::size_t inputs, std::size_t outputs, std::size_t target)
+        : arx(taps, lambda, made(taps.size(), R_theta), std::move(theta_0), inputs, outputs,
+              target) {}
     void visit(Archive& archive) { arx.visit(archive); }
     RecursiveArx arx;
 
@@ -24,15 +26,27 @@ private:
     }
 };
 
-std::unique_ptr<OwnedArx> made(std::vector<Tap> taps, double R_theta, double lambda) {
+std::unique_ptr<OwnedArx> made(std::vector<Tap> taps, double R_theta, double lambda,
+                               std::vector<double> theta_0, std::size_t inputs = 1,
+                               std::size_t outputs = 1, std::size_t target = 0) {
     refuse_unless(R_theta > 0.0 && std::isfinite(1.0 / R_theta), "R_theta is not positive");
     require_forgetting(lambda, "lambda");
-    return std::make_unique<OwnedArx>(std::move(taps), R_theta, lambda);
+    return std::make_unique<OwnedArx>(std::move(taps), R_theta, lambda, std::move(theta_0), inputs,
+                                      outputs, target);
 }
 
-std::unique_ptr<OwnedArx> make_arx(std::size_t order, double R_theta, double lambda) {
+// An empty theta_0 is zero.
+std::unique_ptr<OwnedArx> make_arx(std::size_t order, double R_theta, double lambda,
+                                   std::size_t l_u, std::size_t l_y, std::size_t target,
+                                   const Array& theta_0) {
     require_range<std::size_t>(order, 1, 1000, "the order");
-    return made(delayed_taps(1, 1, order), R_theta, lambda);
+    require_range<std::size_t>(l_u, 1, 1000, "l_u");
+    require_range<std::size_t>(l_y, 1, 1000, "l_y");
+    require_range<std::size_t>(target, 0, l_y - 1, "the target");
+    std::vector<Tap> taps = delayed_taps(1, 1, order, l_u, l_y);
+    std::vector<double> first(taps.size(), 0.0);
+    if (theta_0.size() > 0) first = copied(theta_0, taps.size(), "theta_0");
+    return made(std::move(taps), R_theta, lambda, std::move(first), l_u, l_y, target);
 }
 
 // The output's delays begin where the Markov parameters end.
@@ -40,7 +54,9 @@ std::unique_ptr<OwnedArx> make_mu_markov(std::size_t mu, std::size_t n_mod, doub
                                          double lambda) {
     require_range<std::size_t>(mu, 1, 1000, "mu");
     require_range<std::size_t>(n_mod, 0, 500, "n_mod");
-    return made(delayed_taps(0, mu, mu + n_mod - 1), R_theta, lambda);
+    std::vector<Tap> taps = delayed_taps(0, mu, mu + n_mod - 1);
+    std::vector<double> first(taps.size(), 0.0);
+    return made(std::move(taps), R_theta, lambda, std::move(first));
 }
 
 }  // namespace
@@ -49,8 +65,10 @@ void bind_arx(nb::module_& m) {
     nb::class_<OwnedArx>(m, "Arx")
         .def("take",
              [](OwnedArx& self, const Array& u, const Array& z) {
-                 require(z.size(), u.size(), "z");
-                 return self.arx.take(u.data(), z.data(), u.size());
+                 const std::size_t steps = u.size() / self.arx.inputs();
+                 require(u.size(), steps * self.arx.inputs(), "u");
+                 require(z.size(), steps * self.arx.outputs(), "z");
+                 return self.arx.take(u.data(), z.data(), steps);
              })
         .def("save",
              [](OwnedArx& self) {
@@ -87,7 +105,8 @@ void bind_arx(nb::module_& m) {
             return to_numpy(std::move(P), {n, n});
         }, nb::rv_policy::automatic);
     m.def("arx", &make_arx, nb::kw_only(), nb::arg("order"), nb::arg("R_theta"),
-          nb::arg("forgetting_factor"));
+          nb::arg("forgetting_factor"), nb::arg("l_u"), nb::arg("l_y"), nb::arg("target"),
+          nb::arg("theta_0"));
     m.def("mu_markov", &make_mu_markov, nb::kw_only(), nb::arg("mu"), nb::arg("n_mod"),
           nb::arg("R_theta"), nb::arg("forgetting_factor"));
 }

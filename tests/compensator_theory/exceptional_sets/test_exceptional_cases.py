@@ -412,6 +412,7 @@ FORMULAS = {
     "feedback_connection": ("1/(s - a)", "b/(s + 1)"), "stability_conditions": PAIR[1:],
     "sensitivity_function": ("1/(s - a)", "b/(s + 1)"), "decide_stability": (PAIR[1], "s"),
     "observer_based_compensator": ("1/(a*s + b)", [-1], [-2]),
+    "predictive_cost_compensator": ((["b"], ["1/a"]), [["c"]]),
     "monic": (exact.polynomial("a*s + b", "s"),),
     "bezout.sylvester_m1": PAIR, "bezout.sylvester_m2": PAIR, "bezout.bezout_matrix": PAIR,
     "bezout.subresultants": PAIR,

@@ -121,7 +121,7 @@ ALONE = {
     "mcmillan_degree": G, "minimal_realisation": G,
     "observer_based_compensator": (G, [0, 0], [0, 0]), "output_decoupling_zeros": G,
     "partial_fractions": G, "place_matrix_poles": (P, [[0, 0, 0]] * 2, 2),
-    "place_poles": (G, [0, 0, 0]), "realisation": G, "reduced_order_observer": (G, [0]),
+    "place_poles": (G, [0, 0, 0]), "predictive_cost_compensator": (G, [[1, 0]]), "realisation": G, "reduced_order_observer": (G, [0]),
     "servo_problem": G, "smith_mcmillan_form": G,
     "solve_regulator_equations": (G, [[1]], [[-1]]),
     "stabilising_compensators": (G, [0, 0], [0, 0]), "stabilising_gains": G,
