@@ -21,6 +21,7 @@ from .analysis._match import split_residual as split_residual
 from .analysis._noise import with_bias as with_bias
 from .analysis._observer_forms import observer_forms as observer_forms
 from .analysis._placement_conditioning import placement_conditioning as placement_conditioning
+from .analysis._predictive_limits import predictive_cost_limit as predictive_cost_limit
 from .analysis._riccati import solve_riccati as solve_riccati
 from .checks._check import check_controller as check_controller
 from .checks._diagnosis import loop_health as loop_health
@@ -52,6 +53,7 @@ from .controllers._limits import ControlLimits as ControlLimits
 from .controllers._memoryless import Gradient as Gradient
 from .controllers._memoryless import Instantaneous as Instantaneous
 from .controllers._normalization import Normalization as Normalization
+from .controllers._predictive_cost import PredictiveCost as PredictiveCost
 from .controllers._prior import PriorSamples as PriorSamples
 from .controllers._recursive import UD as UD
 from .controllers._recursive import Covariance as Covariance
@@ -88,6 +90,9 @@ from .engine._target_learner import TargetLearner as TargetLearner
 from .export._fmu import export_fmu as export_fmu
 from .export._folder import export_controller as export_controller
 from .identification._data_targets import target_from_data as target_from_data
+from .identification._predictive_cost import (
+    PredictiveCostController as PredictiveCostController,
+)
 from .plants._foreign import plant_of as plant_of
 from .plants._functions import FunctionPlant as FunctionPlant
 from .plants._linear import Plant as Plant

@@ -14,6 +14,7 @@ from .analysis._match import ResidualSplit as ResidualSplit
 from .analysis._observer_forms import NumericObserverForm as NumericObserverForm
 from .analysis._observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis._placement_conditioning import PlacementConditioning as PlacementConditioning
+from .analysis._predictive_limits import PredictiveCostLimit as PredictiveCostLimit
 from .analysis._solutions import StabilisingSolution as StabilisingSolution
 from .arrays._rounding import Rounding as Rounding
 from .checks._check import ControllerCheck as ControllerCheck

@@ -100,7 +100,7 @@ class ExactComparison(Result):
     @property
     def requested_poles(self) -> ComplexArray:
         """Every pole that the target requires; only those of G_f if it is unreachable."""
-        return self.target_poles if self.requested is None else _roots(self.requested)
+        return self.target_poles if self.requested is None else polynomial_roots(self.requested)
 
     @property
     def assigned(self) -> list[tuple[complex, complex]]:
@@ -121,9 +121,7 @@ class ExactComparison(Result):
         function is G_f; where no exact prediction is known, also the poles of G_f with the loop's
         own others, those next to 0 at 0. A simple pole at p that is off by d makes d/(1 - abs(p)).
         """
-        return min(
-            _relative_change(reached, requested) for reached, requested in self._candidates()
-        )
+        return min(relative_change(reached, requested) for reached, requested in self._candidates())
 
     @property
     def is_reached(self) -> bool:
@@ -182,21 +180,16 @@ class ExactComparison(Result):
 
     def _candidates(self) -> Iterator[tuple[ComplexArray, ComplexArray]]:
         """Return Dtilde and a polynomial with the requested poles, on the unit circle."""
-        omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
-        at_poles = np.abs(np.angle(np.concatenate([self.poles, self.target_poles])))
-        q = np.exp(1j * np.concatenate([omega, at_poles, [0.0, np.pi]]))
-
-        def values(roots: ComplexArray) -> ComplexArray:
-            return np.asarray(np.prod(q[:, None] - roots[None, :], axis=1))
-
-        reached = values(self.poles)
+        q = on_circle(self.poles, self.target_poles)
+        reached = values_at(q, self.poles)
         if self.requested is not None:
-            yield reached, values(self.requested_poles)
+            yield reached, values_at(q, self.requested_poles)
         else:
             others = sorted(self.unassigned, key=abs)
             for count in range(len(others) + 1):
                 assigned = np.array(others[count:], dtype=np.complex128)
-                yield reached, values(self.target_poles) * values(assigned) * q**count
+                requested = values_at(q, self.target_poles) * values_at(q, assigned)
+                yield reached, requested * q**count
         N_zu, leading = self.plant.problem.numerator("zu"), float(self.reached.LC())
         N = np.polyval(np.array(N_zu.all_coeffs(), dtype=np.float64), q) * q**self.compensator.n_c
         N_f, D_f = (np.polyval(side.ravel(), q) for side in (
@@ -272,7 +265,20 @@ POINTS = 1000  # number of frequencies of the backward error, beside those of th
 REACHED, NEAR = 0.05, 0.01
 
 
-def _relative_change(reached: ComplexArray, requested: ComplexArray) -> float:
+def on_circle(*poles: ComplexArray) -> ComplexArray:
+    """Return points of the upper unit circle, those of the angles of poles among them."""
+    omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
+    at_poles = np.abs(np.angle(np.concatenate(poles)))
+    return np.asarray(np.exp(1j * np.concatenate([omega, at_poles, [0.0, np.pi]])))
+
+
+def values_at(q: ComplexArray, roots: ComplexArray) -> ComplexArray:
+    """Return the values of a monic polynomial with these roots."""
+    return np.asarray(np.prod(q[:, None] - roots[None, :], axis=1))
+
+
+def relative_change(reached: ComplexArray, requested: ComplexArray) -> float:
+    """Return the largest relative difference of the values of two polynomials."""
     with np.errstate(all="ignore"):  # at a pole on the circle the error is undefined
         change = np.abs(reached - requested) / np.maximum(np.abs(reached), np.abs(requested))
     change[(reached == 0) & (requested == 0)] = 0.0
@@ -324,7 +330,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
     for index, name in enumerate(plant.channels):
         polynomial = exact.loops.closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
-            zeros[name] = _roots(polynomial)
+            zeros[name] = polynomial_roots(polynomial)
     return ExactComparison(
         plant=plant,
         compensator=compensator,
@@ -333,7 +339,7 @@ def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -
         requested=requested,
         obstacle=obstacle,
         compensators=placed,
-        poles=_roots(reached),
+        poles=polynomial_roots(reached),
         zeros=zeros,
         target_poles=_target_poles(target),
     )
@@ -352,7 +358,8 @@ def _worst(pairs: list[tuple[complex, complex]]) -> float:
     return max((abs(a - b) for a, b in pairs), default=0.0)
 
 
-def _roots(polynomial: Poly) -> ComplexArray:
+def polynomial_roots(polynomial: Poly) -> ComplexArray:
+    """Return all roots, from certified isolation."""
     if polynomial.degree() < 1:
         return np.zeros(0, dtype=np.complex128)
     roots = [r.value for r in exact.certified_roots(polynomial) for _ in range(r.multiplicity)]
@@ -361,7 +368,7 @@ def _roots(polynomial: Poly) -> ComplexArray:
 
 def _target_poles(target: TargetModel) -> ComplexArray:
     if target.exact is not None:
-        return _roots(target.exact.denominator)
+        return polynomial_roots(target.exact.denominator)
     return np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
 
 

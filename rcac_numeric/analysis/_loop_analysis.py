@@ -26,6 +26,7 @@ from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
 from rcac_numeric.controllers._settings import ControllerSettings
+from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._structure import Structure
 from rcac_numeric.engine._compatibility import controllers_of
 from rcac_numeric.engine._runs import Run
@@ -147,6 +148,11 @@ class LoopAnalysis(Value):
             return self.target
         if not isinstance(self.of, Run):
             raise InputError("the target model is missing; give it as target=.")
+        if isinstance(self.run.settings, StepwiseController):
+            raise InputError(
+                f"a {type(self.run.settings).__name__} adapts to no target model; give one as "
+                "target=."
+            )
         targets = []
         for settings in controllers_of(self.run.settings):
             if isinstance(settings, ControllerSettings):

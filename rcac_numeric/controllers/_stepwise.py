@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import singledispatch
 from typing import NoReturn, Protocol
 
 from numpy.typing import ArrayLike
@@ -33,6 +34,12 @@ class Stepper(Protocol):
         """Restore the state that `save` returned; raise ValueError for another size."""
 
 
+@singledispatch
+def stepper_of(settings: StepwiseController) -> Stepper:
+    """Return the controller at step 0; registered where steps need what the settings do not."""
+    return settings.started()
+
+
 class StepwiseController(Value, ABC):
     """Base class of controllers as data whose steps `simulate` runs in Python."""
 
@@ -56,9 +63,9 @@ class StepwiseController(Value, ABC):
     def l_theta(self) -> int:
         """Number of adapted parameters."""
 
-    @abstractmethod
     def started(self) -> Stepper:
-        """Return the controller at step 0."""
+        """Return the controller at step 0, for `stepper_of`."""
+        raise NotImplementedError
 
     def compensator_of(self, theta: ArrayLike) -> NoReturn:
         """Raise: the gains depend on more than theta."""

@@ -39,8 +39,10 @@ from rcac_numeric.controllers._forgetting import (
 )
 from rcac_numeric.controllers._gain_schedule import GainSchedule
 from rcac_numeric.controllers._joint import JointUD
+from rcac_numeric.controllers._limits import ControlLimits
 from rcac_numeric.controllers._memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers._normalization import Normalization
+from rcac_numeric.controllers._predictive_cost import PredictiveCost
 from rcac_numeric.controllers._recursive import UD, Covariance
 from rcac_numeric.controllers._resets import CovarianceReset
 from rcac_numeric.controllers._settings import ControllerSettings
@@ -65,11 +67,11 @@ from rcac_numeric.targets._model import TargetModel
 # Classes that the file of a run may contain; no other class is constructed from a file.
 RECORDS = Records(
     AppliedChange, CappedForgetting, CertifiedBounds, CoefficientBounds, Compensator,
-    ControllerChange, ControllerSettings, Covariance, CovarianceReset, DataDriven, Decentralized,
-    DerivedSignal, FixedController, GainSchedule, Gradient, Instantaneous, JointUD, Normalization,
-    Plant, PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting, SignalWeight,
-    SlidingWindow, Structure, SubspaceForgetting, SupervisionEvent, SupervisionRecord, Tap,
-    TargetModel, TroubleCount, UD, VariableRateForgetting,
+    ControllerChange, ControllerSettings, ControlLimits, Covariance, CovarianceReset, DataDriven,
+    Decentralized, DerivedSignal, FixedController, GainSchedule, Gradient, Instantaneous, JointUD,
+    Normalization, Plant, PlantChange, PlantSchedule, PredictiveCost, Saturation, SavedState,
+    ScheduledForgetting, SignalWeight, SlidingWindow, Structure, SubspaceForgetting,
+    SupervisionEvent, SupervisionRecord, Tap, TargetModel, TroubleCount, UD, VariableRateForgetting,
 )  # fmt: skip
 
 # Outcomes of a run, in the order of the kernel's indices.

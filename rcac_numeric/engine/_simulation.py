@@ -54,7 +54,8 @@ def simulate(
     plant : Plant, PlantSchedule or FunctionPlant
         Or a text in q, a transfer function or a discrete system of python-control, SciPy or
         SymPy, read by `plant_of`.
-    settings : ControllerSettings, Decentralized, FixedController, GainSchedule or IndirectSettings
+    settings : ControllerSettings, Decentralized, FixedController, GainSchedule, PredictiveCost or
+        IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
         command, that is the block "r" of w.

@@ -11,8 +11,9 @@ from rcac_numeric.arrays._array_types import Array
 from rcac_numeric.compiled import _kernel
 from rcac_numeric.compiled._callbacks import Failures
 from rcac_numeric.compiled._plants import compiled_plant, initial_state
-from rcac_numeric.controllers._stepwise import StepwiseController
+from rcac_numeric.controllers._stepwise import StepwiseController, stepper_of
 from rcac_numeric.engine._runs import OUTCOMES
+from rcac_numeric.identification import _predictive_cost  # noqa: F401  # registers its steps
 from rcac_numeric.plants._any_plant import AnyPlant
 from rcac_numeric.plants._schedules import PlantSchedule
 
@@ -30,7 +31,7 @@ class StepwiseLoop:
         r_in_w: int,
     ) -> None:
         self._plant, self._body, self._failures = plant, body, failures
-        self._controller, self._limit = settings.started(), limit
+        self._controller, self._limit = stepper_of(settings), limit
         self._r = slice(r_in_w, r_in_w + settings.l_r)
         self._last = self._controller.theta.copy()
         self.done, self.outcome, self.failure = 0, 0, ""

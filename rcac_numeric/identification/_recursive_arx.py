@@ -58,9 +58,14 @@ class RecursiveARX(RecursiveRegression):
         self.R_theta, self.lambda_ = floor_of(R_theta), forgetting_factor(lambda_)
         super().__init__(
             make_arx(
-                order=self.order, R_theta=self.R_theta, forgetting_factor=self.lambda_,
-                l_u=1, l_y=1, target=0, theta_0=np.zeros(0),
-            ),  # fmt: skip
+                order=self.order,
+                R_theta=self.R_theta,
+                forgetting_factor=self.lambda_,
+                l_u=1,
+                l_y=1,
+                target=0,
+                theta_0=np.zeros(0),
+            ),
             order=self.order,
             R_theta=self.R_theta,
             lambda_=self.lambda_,

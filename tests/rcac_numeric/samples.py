@@ -349,6 +349,9 @@ SAMPLES = {
     ),
     rcac.Compensator: compensator,
     rcac.GainSchedule: lambda seed: rcac.GainSchedule([0, 1 + seed], [compensator(seed)] * 2),
+    rcac.PredictiveCost: lambda seed: rcac.PredictiveCost(
+        order=2, horizon=3 + seed % 7, problem="servo", limits=rcac.ControlLimits(low=-1 - seed)
+    ),
     rcac.FixedController: lambda seed: rcac.FixedController(compensator(seed), l_r=1, k_w=3),
     # engine
     rcac.SimulationCase: lambda seed: rcac.SimulationCase(
@@ -368,6 +371,9 @@ SAMPLES = {
         loop(seed), target(seed), 9
     ),
     results.ExactComparison: comparison,
+    results.PredictiveCostLimit: lambda seed: rcac.predictive_cost_limit(
+        rcac.simulate("1/(q - 2)", rcac.PredictiveCost(1, 2, P=1 + seed), np.ones((9, 1)))
+    ),
     results.NumericObserverForms: observer_forms,
     results.NumericObserverForm: lambda seed: observer_forms(seed).best_conditioned(),
     results.PlacementConditioning: lambda seed: rcac.placement_conditioning(

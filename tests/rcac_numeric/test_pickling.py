@@ -26,6 +26,7 @@ NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     identification.RecursiveARX, identification.RecursiveMarkov, identification.RecursiveMuMarkov,
     rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner, rcac.results.ScheduledSteps,
+    rcac.PredictiveCostController,
 }  # fmt: skip
 SLOW = {cls: SAMPLES[cls] for cls in (rcac.results.Design, rcac.results.LoggedPlant)}
 QUICK = {cls: sample for cls, sample in SAMPLES.items() if cls not in SLOW}
@@ -86,6 +87,15 @@ def _learner():
     return rcac.TargetLearner(mu=6, n_mod=2, order=2, window=40)
 
 
+def _predictive():
+    controller = rcac.PredictiveCostController(
+        rcac.PredictiveCost(order=2, horizon=3, lambda_=0.99)
+    )
+    for k in range(5):
+        controller.step(0.5**k)
+    return controller
+
+
 def _scheduled():
     compensator = rcac.Compensator(past_u=[[[0.5]]], past_y=[[[1.0]], [[0.5]]])
     schedule = rcac.GainSchedule([0, 1], [compensator] * 2).started()
@@ -116,6 +126,10 @@ LIVE = {
     rcac.results.ScheduledSteps: (
         _scheduled,
         lambda made: ([made.step([k]) for k in range(9)], made.k, made.theta),
+    ),
+    rcac.PredictiveCostController: (
+        _predictive,
+        lambda made: ([made.step(k) for k in range(9)], made.k, made.theta, made.covariance),
     ),
     rcac.TargetLearner: (_learner, lambda learner: (learner.windows, vars(learner))),
 }
