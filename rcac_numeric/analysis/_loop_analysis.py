@@ -11,7 +11,7 @@ import numpy as np
 
 import compensator_theory as exact
 from compensator_theory import figures
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import Advice, CompensatorError, InputError
 from rcac_numeric.analysis._closed_loop import ClosedLoop
 from rcac_numeric.analysis._exact_comparison import ExactComparison, comparison_of
 from rcac_numeric.analysis._match import (
@@ -25,6 +25,7 @@ from rcac_numeric.arrays._showing import notebook_of, report_of
 from rcac_numeric.arrays._validation import instance_of, integer
 from rcac_numeric.arrays._values import Value
 from rcac_numeric.controllers._compensator import Compensator, compensator_of
+from rcac_numeric.controllers._predictive_cost import PredictiveCost
 from rcac_numeric.controllers._settings import ControllerSettings
 from rcac_numeric.controllers._stepwise import StepwiseController
 from rcac_numeric.controllers._structure import Structure
@@ -358,6 +359,14 @@ def compare_exactly(
     if isinstance(of, Run):
         if compensator is not None:
             raise InputError("a run contains its controller; leave compensator out.")
+        if target is None and isinstance(of.settings, PredictiveCost):
+            raise InputError(
+                "a PredictiveCost adapts to no target model. ",
+                Advice(
+                    "predictive_cost_limit", (), "Compare with its exact limit by {function}(run)"
+                ),
+                ".",
+            )
         return LoopAnalysis(of, target).comparison
     if compensator is None:
         raise InputError("a loop needs a controller; give a Run, or a plant and its Compensator.")

@@ -445,15 +445,17 @@ def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
     """
     if not run.steps:
         raise InputError("the run has no step that could be checked.")
-    if isinstance(run.settings, StepwiseController):
-        run.settings.compensator_of(())  # says why there is none
+    is_stepwise = isinstance(run.settings, StepwiseController)
+    if is_stepwise:
+        run.settings.compensator_of(run.theta_final)  # says why there is none
     known: RunArguments = {}
     last = run.first_step + run.steps - 1
     if not isinstance(run.plant, FunctionPlant):
         known["plant"] = plant_at(run.plant, last)
     settings = run.settings
     signals: dict[str, Any] = {"u": run.u_applied, "y": run.y, "z": run.z, "w": run.w}
-    if l_r := max(one.l_r for one in controllers_of(settings)):
+    parts = [settings] if is_stepwise else controllers_of(settings)
+    if l_r := max(one.l_r for one in parts):
         start = command_position(run.plant, l_r)
         signals["r"] = run.w[:, start : start + l_r]
     if isinstance(settings, ControllerSettings):

@@ -232,6 +232,9 @@ def test_the_health_and_the_loop_of_a_run_are_those_of_its_compensator():
     assert str(analysis) and run.compensator.l_y == 2
     with pytest.raises(InputError, match="adapts to no target model"):
         analysis.compared_with  # noqa: B018
+    with pytest.raises(InputError, match="predictive_cost_limit"):
+        rcac.compare_exactly(run)
+    assert rcac.check_controller(run).compensator == run.compensator
 
 
 @pytest.mark.parametrize(
