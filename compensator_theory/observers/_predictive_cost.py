@@ -25,7 +25,7 @@ from compensator_theory.matrices._linear_algebra import (
     multiplied,
     solve,
 )
-from compensator_theory.polynomials._budget import ask
+from compensator_theory.polynomials._budget import ask, repr_of
 from compensator_theory.polynomials._carrying import carrying
 from compensator_theory.polynomials._formatting import format_polynomial
 from compensator_theory.polynomials._generic_answers import generic_answer_of
@@ -267,9 +267,9 @@ def predictive_cost_compensator(
         K_u = gain[:, n:] if gain.cols > n else None
         return _joined(system, ImmutableMatrix(gain[:, :n]), K_u)
     if isinstance(horizon, bool) or not isinstance(horizon, int) or horizon < 1:
-        raise InputError(f"horizon = {horizon!r} must be an integer of at least 1")
-    if weighs not in ("moves", "u"):
-        raise InputError(f"weighs = {weighs!r} is not known; use 'moves' or 'u'")
+        raise InputError(f"horizon = {repr_of(horizon)} must be an integer of at least 1")
+    if not isinstance(weighs, str) or weighs not in ("moves", "u"):
+        raise InputError(f"weighs = {repr_of(weighs)} is not known; use 'moves' or 'u'")
     ask("entries", horizon * (n + m) ** 2, "the finite-horizon problem")
     p = system.C.rows
     sizes = {"Q": (Q, p, False), "P": (P, p, False), "R": (R, m, True)}
@@ -382,7 +382,7 @@ def _read_model(
 def _blocks(coefficients: Coefficients, name: str) -> list[ImmutableMatrix]:
     """Return coefficients, numbers or matrices, as matrices."""
     if isinstance(coefficients, str) or not hasattr(coefficients, "__len__"):
-        raise InputError(f"{name} = {coefficients!r} must be a list of coefficients")
+        raise InputError(f"{name} = {repr_of(coefficients)} must be a list of coefficients")
     return [_block(entry, name) for entry in coefficients]
 
 
